@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Exercise 5.1: generate tags, as pictures or as pages to print.
+
+Needs no roscore. Without arguments it writes what the course asks for: ids 1
+to 4 of DICT_6X6_250, 700 x 700 pixels, as image_1.jpg to image_4.jpg in Tags/.
+"""
+import argparse
+import os
+import sys
+
+import cv2
+
+from aruco_ar import InputError, draw_tag
+from aruco_ar.files import write_whole
+from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
+
+
+def read_ids(text):
+    """Ids from text such as "1-4" or "1,4,7-9"."""
+    ids = []
+    try:
+        for part in text.split(','):
+            first, _, last = part.partition('-')
+            ids.extend(range(int(first), int(last or first) + 1))
+    except ValueError:
+        raise argparse.ArgumentTypeError('"%s" is no list of ids; write for example 1-4 or 1,4,7'
+                                         % text)
+    if not ids:
+        raise argparse.ArgumentTypeError('"%s" holds no id; write the smaller number first' % text)
+    return list(dict.fromkeys(ids))
+
+
+def default_folder():
+    """The package's own Tags/, or ./Tags where that cannot be written."""
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    if not os.path.isfile(os.path.join(package, 'package.xml')):  # an install space
+        import rospkg
+        try:
+            package = rospkg.RosPack().get_path('unit5')
+        except rospkg.ResourceNotFound:
+            return 'Tags'
+    tags = os.path.join(package, 'Tags')
+    return tags if os.access(tags, os.W_OK) else 'Tags'
+
+
+def draw(form, args, tag_id):
+    """The bytes of one tag's file."""
+    if form == 'svg':
+        return tag_svg(args.dictionary, tag_id, args.size, args.border, args.quiet).encode()
+    image = draw_tag(args.dictionary, tag_id, args.size, args.border, args.quiet)
+    # At JPEG's default quality a tag's edges get faint echoes.
+    return cv2.imencode('.' + form, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
+
+
+def parse(argv):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    option = parser.add_argument
+    option('--dictionary', default='DICT_6X6_250', help='any predefined OpenCV dictionary')
+    option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')
+    option('--size', type=int, default=700, help='side of the tag in pixels (default: 700)')
+    option('--border', type=int, default=1, help='width of the black border in cells (default: 1)')
+    option('--quiet', type=int, help='width of the white margin around the tag in cells '
+                                     '(default: 0; 1 on a sheet)')
+    option('--format', choices=['jpg', 'png', 'svg'], default='jpg', help='default: jpg')
+    option('--output', metavar='FOLDER', help="default: the package's Tags/, or ./Tags")
+    option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
+    option('--page', choices=list(PAGES), default='A4', help='paper for the sheet (default: A4)')
+    option('--side', type=float, default=80, metavar='MM',
+           help='side of the tags on the sheet in millimeters (default: 80)')
+    args = parser.parse_args(argv)
+    if args.quiet is None:
+        args.quiet = 1 if args.sheet else 0
+    if args.quiet < 0:
+        parser.error('--quiet takes 0 or more cells, not %d' % args.quiet)
+    return args
+
+
+def generate(args):
+    """Draw everything, then write: (path, bytes) of each file, nothing if one is impossible."""
+    if args.sheet:
+        return [(args.sheet, tag_sheet(args.dictionary, args.ids, args.side, args.page,
+                                       args.border, args.quiet))]
+    folder = args.output or default_folder()
+    return [(os.path.join(folder, 'image_%d.%s' % (tag_id, args.format)),
+             draw(args.format, args, tag_id)) for tag_id in args.ids]
+
+
+def main(argv):
+    # roslaunch adds arguments of its own, such as __name:=...
+    args = parse([arg for arg in argv if ':=' not in arg])
+    try:
+        files = generate(args)
+        for path, data in files:
+            write_whole(path, data)
+            print('Wrote %s' % os.path.abspath(path))
+    except InputError as error:
+        sys.exit('artag_generator: %s' % error)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])

@@ -1,0 +1,96 @@
+"""Putting centers in order, and choosing four of many."""
+from itertools import combinations
+
+import cv2
+import numpy as np
+
+from .errors import InputError
+
+# A corner this close to the line through its two neighbors makes no corner
+# that a picture could hang from: centers on one line, give or take noise.
+MIN_HEIGHT_PX = 2.0
+
+# Which way the corners lie: top left, top right, bottom right, bottom left.
+DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+
+ZIGZAG = [0, 1, 3, 2]
+
+
+def order_coordinates(points, zigzag=False):
+    """The four points as top left, top right, bottom right, bottom left.
+
+    With ``zigzag``: top left, top right, bottom left, bottom right.
+    ``points``: (4, 2) in any order, x to the right and y down; the result has
+    their dtype and is the same whatever order they come in.
+
+    The course's rule comes first: x + y is least at the top left and greatest
+    at the bottom right, y - x is least at the top right and greatest at the
+    bottom left. Where a square is turned by about 45 degrees that rule takes
+    one point twice; then the points go clockwise around their middle,
+    beginning so that they lie as far as possible in their four directions.
+
+    Raises InputError if the points are not four finite pairs of numbers.
+    """
+    points = np.asarray(points)
+    if points.shape != (4, 2) or not np.all(np.isfinite(points)):
+        raise InputError('order_coordinates takes four points, an array of shape (4, 2) of '
+                         'finite numbers, not %s.' % np.array2string(points, threshold=8))
+    points = points[np.lexsort(points.T)]  # whatever order they came in
+    total, difference = points.sum(axis=1), points[:, 1] - points[:, 0]
+    order = [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
+    if len(set(order)) < 4:
+        order = _clockwise(points)
+    return points[order][ZIGZAG] if zigzag else points[order]
+
+
+def _clockwise(points):
+    """Indices of (4, 2) points, clockwise as seen, the top left one first."""
+    arms = points - points.mean(axis=0)
+    around = np.argsort(np.arctan2(arms[:, 1], arms[:, 0]), kind='stable')
+    turns = [np.roll(around, -first) for first in range(4)]
+    fits = [np.sum(arms[turn] * DIRECTIONS) for turn in turns]
+    best = max(fits)
+    tied = [turn for turn, fit in zip(turns, fits) if np.isclose(fit, best)]
+    return list(min(tied, key=lambda turn: tuple(points[turn[0]][::-1])))
+
+
+def is_quadrilateral(corners):
+    """Whether (4, 2) corners, in order, make a convex figure that is not flat.
+
+    Every corner must stand out of the line through its two neighbors by
+    MIN_HEIGHT_PX, all to the same side.
+    """
+    corners = np.asarray(corners, np.float64)
+    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
+    base, arm = after - before, corners - before
+    length = np.hypot(base[:, 0], base[:, 1])
+    cross = base[:, 0] * arm[:, 1] - base[:, 1] * arm[:, 0]
+    height = cross / np.maximum(length, 1e-9)
+    return bool(np.all(height > MIN_HEIGHT_PX) or np.all(height < -MIN_HEIGHT_PX))
+
+
+def largest_quadrilateral(points):
+    """The four of n points that enclose the largest area, or None.
+
+    ``points``: (n, 2). The result is (4, 2) float32, going around. None if no
+    four of them make a proper quadrilateral: fewer than four points, points
+    on one line, a triangle.
+    """
+    points = np.asarray(points, np.float32).reshape(-1, 2)
+    if len(points) < 4:
+        return None
+    # The four lie on the convex hull, and there in the hull's own order.
+    hull = cv2.convexHull(points).reshape(-1, 2)
+    best, best_area = None, 0.0
+    for first, third in combinations(range(len(hull)), 2):
+        base = hull[third] - hull[first]
+        arm = hull - hull[first]
+        height = base[0] * arm[:, 1] - base[1] * arm[:, 0]
+        second, fourth = np.argmax(height), np.argmin(height)
+        area = height[second] - height[fourth]
+        if height[second] > 0 > height[fourth] and area > best_area:
+            best_area = area
+            best = hull[sorted((first, second, third, fourth))]
+    if best is None or not is_quadrilateral(best):
+        return None
+    return best

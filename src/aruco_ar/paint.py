@@ -1,0 +1,116 @@
+"""Painting on frames.
+
+Every function takes a frame, (h, w, 3) BGR uint8, leaves it as it is, and
+returns a new one of the same shape. Positions are in pixels and stay
+fractions of a pixel until they are drawn; the middle of the top left pixel
+is (0, 0). Colors are (blue, green, red).
+"""
+import cv2
+import numpy as np
+
+GREEN = (0, 255, 0)
+RED = (0, 0, 255)
+YELLOW = (0, 255, 255)
+BLACK = (0, 0, 0)
+WHITE = (255, 255, 255)
+PURPLE = (255, 0, 150)  # the course's
+
+# OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
+SHIFT = 4
+
+
+def _fixed(points):
+    return np.int32(np.round(np.asarray(points, np.float64) * (1 << SHIFT)))
+
+
+def mark_tags(frame, tags):
+    """Outline every tag, mark its first corner (its own top left), and write its id."""
+    image = frame.copy()
+    for tag in tags:
+        cv2.polylines(image, [_fixed(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, tuple(map(int, _fixed(tag.corners[0]))), 4 << SHIFT, RED, -1,
+                   cv2.LINE_AA, SHIFT)
+    for tag in tags:  # after all outlines, so that no line crosses a number
+        _write(image, str(tag.id), tag.center)
+    return image
+
+
+def _write(image, text, center):
+    """Write text around a center, dark-rimmed to be readable on black and on white."""
+    font, scale = cv2.FONT_HERSHEY_SIMPLEX, 0.7
+    (width, height), _ = cv2.getTextSize(text, font, scale, 2)
+    left = int(np.clip(center[0] - width / 2, 2, max(2, image.shape[1] - width - 2)))
+    foot = int(np.clip(center[1] + height / 2, height + 2, max(height + 2, image.shape[0] - 3)))
+    cv2.putText(image, text, (left, foot), font, scale, BLACK, 5, cv2.LINE_AA)
+    cv2.putText(image, text, (left, foot), font, scale, YELLOW, 2, cv2.LINE_AA)
+
+
+def mark_centers(frame, centers):
+    """Put a dot on every center, (n, 2)."""
+    image = frame.copy()
+    for center in centers:
+        point = tuple(map(int, _fixed(center)))
+        cv2.circle(image, point, 5 << SHIFT, BLACK, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, point, 4 << SHIFT, YELLOW, -1, cv2.LINE_AA, SHIFT)
+    return image
+
+
+def fill_polygon(frame, points, color=PURPLE):
+    """Fill the polygon through points, (n, 2), in the order in which they are given.
+
+    Fewer than three points make no polygon and change nothing.
+    """
+    image = frame.copy()
+    if len(points) >= 3:
+        cv2.fillPoly(image, [_fixed(points)], color, cv2.LINE_AA, SHIFT)
+    return image
+
+
+def area_mask(frame, area):
+    """White where the area is, black elsewhere; all black if ``area`` is None."""
+    mask = np.zeros_like(frame)
+    if area is not None:
+        cv2.fillConvexPoly(mask, _fixed(area.corners), WHITE, cv2.LINE_AA, SHIFT)
+    return mask
+
+
+def subtract(frame, mask):
+    """The frame without what is white in the mask: black there, untouched where the mask is black."""
+    return cv2.subtract(frame, mask)
+
+
+def overlay(frame, picture, area):
+    """The frame with a picture painted into the area; the frame itself if ``area`` is None.
+
+    ``picture``: (h, w, 3) BGR, or (h, w, 4) BGRA, whose alpha lets the frame
+    shine through. The rim is smooth: its pixels are part frame, part picture.
+    """
+    image = frame.copy()
+    if area is None:
+        return image
+    # Only the part of the frame around the area is touched.
+    left, top, width, height = cv2.boundingRect(np.float32(area.corners))
+    left, top = max(left - 1, 0), max(top - 1, 0)
+    part = image[top:top + height + 3, left:left + width + 3]
+    if part.size == 0:
+        return image
+    shift = np.array([[1, 0, -left], [0, 1, -top], [0, 0, 1.0]])
+    homography = shift @ area.homography(picture.shape[1], picture.shape[0])
+    warped = cv2.warpPerspective(picture, homography, part.shape[1::-1],
+                                 flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    cover = np.zeros_like(part)
+    cv2.fillConvexPoly(cover, _fixed(area.corners - (left, top)), WHITE, cv2.LINE_AA, SHIFT)
+    if picture.shape[2] == 4:
+        cover = cv2.multiply(cover, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+        warped = warped[:, :, :3]
+    part[:] = blend(part, warped, cover)
+    return image
+
+
+def blend(frame, picture, cover):
+    """The picture where ``cover`` is white, the frame where it is black, their mixture between.
+
+    All three are (h, w, 3) uint8, and so is the result.
+    """
+    return cv2.add(cv2.multiply(frame, cv2.bitwise_not(cover), scale=1 / 255),
+                   cv2.multiply(picture, cover, scale=1 / 255))

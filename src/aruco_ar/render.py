@@ -1,0 +1,202 @@
+"""Rendering the wall as a camera sees it, and where the truth of it lies in the frame."""
+import cv2
+import numpy as np
+
+from .paint import blend
+from .tags import tag_cells
+
+NEAR_M = 0.05         # nothing nearer to the camera than this is seen
+TAG_CELL_TEXELS = 32  # resolution of a tag's texture, halved again and again for far views
+WALL_TEXELS_M = 160   # resolution of the wall's texture; it is soft, so this is enough
+SAMPLES = 3           # per pixel and direction, where a tag is drawn
+ROOM_COLOR = (205, 200, 196)
+FLOOR_COLOR = (92, 104, 116)
+NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
+
+
+def project(points, rotation, translation, camera):
+    """Pixels, (n, 2) float64, of wall points, (n, 3), and whether all lie before the camera.
+
+    The pinhole model with plumb_bob distortion, as OpenCV's projectPoints.
+    """
+    depth = points @ rotation[2] + translation[2]
+    pixels, _ = cv2.projectPoints(np.float64(points), cv2.Rodrigues(rotation)[0], translation,
+                                  camera.matrix, np.float64(camera.distortion))
+    return pixels.reshape(-1, 2), bool(np.all(depth > NEAR_M))
+
+
+class WallRenderer:
+    """Renders frames of a Wall through a Camera.
+
+    ``noise``: standard deviation, gray levels. ``blur``: standard deviation,
+    pixels. ``light``: how much darker the wall's right end is than its left,
+    0 to 1. ``seed`` makes the noise repeatable.
+    """
+
+    def __init__(self, wall, camera, noise=0.0, blur=0.0, light=0.0, seed=0):
+        self._wall, self._camera = wall, camera
+        self._blur, self._light = blur, light
+        self._random = np.random.RandomState(seed)
+        self._paper = int(np.ceil(wall.quiet))  # cells of paper around a tag
+        self._background = self._paint_wall()
+        self._tags = [(tag, self._paint_tag(tag)) for tag in wall.tags]
+        self._noise = None
+        if noise > 0:
+            shape = (camera.height + NOISE_FIELD_MARGIN, camera.width + NOISE_FIELD_MARGIN, 3)
+            self._noise = np.round(self._random.normal(0, noise, shape)).astype(np.int16)
+        self._lens = _lens(camera)
+        width, height = self._lens[1]
+        self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
+
+    def render(self, rotation, translation):
+        """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera)."""
+        matrix, _, lens = self._lens
+        to_image = matrix @ np.column_stack([rotation[:, 0], rotation[:, 1], translation])
+        frame = self._room.copy()
+        self._draw_flat(frame, self._floor(), rotation, translation, FLOOR_COLOR)
+        self._draw_wall(frame, to_image, rotation, translation)
+        for tag, texture in self._tags:
+            self._draw_tag(frame, tag, texture, to_image, rotation, translation)
+        if lens is not None:
+            frame = cv2.remap(frame, lens, None, cv2.INTER_LINEAR)
+        if self._blur > 0:
+            frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
+        if self._noise is not None:
+            top, left = self._random.randint(0, NOISE_FIELD_MARGIN + 1, 2)
+            window = self._noise[top:top + frame.shape[0], left:left + frame.shape[1]]
+            frame = cv2.add(frame, window, dtype=cv2.CV_8U)
+        return frame
+
+    def _light_at(self, x):
+        return 1 - self._light * np.clip(x / self._wall.width + 0.5, 0, 1)
+
+    def _paint_wall(self):
+        """The wall's texture: its color, a soft pattern of plaster, and a skirting board."""
+        shape = int(self._wall.height * WALL_TEXELS_M), int(self._wall.width * WALL_TEXELS_M)
+        plaster = sum(cv2.resize(self._random.normal(0, strength, (shape[0] // grain + 2,
+                                                                  shape[1] // grain + 2)),
+                                 shape[::-1], interpolation=cv2.INTER_CUBIC)
+                      for grain, strength in ((64, 5), (16, 4), (5, 3)))
+        board = int(0.06 * WALL_TEXELS_M)
+        plaster[-board:] = 25
+        x = (np.arange(shape[1]) + 0.5) / WALL_TEXELS_M - self._wall.width / 2
+        color = (np.float64(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
+        return np.uint8(np.clip(color, 0, 255))
+
+    def _paint_tag(self, tag):
+        """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
+        cells = tag_cells(self._wall.dictionary, tag.id)
+        gray = cv2.copyMakeBorder(cells, *[self._paper] * 4, cv2.BORDER_CONSTANT, value=255)
+        texture = gray.repeat(TAG_CELL_TEXELS, 0).repeat(TAG_CELL_TEXELS, 1)
+        place = (np.arange(len(texture)) + 0.5) / (TAG_CELL_TEXELS * len(cells))
+        place -= place.mean()
+        x = tag.on_wall(*np.meshgrid(place, place))[..., 0]
+        # Paper is not a light source, ink not a hole.
+        pyramid = [np.uint8((20 + texture * (225 / 255)) * self._light_at(x))]
+        while len(pyramid[-1]) > 2 * len(gray):  # until two texels are left of a cell
+            pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5,
+                                      interpolation=cv2.INTER_AREA))
+        return pyramid
+
+    def _floor(self):
+        return np.array([[-20, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20.0]])
+
+    def _draw_flat(self, frame, points, rotation, translation, color):
+        outline = self._outline(points, rotation, translation)
+        if outline is not None:
+            cv2.fillPoly(frame, [outline], color, cv2.LINE_AA, 4)
+
+    def _outline(self, points, rotation, translation):
+        """A flat piece of the scene as a polygon in the frame, in 16ths of a pixel, or None."""
+        seen = clip_near(points @ rotation.T + translation)
+        if len(seen) < 3:
+            return None
+        pixels = (seen / seen[:, 2:]) @ self._lens[0].T
+        return np.int32(np.clip(np.round(pixels[:, :2] * 16), -2**24, 2**24))
+
+    def _draw_wall(self, frame, to_image, rotation, translation):
+        half, height = self._wall.width / 2, self._wall.height
+        outline = self._outline(np.array([[-half, height, 0], [half, height, 0], [half, 0, 0],
+                                          [-half, 0, 0]]), rotation, translation)
+        if outline is None:
+            return
+        to_wall = np.array([[1 / WALL_TEXELS_M, 0, 0.5 / WALL_TEXELS_M - half],
+                            [0, -1 / WALL_TEXELS_M, height - 0.5 / WALL_TEXELS_M], [0, 0, 1]])
+        # The wall is soft: half the resolution shows all of it at a quarter of the cost.
+        half_size = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])
+        size = frame.shape[1::-1]
+        seen = cv2.warpPerspective(self._background, half_size @ to_image @ to_wall,
+                                   (size[0] // 2, size[1] // 2),
+                                   flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        seen = cv2.resize(seen, size, interpolation=cv2.INTER_LINEAR)
+        mask = np.zeros(frame.shape[:2], np.uint8)
+        cv2.fillPoly(mask, [outline], 255, cv2.LINE_8, 4)
+        cv2.copyTo(seen, mask, frame)
+
+    def _draw_tag(self, frame, tag, pyramid, to_image, rotation, translation):
+        """Warp a tag's paper into the part of the frame that it covers.
+
+        Each pixel is the mean over samples in it, that is, over its square;
+        the texture is taken from the pyramid so that no sample skips texels.
+        """
+        reach = 0.5 * len(pyramid[0]) / (len(pyramid[0]) - 2 * self._paper * TAG_CELL_TEXELS)
+        paper = tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
+        if np.min(paper @ rotation[2] + translation[2]) <= NEAR_M:
+            return
+        ends = np.column_stack([paper[:, :2], np.ones(4)]) @ to_image.T
+        ends = ends[:, :2] / ends[:, 2:]
+        low = np.maximum(np.floor(ends.min(axis=0)).astype(int), 0)
+        high = np.minimum(np.ceil(ends.max(axis=0)).astype(int) + 1, frame.shape[1::-1])
+        if np.any(high <= low):
+            return
+        width, height = (int(length) for length in high - low)
+        shortest = np.linalg.norm(ends - np.roll(ends, 1, axis=0), axis=1).min()
+        level = 0
+        while level + 1 < len(pyramid) and len(pyramid[level]) > shortest * SAMPLES:
+            level += 1
+        texture = pyramid[level]
+        side = len(texture)
+        fine = np.float32((ends + 0.5 - low) * SAMPLES - 0.5)
+        # Texel i covers i to i + 1, its middle being i + 0.5; pixels are alike.
+        to_fine = cv2.getPerspectiveTransform(
+            np.float32([[-.5, -.5], [side - .5, -.5], [side - .5, side - .5], [-.5, side - .5]]), fine)
+        seen = cv2.warpPerspective(texture, to_fine, (width * SAMPLES, height * SAMPLES),
+                                   flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        cover = np.zeros_like(seen)
+        cv2.fillConvexPoly(cover, np.int32(np.round(fine * 16)), 255, cv2.LINE_8, 4)
+        seen, cover = (cv2.cvtColor(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA),
+                                    cv2.COLOR_GRAY2BGR) for fine in (seen, cover))
+        part = frame[low[1]:high[1], low[0]:high[0]]
+        part[:] = blend(part, seen, cover)
+
+
+def clip_near(points):
+    """The polygon, (n, 3) in the optical frame, without what is nearer than NEAR_M."""
+    kept = []
+    for start, end in zip(points, np.roll(points, -1, axis=0)):
+        if start[2] > NEAR_M:
+            kept.append(start)
+        if (start[2] > NEAR_M) != (end[2] > NEAR_M):
+            kept.append(start + (NEAR_M - start[2]) / (end[2] - start[2]) * (end - start))
+    return np.array(kept).reshape(-1, 3)
+
+
+def _lens(camera):
+    """(K, (width, height), map): the pinhole picture to render, and how the lens bends it.
+
+    Without distortion the picture is the frame, and map is None. With it, the
+    picture is large enough for all that the lens shows, and map, (h, w, 2)
+    float32, says where in it each pixel of the frame looks.
+    """
+    if not np.any(camera.distortion):
+        return camera.matrix, (camera.width, camera.height), None
+    grid = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
+    rays = cv2.undistortPointsIter(
+        np.float64(grid).reshape(-1, 1, 2), camera.matrix, np.float64(camera.distortion), None, None,
+        (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
+    looks = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
+    low, high = np.floor(looks.min(axis=0)) - 1, np.ceil(looks.max(axis=0)) + 1
+    matrix = camera.matrix.copy()
+    matrix[:2, 2] -= low
+    size = tuple(int(length) for length in high - low + 1)
+    return matrix, size, np.float32(looks - low).reshape(camera.height, camera.width, 2)

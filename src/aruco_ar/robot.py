@@ -1,0 +1,114 @@
+"""The simulated ROSbot: how it drives, and where its camera is.
+
+Odometry coordinates are meters: x forward, y to the left, z up, with the wall
+in the plane x = 0, so that a robot before it stands at a negative x and looks
+at it with a heading of 0.
+"""
+from dataclasses import dataclass, field
+from math import cos, sin, tan
+from typing import List, NamedTuple, Tuple
+
+import numpy as np
+
+from .errors import InputError
+from .wall import load_yaml
+
+CAMERA_FORWARD_M = 0.08  # before the middle between the wheels
+CAMERA_HEIGHT_M = 0.35
+
+# Wall axes (right, up, out) as columns in odometry axes.
+WALL_IN_ODOMETRY = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], np.float64)
+
+MAX_LINEAR = 1.0    # m/s and rad/s: what a ROSbot can do
+MAX_ANGULAR = 7.33
+
+
+class Pose(NamedTuple):
+    """Where the robot stands: meters, and radians to the left."""
+
+    x: float
+    y: float
+    heading: float
+
+
+def drive(pose, linear, angular, seconds):
+    """The Pose after driving at a constant speed, m/s and rad/s: exactly along the arc."""
+    heading = pose.heading + angular * seconds
+    if abs(angular) < 1e-9:
+        return Pose(pose.x + linear * seconds * cos(pose.heading),
+                    pose.y + linear * seconds * sin(pose.heading), heading)
+    radius = linear / angular
+    return Pose(pose.x + radius * (sin(heading) - sin(pose.heading)),
+                pose.y - radius * (cos(heading) - cos(pose.heading)), heading)
+
+
+@dataclass(frozen=True)
+class Path:
+    """A scripted drive: legs of (seconds, linear m/s, angular rad/s) from a start, over and over."""
+
+    start: Pose
+    legs: Tuple[Tuple[float, float, float], ...]
+
+    @property
+    def seconds(self):
+        """How long one round takes."""
+        return sum(leg[0] for leg in self.legs)
+
+    def at(self, seconds):
+        """(Pose, linear, angular) that long after the start; each round begins at the start."""
+        pose, left = self.start, seconds % self.seconds
+        for duration, linear, angular in self.legs:
+            if left < duration:
+                return drive(pose, linear, angular, left), linear, angular
+            pose, left = drive(pose, linear, angular, duration), left - duration
+        return pose, 0.0, 0.0
+
+
+def load_path(path):
+    """Read a Path from its YAML file (config/drive.yaml shows all there is).
+
+    Raises InputError naming the file and what is wrong.
+    """
+    data = load_yaml(path)
+    try:
+        start = Pose(*(float(data['start'][key]) for key in ('x', 'y', 'heading')))
+        legs = tuple((float(leg['seconds']), float(leg.get('linear', 0)),
+                      float(leg.get('angular', 0))) for leg in data['legs'])
+    except KeyError as error:
+        raise InputError('The path "%s" lacks the entry %s.' % (path, error))
+    except (TypeError, ValueError, AttributeError) as error:
+        raise InputError('The path "%s" has an entry of the wrong form: %s.' % (path, error))
+    if not legs or any(leg[0] <= 0 for leg in legs):
+        raise InputError('The path "%s" needs legs, each of more than 0 seconds.' % path)
+    return Path(start, legs)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera with OpenCV's (plumb_bob) lens distortion.
+
+    ``fov``: horizontal, radians. ``distortion``: k1, k2, p1, p2, k3.
+    """
+
+    width: int = 640
+    height: int = 480
+    fov: float = 1.047
+    distortion: List[float] = field(default_factory=lambda: [0.0] * 5)
+
+    @property
+    def matrix(self):
+        """(3, 3) float64, K; the middle of the top left pixel is (0, 0)."""
+        focal = self.width / 2 / tan(self.fov / 2)
+        return np.array([[focal, 0, (self.width - 1) / 2], [0, focal, (self.height - 1) / 2],
+                         [0, 0, 1]])
+
+
+def wall_to_camera(pose):
+    """(R, t) that take wall points to the camera's optical frame (x right, y down, z forward).
+
+    R is (3, 3), t (3,), meters: point = R @ wall_point + t.
+    """
+    c, s = cos(pose.heading), sin(pose.heading)
+    axes = np.array([[s, -c, 0], [0, 0, -1], [c, s, 0]])
+    place = np.array([pose.x + CAMERA_FORWARD_M * c, pose.y + CAMERA_FORWARD_M * s, CAMERA_HEIGHT_M])
+    return axes @ WALL_IN_ODOMETRY, -axes @ place

@@ -1,0 +1,92 @@
+"""The parameters that all exercises share, checked."""
+import math
+import os
+from dataclasses import dataclass
+from typing import Tuple
+
+from .errors import InputError
+from .tags import DICTIONARIES
+
+TRANSPORT_NAMES = ('raw', 'compressed')
+MAX_SCALE = 4.0
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the private parameters of an exercise's node say.
+
+    ``ids``: the four tags that count, or empty for any. ``scale``: what each
+    frame's size is multiplied by before anything else. ``transport``: one of
+    TRANSPORT_NAMES.
+    """
+
+    dictionary: str = 'DICT_6X6_250'
+    ids: Tuple[int, ...] = ()
+    scale: float = 1.0
+    transport: str = 'raw'
+
+
+def read_settings(get):
+    """Settings from parameters; ``get(name, default)`` looks one up.
+
+    Raises InputError naming the parameter, its value and what is allowed.
+    """
+    defaults = Settings()
+    return Settings(
+        dictionary=_one_of(get, 'dictionary', DICTIONARIES, defaults.dictionary),
+        ids=_ids(get),
+        scale=_scale(get, defaults.scale),
+        transport=_one_of(get, 'transport', TRANSPORT_NAMES, defaults.transport))
+
+
+def picture_path(value, package):
+    """The path that the parameter ~picture means: absolute, or within the package's folder.
+
+    Raises InputError if it is no text.
+    """
+    if not isinstance(value, str) or not value:
+        raise _wrong('picture', value, 'the path of a picture, such as images/earth.jpg')
+    return os.path.join(package, os.path.expanduser(value))
+
+
+def number(get, name, default, low, high):
+    """A number parameter within [low, high]. Raises InputError if it is none."""
+    value = get(name, default)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+        raise _wrong(name, value, 'a number from %g to %g' % (low, high))
+    return float(value)
+
+
+def _wrong(name, value, allowed):
+    return InputError('The parameter ~%s is %s; it must be %s.'
+                      % (name, '"%s"' % value if isinstance(value, str) else value, allowed))
+
+
+def _one_of(get, name, choices, default):
+    value = get(name, default)
+    if not isinstance(value, str) or value not in choices:
+        raise _wrong(name, value, 'one of ' + ', '.join(choices))
+    return value
+
+
+def _scale(get, default):
+    value = get('scale', default)
+    if (isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value)
+            or not 0 < value <= MAX_SCALE):
+        raise _wrong('scale', value, 'a number above 0 and up to %g' % MAX_SCALE)
+    return float(value)
+
+
+def _ids(get):
+    """The parameter ~ids: a list, or text such as "1, 2, 3, 4" or "any", as launch files give it."""
+    value = get('ids', '')
+    try:
+        if value == 'any':
+            return ()
+        parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
+        ids = tuple(int(part) for part in parts if not isinstance(part, (bool, float)))
+    except (TypeError, ValueError):
+        parts, ids = [value], ()
+    if parts and not (len(ids) == len(parts) == len(set(ids)) == 4):
+        raise _wrong('ids', value, '"any", or the ids of four different tags, such as 1,2,3,4')
+    return ids

@@ -1,0 +1,86 @@
+"""Tags: what one is, the dictionaries they come from, and drawing one."""
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from .errors import InputError
+
+DICTIONARIES = {name: getattr(cv2.aruco, name)
+                for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')}
+
+
+@dataclass(frozen=True, eq=False)
+class Tag:
+    """One tag seen in a frame.
+
+    ``id``: its number in the dictionary. ``corners``: (4, 2) float32, pixels,
+    clockwise from the tag's own top left (which is not the frame's when the
+    tag is turned); the middle of the top left pixel is (0, 0).
+    """
+
+    id: int
+    corners: np.ndarray
+
+    @property
+    def center(self):
+        """(2,) float32, pixels: where the diagonals cross.
+
+        A perspective view keeps straight lines straight, so the crossing
+        stays the center of the real tag; the mean of the corners does not.
+        """
+        top_left, top_right, bottom_right, bottom_left = np.asarray(self.corners, np.float64)
+        down, up = bottom_right - top_left, bottom_left - top_right
+        parallel = down[0] * up[1] - down[1] * up[0]
+        if abs(parallel) < 1e-9:
+            return np.mean(self.corners, axis=0, dtype=np.float32)
+        across = top_right - top_left
+        along = (across[0] * up[1] - across[1] * up[0]) / parallel
+        return (top_left + along * down).astype(np.float32)
+
+
+def get_dictionary(name):
+    """The OpenCV dictionary of that name, such as ``DICT_6X6_250``.
+
+    Raises InputError for a name that OpenCV does not predefine.
+    """
+    if name not in DICTIONARIES:
+        raise InputError('There is no tag dictionary "%s"; choose one of %s.'
+                         % (name, ', '.join(DICTIONARIES)))
+    return cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
+
+
+def tag_cells(dictionary, tag_id, border=1):
+    """The cells of a tag: (n, n) uint8, 0 black and 255 white, border included.
+
+    ``dictionary`` is a name, ``border`` the width of the black frame in cells.
+    Raises InputError for an id that the dictionary does not have.
+    """
+    marker = get_dictionary(dictionary)
+    count = len(marker.bytesList)
+    if not 0 <= tag_id < count:
+        raise InputError('Tag id %d is not in %s, which has the ids 0 to %d.'
+                         % (tag_id, dictionary, count - 1))
+    if border < 1:
+        raise InputError('The border of a tag is %d cells; it takes at least 1 to be found.' % border)
+    return cv2.aruco.generateImageMarker(
+        marker, tag_id, marker.markerSize + 2 * border, borderBits=border)
+
+
+def draw_tag(dictionary, tag_id, size=700, border=1, quiet=0):
+    """One tag as a picture, (n, n) uint8, 0 black and 255 white.
+
+    ``size`` is the side of the tag itself in pixels; ``quiet`` cells of white
+    are added around it, so n = size + 2 * round(quiet * size / cells).
+    Raises InputError for an id that the dictionary does not have, and for a
+    size with less than one pixel for each cell.
+    """
+    cells = len(tag_cells(dictionary, tag_id, border))
+    if size < cells:
+        raise InputError('A tag of %s with a border of %d is %d cells wide; a size of %d px has '
+                         'no room for them.' % (dictionary, border, cells, size))
+    if quiet < 0:
+        raise InputError('A quiet zone of %g cells is not possible; use 0 or more.' % quiet)
+    tag = cv2.aruco.generateImageMarker(get_dictionary(dictionary), tag_id, size, borderBits=border)
+    margin = round(quiet * size / cells)
+    return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=255)

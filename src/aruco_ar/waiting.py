@@ -1,0 +1,34 @@
+"""Why no frames arrive, in a sentence for who waits for them."""
+
+IMAGE_TYPES = {'raw': 'sensor_msgs/Image', 'compressed': 'sensor_msgs/CompressedImage'}
+SUFFIX = '/compressed'
+
+
+def explain_silence(camera, transport, published, own=()):
+    """A sentence that says why nothing arrives, and what to do.
+
+    ``camera``: the resolved name of the camera's raw topic. ``transport``:
+    raw or compressed. ``published``: {topic: type} of all topics that have a
+    publisher. ``own``: topics not to suggest as a camera.
+    """
+    wanted = camera + (SUFFIX if transport == 'compressed' else '')
+    waiting = 'Waiting for frames on %s: ' % wanted
+    if wanted in published:
+        if published[wanted] != IMAGE_TYPES[transport]:
+            return waiting + ('it is published as %s, but must be %s. Give the topic of a camera: '
+                              'camera:=TOPIC.' % (published[wanted], IMAGE_TYPES[transport]))
+        return waiting + 'it has a publisher, but nothing arrives. Is the camera running?'
+    if transport == 'raw' and camera + SUFFIX in published:
+        return waiting + ('only its compressed form %s is published. Use that: '
+                          'transport:=compressed.' % (camera + SUFFIX))
+    if transport == 'compressed' and camera in published:
+        return waiting + 'only its raw form %s is published. Use that: transport:=raw.' % camera
+    cameras = sorted(topic for topic, kind in published.items()
+                     if kind == IMAGE_TYPES[transport] and topic not in own)
+    if cameras:
+        names = [name[:-len(SUFFIX)] if transport == 'compressed' and name.endswith(SUFFIX) else name
+                 for name in cameras]
+        return waiting + ('nothing publishes it. These are published: %s. Choose one: '
+                          'camera:=TOPIC.' % ', '.join(names))
+    return waiting + ('nothing publishes it, nor any other %s. Start a camera, or try sim:=true.'
+                      % IMAGE_TYPES[transport])

@@ -1,0 +1,101 @@
+"""The wall with tags that the simulated camera looks at: its YAML file and its geometry.
+
+Wall coordinates are meters: x to the right and y up for who looks at the
+wall, z out of it towards them; the origin is on the floor in the middle.
+"""
+from dataclasses import dataclass
+from math import cos, radians, sin
+from typing import Tuple
+
+import numpy as np
+import yaml
+
+from .errors import InputError
+from .tags import tag_cells
+
+
+@dataclass(frozen=True)
+class WallTag:
+    """A tag on the wall: its center and side in meters, turned clockwise by degrees."""
+
+    id: int
+    x: float
+    y: float
+    side: float
+    turn: float = 0.0
+
+    def on_wall(self, across, down):
+        """Wall points, (..., 3) float64, of places on the tag.
+
+        ``across`` and ``down`` run from -0.5 to 0.5 over the tag's own side,
+        (-0.5, -0.5) being its own top left.
+        """
+        turn = radians(self.turn)
+        right, foot = self.side * np.asarray(across), self.side * np.asarray(down)
+        return np.stack([self.x + cos(turn) * right - sin(turn) * foot,
+                         self.y - sin(turn) * right - cos(turn) * foot,
+                         np.zeros(np.shape(right))], axis=-1)
+
+    @property
+    def corners(self):
+        """(4, 3) float64, wall meters, clockwise from the tag's own top left."""
+        return self.on_wall([-.5, .5, .5, -.5], [-.5, -.5, .5, .5])
+
+
+@dataclass(frozen=True)
+class Wall:
+    """What a wall's YAML file says. ``color`` is (blue, green, red)."""
+
+    width: float
+    height: float
+    color: Tuple[int, int, int]
+    dictionary: str
+    quiet: float
+    tags: Tuple[WallTag, ...]
+    area: Tuple[int, ...]
+
+    @property
+    def area_corners(self):
+        """(4, 3) float64, wall meters: the centers of the area's tags, in the area's order."""
+        by_id = {tag.id: tag for tag in self.tags}
+        return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area])
+
+
+def load_wall(path):
+    """Read a Wall from its YAML file (config/wall.yaml shows all there is).
+
+    Raises InputError naming the file and the entry that is wrong.
+    """
+    data = load_yaml(path)
+    try:
+        tags = tuple(WallTag(int(entry['id']), *(float(entry[key]) for key in ('x', 'y', 'side')),
+                             float(entry.get('turn', 0))) for entry in data['tags'])
+        wall = Wall(float(data['wall']['width']), float(data['wall']['height']),
+                    tuple(int(value) for value in reversed(data['wall']['color'])),
+                    str(data['dictionary']), float(data.get('quiet', 1)), tags,
+                    tuple(int(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
+    except KeyError as error:
+        raise InputError('The wall "%s" lacks the entry %s.' % (path, error))
+    except (TypeError, ValueError, AttributeError) as error:
+        raise InputError('The wall "%s" has an entry of the wrong form: %s.' % (path, error))
+    ids = [tag.id for tag in wall.tags]
+    if len(wall.area) != 4 or len(set(wall.area)) != 4 or not set(wall.area) <= set(ids):
+        raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
+                         % (path, list(wall.area)))
+    for tag in wall.tags:
+        if tag.side <= 0:
+            raise InputError('Tag %d of the wall "%s" has a side of %g m; give more than 0.'
+                             % (tag.id, path, tag.side))
+        tag_cells(wall.dictionary, tag.id)
+    return wall
+
+
+def load_yaml(path):
+    """What a YAML file holds. Raises InputError naming the file if it cannot be read."""
+    try:
+        with open(path, encoding='utf-8') as file:
+            return yaml.safe_load(file)
+    except OSError as error:
+        raise InputError('The file "%s" cannot be read: %s.' % (path, error.strerror))
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError('The file "%s" is not YAML: %s.' % (path, ' '.join(str(error).split())))

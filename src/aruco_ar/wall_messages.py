@@ -1,0 +1,81 @@
+"""What the simulated camera publishes besides frames, as messages."""
+from math import cos, sin
+
+from geometry_msgs.msg import Quaternion, TransformStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+from unit5.msg import Tag, TagArray
+
+from .messages import points_from_pixels, polygon_from_pixels
+from .render import project
+from .robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M
+
+ODOMETRY_FRAME = 'odom'
+ROBOT_FRAME = 'base_link'
+CAMERA_FRAME = 'camera_rgb_optical_frame'
+WALL_FRAME = 'wall'
+
+
+def camera_info(camera, header):
+    """A Camera's sensor_msgs/CameraInfo."""
+    matrix = camera.matrix
+    projection = [list(row) + [0.0] for row in matrix]
+    return CameraInfo(header=header, width=camera.width, height=camera.height,
+                      distortion_model='plumb_bob', D=list(map(float, camera.distortion)),
+                      K=matrix.ravel().tolist(), R=[1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0],
+                      P=[float(value) for row in projection for value in row])
+
+
+def odometry(pose, linear, angular, stamp):
+    """A Pose and its speed, m/s and rad/s, as nav_msgs/Odometry."""
+    message = Odometry(header=Header(stamp=stamp, frame_id=ODOMETRY_FRAME),
+                       child_frame_id=ROBOT_FRAME)
+    message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+    message.pose.pose.orientation = _heading(pose.heading)
+    message.twist.twist.linear.x, message.twist.twist.angular.z = linear, angular
+    return message
+
+
+def robot_transform(pose, stamp):
+    """The robot's Pose as the transform from odometry to it."""
+    return _transform(ODOMETRY_FRAME, ROBOT_FRAME, (pose.x, pose.y, 0.0), _heading(pose.heading),
+                      stamp)
+
+
+def fixed_transforms(stamp):
+    """The transforms that never change: robot to camera, and odometry to wall."""
+    return [
+        _transform(ROBOT_FRAME, CAMERA_FRAME, (CAMERA_FORWARD_M, 0.0, CAMERA_HEIGHT_M),
+                   Quaternion(-0.5, 0.5, -0.5, 0.5), stamp),
+        # x to the right is odometry's -y, y up its z, z out of the wall its -x.
+        _transform(ODOMETRY_FRAME, WALL_FRAME, (0.0, 0.0, 0.0),
+                   Quaternion(0.5, -0.5, -0.5, 0.5), stamp)]
+
+
+def true_tags(wall, rotation, translation, camera, header):
+    """Where all corners of the tags before the camera are, in or out of the frame: a TagArray."""
+    seen = []
+    for tag in wall.tags:
+        pixels, before_camera = project(tag.corners, rotation, translation, camera)
+        if before_camera:
+            seen.append(Tag(id=tag.id, corners=points_from_pixels(pixels)))
+    return TagArray(header=header, tags=seen)
+
+
+def true_area(wall, rotation, translation, camera, header):
+    """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
+    pixels, before_camera = project(wall.area_corners, rotation, translation, camera)
+    return polygon_from_pixels(pixels if before_camera else [], header)
+
+
+def _heading(angle):
+    return Quaternion(0.0, 0.0, sin(angle / 2), cos(angle / 2))
+
+
+def _transform(parent, child, place, turn, stamp):
+    message = TransformStamped(header=Header(stamp=stamp, frame_id=parent), child_frame_id=child)
+    message.transform.translation.x, message.transform.translation.y, \
+        message.transform.translation.z = place
+    message.transform.rotation = turn
+    return message

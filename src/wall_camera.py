@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+"""A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
+import numpy as np
+import rospy
+import tf2_ros
+from geometry_msgs.msg import PolygonStamped, Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+from unit5.msg import TagArray
+
+from aruco_ar import wall_messages
+from aruco_ar.errors import InputError
+from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, stop_on_input_error
+from aruco_ar.render import WallRenderer
+from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path,
+                            wall_to_camera)
+from aruco_ar.settings import number
+from aruco_ar.wall import load_wall
+
+COMMAND_S = 0.5  # a robot that hears no command for this long stops
+START = Pose(-2.2, 0.0, 0.0)
+
+
+class Driver:
+    """Where the robot is: along the path, until the first /cmd_vel takes over."""
+
+    def __init__(self, path):
+        self._path = path
+        self._pose = path.start if path else START
+        self._speed = 0.0, 0.0
+        self._commanded = None
+        self._began = self._moved = rospy.Time.now()
+        rospy.Subscriber('cmd_vel', Twist, self._on_command, queue_size=1)
+
+    def _on_command(self, command):
+        speed = np.array([command.linear.x, command.angular.z])
+        if not np.all(np.isfinite(speed)):
+            rospy.logwarn_once('A /cmd_vel that is not a number was passed over.')
+            return
+        limit = [MAX_LINEAR, MAX_ANGULAR]
+        self._speed = tuple(np.clip(speed, np.negative(limit), limit))
+        self._commanded = rospy.Time.now()
+
+    def now(self, stamp):
+        """(Pose, linear, angular) at that time."""
+        seconds = (stamp - self._moved).to_sec()
+        self._moved = stamp
+        if self._path and self._commanded is None:
+            self._pose, linear, angular = self._path.at((stamp - self._began).to_sec())
+            return self._pose, linear, angular
+        if self._commanded is None or (stamp - self._commanded).to_sec() > COMMAND_S:
+            self._speed = 0.0, 0.0
+        self._pose = drive(self._pose, *self._speed, seconds)
+        return (self._pose,) + self._speed
+
+
+class WallCamera:
+    """Publishes what the robot sees, where it is, and the truth about both."""
+
+    def __init__(self):
+        distortion = parameter('distortion', [0.0] * 5)
+        if not (isinstance(distortion, list) and len(distortion) == 5
+                and all(isinstance(value, (int, float)) for value in distortion)):
+            raise InputError('The parameter ~distortion is %s; it must be five numbers: k1, k2, p1, '
+                             'p2, k3.' % (distortion,))
+        self._camera = Camera(distortion=distortion)
+        self._wall = load_wall(parameter('wall', package_folder() + '/config/wall.yaml'))
+        self._renderer = WallRenderer(
+            self._wall, self._camera,
+            noise=number(parameter, 'noise', 2.0, 0, 100), blur=number(parameter, 'blur', 0.0, 0, 20),
+            light=number(parameter, 'light', 0.3, 0, 1), seed=int(number(parameter, 'seed', 0, 0, 2**31)))
+        self._rate = rospy.Rate(number(parameter, 'rate', 30.0, 0.1, 1000))
+        path = parameter('path', '')
+        self._driver = Driver(load_path(path) if path not in ('', 'none') else None)
+
+        self._image = ImagePublisher(CAMERA)
+        info_topic = CAMERA.replace('image_raw', 'camera_info')
+        self._info = rospy.Publisher(info_topic, CameraInfo, queue_size=1)
+        self._odometry = rospy.Publisher('odom', Odometry, queue_size=1)
+        self._tags = rospy.Publisher('~tags', TagArray, queue_size=1)
+        self._area = rospy.Publisher('~area', PolygonStamped, queue_size=1)
+        self._transforms = tf2_ros.TransformBroadcaster()
+        self._fixed = tf2_ros.StaticTransformBroadcaster()
+        self._fixed.sendTransform(wall_messages.fixed_transforms(rospy.Time.now()))
+
+    def spin(self):
+        """Publish until shutdown."""
+        while not rospy.is_shutdown():
+            self._publish(rospy.Time.now())
+            try:
+                self._rate.sleep()
+            except rospy.ROSInterruptException:  # shutdown; a clock set back is no reason to stop
+                pass
+
+    def _publish(self, stamp):
+        pose, linear, angular = self._driver.now(stamp)
+        self._odometry.publish(wall_messages.odometry(pose, linear, angular, stamp))
+        self._transforms.sendTransform(wall_messages.robot_transform(pose, stamp))
+        header = Header(stamp=stamp, frame_id=wall_messages.CAMERA_FRAME)
+        view = wall_to_camera(pose)
+        self._info.publish(wall_messages.camera_info(self._camera, header))
+        self._tags.publish(wall_messages.true_tags(self._wall, *view, self._camera, header))
+        self._area.publish(wall_messages.true_area(self._wall, *view, self._camera, header))
+        if self._image.has_listeners():
+            self._image.publish(self._renderer.render(*view), header)
+
+
+if __name__ == '__main__':
+    rospy.init_node('wall_camera')
+    stop_on_input_error(lambda: WallCamera().spin())
