@@ -1,15 +1,11 @@
 #!/usr/bin/env python3
 """A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
+import cv2
 import numpy as np
 import rospy
 import tf2_ros
-from geometry_msgs.msg import PolygonStamped, Twist
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import CameraInfo
-from std_msgs.msg import Header
-from unit5.msg import TagArray
+from geometry_msgs.msg import Twist
 
-from aruco_ar import wall_messages
 from aruco_ar.errors import InputError
 from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, stop_on_input_error
 from aruco_ar.render import WallRenderer
@@ -17,6 +13,7 @@ from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_p
                             wall_to_camera)
 from aruco_ar.settings import number
 from aruco_ar.wall import load_wall
+from aruco_ar.wall_messages import fixed_transforms, observe, robot_transform
 
 COMMAND_S = 0.5  # a robot that hears no command for this long stops
 START = Pose(-2.2, 0.0, 0.0)
@@ -70,42 +67,45 @@ class WallCamera:
             self._wall, self._camera,
             noise=number(parameter, 'noise', 2.0, 0, 100), blur=number(parameter, 'blur', 0.0, 0, 20),
             light=number(parameter, 'light', 0.3, 0, 1), seed=int(number(parameter, 'seed', 0, 0, 2**31)))
-        self._rate = rospy.Rate(number(parameter, 'rate', 30.0, 0.1, 1000))
+        self._rate = number(parameter, 'rate', 30.0, 0.1, 1000)
         path = parameter('path', '')
         self._driver = Driver(load_path(path) if path not in ('', 'none') else None)
 
         self._image = ImagePublisher(CAMERA)
-        info_topic = CAMERA.replace('image_raw', 'camera_info')
-        self._info = rospy.Publisher(info_topic, CameraInfo, queue_size=1)
-        self._odometry = rospy.Publisher('odom', Odometry, queue_size=1)
-        self._tags = rospy.Publisher('~tags', TagArray, queue_size=1)
-        self._area = rospy.Publisher('~area', PolygonStamped, queue_size=1)
+        self._publishers = {}
         self._transforms = tf2_ros.TransformBroadcaster()
         self._fixed = tf2_ros.StaticTransformBroadcaster()
-        self._fixed.sendTransform(wall_messages.fixed_transforms(rospy.Time.now()))
+        self._fixed.sendTransform(fixed_transforms(rospy.Time.now()))
 
     def spin(self):
-        """Publish until shutdown."""
+        """Publish until shutdown, each frame stamped with the very time at which it is due."""
+        start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
-            self._publish(rospy.Time.now())
+            late = (rospy.Time.now() - start).to_sec() * self._rate
+            count = max(count + 1, int(late))  # what cannot be rendered in time is left out
+            stamp = start + rospy.Duration(count / self._rate)
             try:
-                self._rate.sleep()
-            except rospy.ROSInterruptException:  # shutdown; a clock set back is no reason to stop
-                pass
+                rospy.sleep(stamp - rospy.Time.now())
+            except rospy.ROSTimeMovedBackwardsException:
+                start, count = rospy.Time.now(), 0
+                continue
+            except rospy.ROSInterruptException:
+                return
+            self._publish(stamp)
 
     def _publish(self, stamp):
         pose, linear, angular = self._driver.now(stamp)
-        self._odometry.publish(wall_messages.odometry(pose, linear, angular, stamp))
-        self._transforms.sendTransform(wall_messages.robot_transform(pose, stamp))
-        header = Header(stamp=stamp, frame_id=wall_messages.CAMERA_FRAME)
-        view = wall_to_camera(pose)
-        self._info.publish(wall_messages.camera_info(self._camera, header))
-        self._tags.publish(wall_messages.true_tags(self._wall, *view, self._camera, header))
-        self._area.publish(wall_messages.true_area(self._wall, *view, self._camera, header))
+        header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp)
+        for topic, message in messages.items():
+            if topic not in self._publishers:
+                self._publishers[topic] = rospy.Publisher(topic, type(message), queue_size=1)
+            self._publishers[topic].publish(message)
+        self._transforms.sendTransform(robot_transform(pose, stamp))
         if self._image.has_listeners():
-            self._image.publish(self._renderer.render(*view), header)
+            self._image.publish(self._renderer.render(*wall_to_camera(pose)), header)
 
 
 if __name__ == '__main__':
     rospy.init_node('wall_camera')
+    cv2.setNumThreads(1)  # the nodes that look at the frames need the other cores
     stop_on_input_error(lambda: WallCamera().spin())

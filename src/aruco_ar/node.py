@@ -36,6 +36,8 @@ def run(name, step, topics=('image',), picture=False):
     listens, and only with the newest frame.
     """
     rospy.init_node(name)
+    # A frame takes a few milliseconds: threads would add more work than they save time.
+    cv2.setNumThreads(1)
     stop_on_input_error(lambda: _ImageNode(step, topics, picture).spin())
 
 

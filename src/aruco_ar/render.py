@@ -11,6 +11,7 @@ WALL_TEXELS_M = 160   # resolution of the wall's texture; it is soft, so this is
 SAMPLES = 3           # per pixel and direction, where a tag is drawn
 ROOM_COLOR = (205, 200, 196)
 FLOOR_COLOR = (92, 104, 116)
+FLOOR = np.array([[-20.0, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20]])  # wall meters
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
@@ -53,8 +54,10 @@ class WallRenderer:
         matrix, _, lens = self._lens
         to_image = matrix @ np.column_stack([rotation[:, 0], rotation[:, 1], translation])
         frame = self._room.copy()
-        self._draw_flat(frame, self._floor(), rotation, translation, FLOOR_COLOR)
         self._draw_wall(frame, to_image, rotation, translation)
+        floor = self._outline(FLOOR, rotation, translation)
+        if floor is not None:
+            cv2.fillPoly(frame, [floor], FLOOR_COLOR, cv2.LINE_AA, 4)
         for tag, texture in self._tags:
             self._draw_tag(frame, tag, texture, to_image, rotation, translation)
         if lens is not None:
@@ -97,14 +100,6 @@ class WallRenderer:
             pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5,
                                       interpolation=cv2.INTER_AREA))
         return pyramid
-
-    def _floor(self):
-        return np.array([[-20, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20.0]])
-
-    def _draw_flat(self, frame, points, rotation, translation, color):
-        outline = self._outline(points, rotation, translation)
-        if outline is not None:
-            cv2.fillPoly(frame, [outline], color, cv2.LINE_AA, 4)
 
     def _outline(self, points, rotation, translation):
         """A flat piece of the scene as a polygon in the frame, in 16ths of a pixel, or None."""

@@ -9,12 +9,28 @@ from unit5.msg import Tag, TagArray
 
 from .messages import points_from_pixels, polygon_from_pixels
 from .render import project
-from .robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M
+from .robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, wall_to_camera
 
 ODOMETRY_FRAME = 'odom'
 ROBOT_FRAME = 'base_link'
 CAMERA_FRAME = 'camera_rgb_optical_frame'
 WALL_FRAME = 'wall'
+
+
+def observe(wall, camera, pose, linear, angular, stamp):
+    """What a robot with that Pose and speed (m/s, rad/s) publishes besides the frame.
+
+    Returns the frame's header and {topic: message}; ``~tags`` and ``~area``
+    are the truth about the frame.
+    """
+    header = Header(stamp=stamp, frame_id=CAMERA_FRAME)
+    view = wall_to_camera(pose)
+    return header, {
+        'odom': odometry(pose, linear, angular, stamp),
+        'camera/rgb/camera_info': camera_info(camera, header),
+        '~tags': true_tags(wall, view, camera, header),
+        '~area': true_area(wall, view, camera, header),
+    }
 
 
 def camera_info(camera, header):
@@ -53,19 +69,19 @@ def fixed_transforms(stamp):
                    Quaternion(0.5, -0.5, -0.5, 0.5), stamp)]
 
 
-def true_tags(wall, rotation, translation, camera, header):
+def true_tags(wall, view, camera, header):
     """Where all corners of the tags before the camera are, in or out of the frame: a TagArray."""
     seen = []
     for tag in wall.tags:
-        pixels, before_camera = project(tag.corners, rotation, translation, camera)
+        pixels, before_camera = project(tag.corners, *view, camera)
         if before_camera:
             seen.append(Tag(id=tag.id, corners=points_from_pixels(pixels)))
     return TagArray(header=header, tags=seen)
 
 
-def true_area(wall, rotation, translation, camera, header):
+def true_area(wall, view, camera, header):
     """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
-    pixels, before_camera = project(wall.area_corners, rotation, translation, camera)
+    pixels, before_camera = project(wall.area_corners, *view, camera)
     return polygon_from_pixels(pixels if before_camera else [], header)
 
 
