@@ -27,12 +27,27 @@ def frame_from_image(message):
                          'camera driver.' % (len(message.data), message.step * message.height),
                          kind='short frame')
     try:
-        return _bridge.imgmsg_to_cv2(message, 'bgr8')
-    except (CvBridgeError, cv2.error, TypeError, ValueError) as error:
-        raise InputError('A frame with the encoding "%s", %d x %d, step %d, cannot be used (%s); set '
-                         'the camera driver to one such as rgb8, bgr8, mono8 or yuv422.'
-                         % (message.encoding, message.width, message.height, message.step,
-                            ' '.join(str(error).split())), kind='unusable frame')
+        return _bridge.imgmsg_to_cv2(_without_padding(message), 'bgr8')
+    except (CvBridgeError, cv2.error, TypeError) as error:
+        raise InputError('A frame with the encoding "%s" cannot be used (%s); set the camera driver '
+                         'to one such as rgb8, bgr8, mono8 or yuv422.'
+                         % (message.encoding, ' '.join(str(error).split())), kind='encoding')
+
+
+def _without_padding(message):
+    """The Image with no bytes between its rows: Debian's cv_bridge takes them for pixels."""
+    kind, channels = _bridge.encoding_to_dtype_with_channels(message.encoding)
+    row = message.width * channels * np.dtype(kind).itemsize
+    if message.step < row:
+        raise InputError('A frame has a step of %d bytes where %d pixels of %s take %d; check the '
+                         'camera driver.' % (message.step, message.width, message.encoding, row),
+                         kind='short step')
+    if message.step == row:
+        return message
+    rows = np.frombuffer(message.data, np.uint8, message.step * message.height)
+    data = rows.reshape(message.height, message.step)[:, :row].tobytes()
+    return Image(height=message.height, width=message.width, encoding=message.encoding,
+                 is_bigendian=message.is_bigendian, step=row, data=data)
 
 
 def frame_from_compressed(message):

@@ -67,11 +67,39 @@ def fill_polygon(frame, points, color=PURPLE):
 
 
 def area_mask(frame, area):
-    """White where the area is, black elsewhere; all black if ``area`` is None."""
+    """White where the area is, black elsewhere; all black if ``area`` is None.
+
+    On the area's rim it is as gray as the part of the pixel that the area covers.
+    """
     mask = np.zeros_like(frame)
     if area is not None:
-        cv2.fillConvexPoly(mask, _fixed(area.corners), WHITE, cv2.LINE_AA, SHIFT)
+        part, cover = _cover(area, frame.shape)
+        mask[part] = cover
     return mask
+
+
+def _cover(area, shape):
+    """The part of a frame that the area touches, as slices, and how much of each pixel is covered.
+
+    The latter is (h, w, 3) uint8, 0 to 255: half a pixel in, on, or half a
+    pixel out of the nearest side is all, half, or nothing.
+    """
+    left, top = np.maximum(np.floor(area.corners.min(axis=0)), 0).astype(int)
+    right, bottom = np.minimum(np.ceil(area.corners.max(axis=0)) + 1, shape[1::-1]).astype(int)
+    right, bottom = max(left, right), max(top, bottom)
+    x = np.arange(left, right, dtype=np.float32)
+    y = np.arange(top, bottom, dtype=np.float32)[:, None]
+    corners = np.asarray(area.corners, np.float64)
+    inward = np.sign(cv2.contourArea(np.float32(corners), oriented=True))
+    cover = np.full((bottom - top, right - left), 255, np.float32)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0)):
+        along = (end - start) * inward * 255 / np.linalg.norm(end - start)
+        # 255 times the distance from this side, plus a half
+        row = np.float32(-along[1]) * (x - np.float32(start[0])) + 127.5
+        column = np.float32(along[0]) * (y - np.float32(start[1]))
+        np.minimum(cover, row + column, out=cover)
+    cover = np.uint8(np.maximum(cover, 0, out=cover) + 0.5)
+    return (slice(top, bottom), slice(left, right)), np.repeat(cover[..., None], 3, axis=2)
 
 
 def subtract(frame, mask):
@@ -88,22 +116,17 @@ def overlay(frame, picture, area):
     image = frame.copy()
     if area is None:
         return image
-    # Only the part of the frame around the area is touched.
-    left, top, width, height = cv2.boundingRect(np.float32(area.corners))
-    left, top = max(left - 1, 0), max(top - 1, 0)
-    part = image[top:top + height + 3, left:left + width + 3]
-    if part.size == 0:
+    part, cover = _cover(area, frame.shape)
+    if cover.size == 0:
         return image
-    shift = np.array([[1, 0, -left], [0, 1, -top], [0, 0, 1.0]])
+    shift = np.array([[1, 0, -part[1].start], [0, 1, -part[0].start], [0, 0, 1.0]])
     homography = shift @ area.homography(picture.shape[1], picture.shape[0])
-    warped = cv2.warpPerspective(picture, homography, part.shape[1::-1],
+    warped = cv2.warpPerspective(picture, homography, cover.shape[1::-1],
                                  flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    cover = np.zeros_like(part)
-    cv2.fillConvexPoly(cover, _fixed(area.corners - (left, top)), WHITE, cv2.LINE_AA, SHIFT)
     if picture.shape[2] == 4:
         cover = cv2.multiply(cover, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
         warped = warped[:, :, :3]
-    part[:] = blend(part, warped, cover)
+    image[part] = blend(image[part], warped, cover)
     return image
 
 

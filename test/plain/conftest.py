@@ -1,0 +1,36 @@
+import os
+
+import numpy as np
+import pytest
+
+from aruco_ar.render import WallRenderer
+from aruco_ar.robot import Camera, Pose, wall_to_camera
+from aruco_ar.wall import load_wall
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+
+
+@pytest.fixture(scope='session')
+def package():
+    return PACKAGE
+
+
+@pytest.fixture(scope='session')
+def wall():
+    return load_wall(os.path.join(PACKAGE, 'config', 'wall.yaml'))
+
+
+@pytest.fixture(scope='session')
+def view():
+    """Slanted, all four tags in sight: (R, t) of the wall."""
+    return wall_to_camera(Pose(-1.9, 0.6, -0.3))
+
+
+@pytest.fixture(scope='session')
+def frame(wall, view):
+    return WallRenderer(wall, Camera(), noise=1.0).render(*view)
+
+
+@pytest.fixture
+def random():
+    return np.random.RandomState(7)

@@ -1,0 +1,178 @@
+"""The ROS edge without ROS running: messages, parameters, and what is said about silence."""
+import re
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError
+from aruco_ar.messages import (TRANSPORTS, compressed_from_frame, frame_from_compressed,
+                               frame_from_image, image_from_frame)
+from aruco_ar.settings import Settings, picture_path, read_settings
+from aruco_ar.waiting import IMAGE_TYPES, explain_silence
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+COLORS = np.zeros((32, 48, 3), np.uint8)  # smooth, so that Bayer and yuv422 keep it
+COLORS[..., 0] = 40
+COLORS[..., 1] = np.linspace(60, 180, 48).astype(np.uint8)
+COLORS[..., 2] = 200
+
+
+def bayer(red_row, red_column):
+    mosaic = COLORS[..., 1].copy()
+    mosaic[red_row::2, red_column::2] = COLORS[red_row::2, red_column::2, 2]
+    mosaic[1 - red_row::2, 1 - red_column::2] = COLORS[1 - red_row::2, 1 - red_column::2, 0]
+    return mosaic
+
+
+def uyvy():
+    # ITU-R BT.601 in its video range
+    blue, green, red = (COLORS[..., channel].astype(float) for channel in range(3))
+    yuv = np.stack([16 + 0.257 * red + 0.504 * green + 0.098 * blue,
+                    128 - 0.148 * red - 0.291 * green + 0.439 * blue,
+                    128 + 0.439 * red - 0.368 * green - 0.071 * blue], axis=-1).round()
+    packed = np.zeros((32, 48, 2), np.uint8)
+    packed[..., 1] = yuv[..., 0]
+    packed[:, 0::2, 0] = yuv[:, 0::2, 1]
+    packed[:, 1::2, 0] = yuv[:, 0::2, 2]
+    return packed
+
+
+GRAY = cv2.cvtColor(COLORS, cv2.COLOR_BGR2GRAY)
+ENCODED = {
+    'bgr8': COLORS, 'rgb8': COLORS[..., ::-1],
+    'bgra8': cv2.cvtColor(COLORS, cv2.COLOR_BGR2BGRA), 'rgba8': cv2.cvtColor(COLORS, cv2.COLOR_BGR2RGBA),
+    'mono8': GRAY, 'mono16': GRAY.astype(np.uint16) * 257,
+    'bayer_rggb8': bayer(0, 0), 'bayer_bggr8': bayer(1, 1),
+    'bayer_grbg8': bayer(0, 1), 'bayer_gbrg8': bayer(1, 0), 'yuv422': uyvy(),
+}
+
+
+def message(pixels, encoding, padding=0):
+    rows = np.ascontiguousarray(pixels).view(np.uint8).reshape(len(pixels), -1)
+    rows = np.pad(rows, ((0, 0), (0, padding)))
+    return Image(height=pixels.shape[0], width=pixels.shape[1], encoding=encoding,
+                 step=rows.shape[1], data=rows.tobytes())
+
+
+@pytest.mark.parametrize('padding', [0, 6])
+@pytest.mark.parametrize('encoding', ENCODED)
+def test_every_encoding_becomes_the_same_frame(encoding, padding):
+    if padding and encoding == 'mono16':
+        padding = 8
+    frame = frame_from_image(message(ENCODED[encoding], encoding, padding))
+    expected = cv2.cvtColor(GRAY, cv2.COLOR_GRAY2BGR) if encoding.startswith('mono') else COLORS
+    assert frame.shape == COLORS.shape and frame.dtype == np.uint8
+    tolerance = 6 if encoding[:3] in ('bay', 'yuv') else 1
+    inner = slice(2, -2)
+    assert np.abs(frame[inner, inner].astype(int) - expected[inner, inner]).max() <= tolerance
+
+
+@pytest.mark.parametrize('kind', ['.jpg', '.png'])
+def test_jpeg_and_png_are_read(kind):
+    data = cv2.imencode(kind, COLORS)[1].tobytes()
+    frame = frame_from_compressed(CompressedImage(format=kind[1:], data=data))
+    assert np.abs(frame.astype(int) - COLORS).max() <= 8
+
+
+def test_gray_and_transparent_pngs_are_read():
+    for pixels in (GRAY, cv2.cvtColor(COLORS, cv2.COLOR_BGR2BGRA)):
+        frame = frame_from_compressed(CompressedImage(data=cv2.imencode('.png', pixels)[1].tobytes()))
+        assert frame.shape == COLORS.shape
+
+
+def test_what_goes_out_comes_back_with_its_header():
+    header = Header(frame_id='eye')
+    out = image_from_frame(COLORS, header)
+    assert out.encoding == 'bgr8' and out.header is header
+    np.testing.assert_array_equal(frame_from_image(out), COLORS)
+    small = compressed_from_frame(COLORS, header)
+    assert small.header is header and 'jpeg' in small.format
+    assert np.abs(frame_from_compressed(small).astype(int) - COLORS).max() <= 12
+
+
+GOOD = message(COLORS, 'bgr8')
+
+
+@pytest.mark.parametrize('change, words', [
+    (dict(width=0, height=0, step=0, data=b''), '0 x 0'),
+    (dict(data=GOOD.data[:-1]), '4607 bytes where its step and height promise 4608'),
+    (dict(encoding='32FC1', width=36), '"32FC1".*such as rgb8'),
+    (dict(encoding='16UC1', width=72), '"16UC1"'),
+    (dict(encoding='nonsense'), '"nonsense"'),
+    (dict(encoding=''), '""'),
+    (dict(step=10), 'step of 10 bytes where 48 pixels'),
+    (dict(width=10**6), 'step of 144 bytes where 1000000'),
+])
+def test_a_frame_that_cannot_be_used_is_explained(change, words):
+    fields = {name: getattr(GOOD, name) for name in ('height', 'width', 'encoding', 'step', 'data')}
+    with pytest.raises(InputError, match=words):
+        frame_from_image(Image(**dict(fields, **change)))
+
+
+@pytest.mark.parametrize('data', [b'', b'no picture', b'\xff\xd8\xff\xe0'])
+def test_compressed_data_that_cannot_be_decoded_is_explained(data):
+    with pytest.raises(InputError, match='must be JPEG or PNG'):
+        frame_from_compressed(CompressedImage(data=data))
+
+
+def settings(**parameters):
+    return read_settings(lambda name, default: parameters.get(name, default))
+
+
+def test_without_parameters_nothing_is_to_be_configured():
+    assert settings() == Settings('DICT_6X6_250', (), 1.0, 'raw')
+
+
+@pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])
+def test_ids_as_a_list_or_as_text(ids):
+    assert settings(ids=ids).ids == (4, 3, 2, 1)
+
+
+@pytest.mark.parametrize('ids', ['', 'any', []])
+def test_any_ids(ids):
+    assert settings(ids=ids).ids == ()
+
+
+@pytest.mark.parametrize('name, value, allowed', [
+    ('dictionary', 'DICT_6x6_250', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
+    ('ids', '1,2,3', 'four different'), ('ids', [1, 2, 3, 3], 'four different'), ('ids', 5, 'four'),
+    ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
+    ('scale', 0, 'above 0 and up to 4'), ('scale', -1, 'above 0'), ('scale', 5, 'up to 4'),
+    ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
+    ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
+])
+def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
+    with pytest.raises(InputError) as error:
+        settings(**{name: value})
+    for words in ('~' + name, str(value), allowed):
+        assert words in str(error.value)
+
+
+def test_a_picture_is_looked_for_in_the_package():
+    assert picture_path('images/earth.jpg', '/package') == '/package/images/earth.jpg'
+    assert picture_path('/mine.png', '/package') == '/mine.png'
+    with pytest.raises(InputError, match='~picture is 5'):
+        picture_path(5, '/package')
+
+
+RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']
+
+
+@pytest.mark.parametrize('transport, published, words', [
+    ('raw', {}, 'nothing publishes it, nor any other'),
+    ('raw', {'/usb/image': RAW, '/out': RAW}, 'These are published: /usb/image. Choose one'),
+    ('raw', {'/cam': 'std_msgs/String'}, 'published as std_msgs/String, but must be sensor_msgs/Image'),
+    ('raw', {'/cam/compressed': COMPRESSED}, 'only its compressed form .*transport:=compressed'),
+    ('compressed', {'/cam': RAW}, 'only its raw form .*transport:=raw'),
+    ('compressed', {'/usb/compressed': COMPRESSED}, 'published: /usb. Choose'),
+    ('raw', {'/cam': RAW}, 'has a publisher, but nothing arrives'),
+])
+def test_silence_is_explained(transport, published, words):
+    with_words = explain_silence('/cam', transport, published, own=['/out'])
+    assert with_words.startswith('Waiting for frames on /cam')
+    assert re.search(words, with_words)
+
+
+def test_the_transports_are_the_same_everywhere():
+    assert {name: kind._type for name, (_, kind, _) in TRANSPORTS.items()} == IMAGE_TYPES

@@ -1,0 +1,128 @@
+"""artag_generator.py as one runs it: its files, its sheet, its errors."""
+import os
+import subprocess
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import cv2
+import numpy as np
+import pypdfium2
+import pytest
+from aruco_ar import Detector
+from aruco_ar.sheet import PAGES, tag_sheet
+
+DPI = 150
+MM_PER_PX = 25.4 / DPI
+
+
+@pytest.fixture
+def generate(package, tmp_path):
+    """Runs the generator in an empty folder: (exit code, what it said)."""
+    def run(*arguments):
+        done = subprocess.run([sys.executable, package + '/src/artag_generator.py', *arguments],
+                              cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              env=dict(os.environ, PYTHONPATH=package + '/src'), text=True)
+        return done.returncode, done.stdout
+    return run
+
+
+def read_pages(path):
+    """The pages of a PDF as gray pictures at DPI."""
+    return [np.array(page.render(scale=DPI / 72).to_pil().convert('L'))
+            for page in pypdfium2.PdfDocument(path)]
+
+
+def test_the_four_tags_of_the_course_are_shipped(package):
+    for tag_id in (1, 2, 3, 4):
+        image = cv2.imread('%s/Tags/image_%d.jpg' % (package, tag_id), cv2.IMREAD_GRAYSCALE)
+        assert image.shape == (700, 700)
+        framed = cv2.copyMakeBorder(image, 100, 100, 100, 100, cv2.BORDER_CONSTANT, value=255)
+        assert [tag.id for tag in Detector().detect(framed)] == [tag_id]
+
+
+@pytest.mark.parametrize('form', ['jpg', 'png'])
+def test_pictures_are_written_and_read_back(generate, tmp_path, form):
+    code, said = generate('--ids', '7,20-22', '--size', '300', '--quiet', '1', '--format', form,
+                          '--dictionary', 'DICT_5X5_100', '--output', 'mine')
+    assert code == 0 and 'image_7.' + form in said
+    assert sorted(os.listdir(str(tmp_path / 'mine'))) == ['image_%d.%s' % (i, form)
+                                                          for i in (20, 21, 22, 7)]
+    for tag_id in (7, 20, 21, 22):
+        image = cv2.imread(str(tmp_path / 'mine' / ('image_%d.%s' % (tag_id, form))))
+        assert image.shape == (386, 386, 3)  # 300 px are 7 cells; one more on each side
+        assert [tag.id for tag in Detector('DICT_5X5_100').detect(image)] == [tag_id]
+
+
+def test_svg_is_drawn_and_read_back(generate, tmp_path):
+    assert generate('--ids', '17', '--format', 'svg', '--quiet', '2', '--output', '.')[0] == 0
+    svg = ElementTree.parse(str(tmp_path / 'image_17.svg')).getroot()
+    cells = int(svg.get('viewBox').split()[2])
+    assert cells == 12 and float(svg.get('width')) == 700 * 12 / 8
+    image = np.full((cells, cells), 255, np.uint8)
+    path = svg.find('{http://www.w3.org/2000/svg}path').get('d')
+    for run in path.replace('M', ' ').split('z')[:-1]:
+        column, rest = run.split()
+        row, length = rest.split('v')[0].split('h')
+        image[int(row), int(column):int(column) + int(length)] = 0
+    assert [tag.id for tag in Detector().detect(image.repeat(20, 0).repeat(20, 1))] == [17]
+
+
+@pytest.mark.parametrize('page, width_mm, height_mm', [('A4', 210, 297), ('Letter', 215.9, 279.4)])
+def test_a_sheet_has_tags_of_the_exact_size(generate, tmp_path, page, width_mm, height_mm):
+    assert generate('--sheet', 'tags.pdf', '--page', page, '--ids', '1-8', '--side', '75')[0] == 0
+    pages = read_pages(str(tmp_path / 'tags.pdf'))
+    assert len(pages) == 2
+    found = []
+    for image in pages:
+        assert abs(image.shape[1] * MM_PER_PX - width_mm) < 0.3
+        assert abs(image.shape[0] * MM_PER_PX - height_mm) < 0.3
+        tags = Detector().detect(image)
+        found += [tag.id for tag in tags]
+        for tag in tags:
+            sides = np.linalg.norm(tag.corners - np.roll(tag.corners, 1, axis=0), axis=1)
+            np.testing.assert_allclose(sides * MM_PER_PX, 75, atol=0.25)
+    assert sorted(found) == list(range(1, 9))
+
+
+def test_the_ruler_is_as_long_as_it_says(tmp_path):
+    file = tmp_path / 'ruler.pdf'
+    file.write_bytes(tag_sheet('DICT_6X6_250', [1], 50))
+    foot = read_pages(str(file))[0][int(-16 / MM_PER_PX):int(-12.5 / MM_PER_PX)]
+    columns = np.flatnonzero((foot < 200).any(axis=0))
+    assert abs((columns[-1] - columns[0]) * MM_PER_PX - 100) < 0.4
+
+
+def test_the_text_on_the_sheet(tmp_path):
+    file = tmp_path / 'text.pdf'
+    file.write_bytes(tag_sheet('DICT_4X4_50', [3], 62.5, page='Letter'))
+    text = pypdfium2.PdfDocument(str(file))[0].get_textpage().get_text_range()
+    assert 'DICT_4X4_50 id 3 side 62.5 mm' in ' '.join(text.split()) and '100 %' in text
+    assert set(PAGES) == {'A4', 'Letter'}
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['--ids', '249-250'], 'id 250 is not in DICT_6X6_250'),
+    (['--ids', 'one'], '"one" is no list of ids'),
+    (['--ids', '4-1'], 'smaller number first'),
+    (['--size', '7'], 'no room'),
+    (['--dictionary', 'DICT_6x6'], 'no tag dictionary "DICT_6x6"'),
+    (['--border', '0'], 'at least 1'),
+    (['--quiet', '-1'], '0 or more'),
+    (['--output', '/dev/null/tags'], '/dev/null/tags'),
+    (['--sheet', '/dev/null/sheet.pdf'], '/dev/null/sheet.pdf'),
+    (['--sheet', 'sheet.pdf', '--side', '300'], 'do not fit on A4; the largest that do have'),
+    (['--sheet', 'sheet.pdf', '--side', '-5'], 'more than 0'),
+])
+def test_errors_are_sentences_and_leave_nothing_behind(generate, tmp_path, arguments, words):
+    if '--output' not in arguments and '--sheet' not in arguments:
+        arguments = arguments + ['--output', '.']
+    code, said = generate(*arguments)
+    assert code != 0 and words in said and 'Traceback' not in said
+    assert os.listdir(str(tmp_path)) == []
+
+
+def test_a_write_that_fails_halfway_leaves_nothing(generate, tmp_path):
+    (tmp_path / 'out' / 'image_2.jpg').mkdir(parents=True)
+    code, said = generate('--output', 'out')
+    assert code != 0 and 'image_2.jpg' in said
+    assert all(not name.startswith('.') for name in os.listdir(str(tmp_path / 'out')))

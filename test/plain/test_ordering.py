@@ -1,0 +1,100 @@
+"""order_coordinates against the course's rule, and the choice of four among many."""
+from itertools import combinations, permutations
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError, largest_quadrilateral, order_coordinates
+from aruco_ar.ordering import is_quadrilateral
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+coordinate = st.integers(-1000, 1000)
+four_points = st.lists(st.tuples(coordinate, coordinate), min_size=4, max_size=4).map(np.array)
+
+
+def course_rule(points):
+    """Indices as the course picks them; some point may come twice."""
+    total, difference = points.sum(axis=1), np.diff(points, axis=1).ravel()
+    return [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
+
+
+def turned_square(degrees, side=100.0):
+    angle = np.radians(np.array([-135, -45, 45, 135]) + degrees)
+    return side / np.sqrt(2) * np.stack([np.cos(angle), np.sin(angle)], axis=1) + 300
+
+
+def sorted_rows(points):
+    return sorted(map(tuple, points.tolist()))
+
+
+@given(four_points)
+@settings(max_examples=500, deadline=None)
+def test_no_point_is_lost_or_doubled(points):
+    assert sorted_rows(order_coordinates(points)) == sorted_rows(points)
+    assert sorted_rows(order_coordinates(points, zigzag=True)) == sorted_rows(points)
+
+
+@given(four_points)
+@settings(max_examples=500, deadline=None)
+def test_agrees_with_the_course_wherever_that_takes_each_point_once(points):
+    order = course_rule(points)
+    if len(set(order)) == 4:
+        assert np.array_equal(order_coordinates(points), points[order])
+        assert np.array_equal(order_coordinates(points, zigzag=True), points[order][[0, 1, 3, 2]])
+
+
+@given(four_points, st.permutations(range(4)))
+@settings(max_examples=500, deadline=None)
+def test_the_order_given_does_not_matter(points, shuffle):
+    assert np.array_equal(order_coordinates(points), order_coordinates(points[shuffle]))
+
+
+@pytest.mark.parametrize('degrees', range(-44, 45, 4))
+def test_a_turned_square_comes_top_left_first(degrees):
+    square = turned_square(degrees)
+    for shuffle in permutations(range(4)):
+        np.testing.assert_allclose(order_coordinates(square[list(shuffle)]), square)
+
+
+@pytest.mark.parametrize('degrees', [44.9, 45, 45.0001, 46, 134.9, 135])
+def test_a_square_on_its_corner_stays_a_square(degrees):
+    assert is_quadrilateral(order_coordinates(turned_square(degrees)))
+
+
+def test_zigzag_swaps_the_lower_two():
+    assert order_coordinates([[9, 9], [0, 0], [0, 9], [9, 0]], zigzag=True).tolist() == \
+        [[0, 0], [9, 0], [0, 9], [9, 9]]
+
+
+def test_fractions_of_a_pixel_are_kept():
+    points = np.float32([[0.25, 0.5], [10.75, 0.25], [10.5, 9.25], [0.5, 9.75]])
+    assert order_coordinates(points[::-1]).dtype == np.float32
+    np.testing.assert_array_equal(order_coordinates(points[::-1]), points)
+
+
+@pytest.mark.parametrize('points', [[], [[1, 2]] * 3, [[1, 2, 3]] * 4,
+                                    [[0, 0], [1, 0], [1, 1], [0, np.nan]]])
+def test_what_are_not_four_points_is_refused(points):
+    with pytest.raises(InputError, match='four points'):
+        order_coordinates(points)
+
+
+def test_the_largest_of_many(random):
+    for _ in range(50):
+        points = np.float32(random.uniform(0, 500, (9, 2)))
+        areas = [cv2.contourArea(cv2.convexHull(points[list(four)]))
+                 for four in combinations(range(9), 4)
+                 if len(cv2.convexHull(points[list(four)])) == 4]
+        found = largest_quadrilateral(points)
+        assert cv2.contourArea(found) == pytest.approx(max(areas), rel=1e-4)
+
+
+@pytest.mark.parametrize('points', [
+    [], [[0, 0], [10, 0], [10, 10]],
+    [[0, 0], [10, 10], [20, 20], [30, 30]],
+    [[0, 0], [100, 0.5], [200, -0.5], [300, 0], [400, 0.4]],
+    [[0, 0], [100, 0], [50, 90], [50, 30]],
+    [[5, 5]] * 4])
+def test_points_that_span_no_area(points):
+    assert largest_quadrilateral(points) is None

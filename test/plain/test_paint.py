@@ -1,0 +1,151 @@
+"""The area, its mask, subtracting and painting, beside what the course does."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import (Area, Detector, Tag, area_mask, fill_polygon, find_area, load_picture,
+                      mark_centers, mark_tags, overlay, subtract)
+from aruco_ar.render import project
+from aruco_ar.robot import Camera
+
+AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
+
+
+def square_tag(tag_id, x, y, side=20):
+    return Tag(tag_id, np.float32([[x, y], [x + side, y], [x + side, y + side], [x, y + side]]) - side / 2)
+
+
+def away_from_rim(area, shape, px):
+    """(inside, outside): boolean masks, at least that many pixels from the area's rim."""
+    rim = np.zeros(shape[:2], np.uint8)
+    cv2.polylines(rim, [np.int32(np.round(area.corners))], True, 255, 2 * px)
+    inside = np.zeros(shape[:2], np.uint8)
+    cv2.fillPoly(inside, [np.int32(np.round(area.corners))], 255)
+    return (inside > 0) & (rim == 0), (inside == 0) & (rim == 0)
+
+
+def course_overlay(frame, picture, area):
+    """The course's own steps: warp, mask, subtract, add."""
+    height, width = picture.shape[:2]
+    zigzag = area.corners[[0, 1, 3, 2]]
+    homography, _ = cv2.findHomography(
+        np.float32([[0, 0], [width, 0], [0, height], [width, height]]), zigzag)
+    warped = cv2.warpPerspective(picture, homography, frame.shape[1::-1])
+    mask = np.zeros_like(frame)
+    cv2.fillConvexPoly(mask, np.int32(np.round(area.corners)), (255, 255, 255), cv2.LINE_AA)
+    outside = cv2.cvtColor(cv2.bitwise_not(mask), cv2.COLOR_BGR2GRAY)
+    return cv2.add(cv2.copyTo(warped, cv2.bitwise_not(outside)), cv2.subtract(frame, mask))
+
+
+@pytest.fixture
+def earth(package):
+    return load_picture(package + '/images/earth.jpg')
+
+
+def test_the_area_is_where_the_wall_is_seen(wall, view, frame):
+    truth, _ = project(wall.area_corners, *view, Camera())
+    np.testing.assert_allclose(find_area(Detector().detect(frame)).corners, truth, atol=0.5)
+
+
+@pytest.mark.parametrize('tags', [
+    [],
+    [square_tag(1, 100, 100)],
+    [square_tag(1, 100, 100), square_tag(2, 300, 100), square_tag(3, 300, 300)],
+    [square_tag(1, 100, 100), square_tag(1, 300, 100), square_tag(1, 300, 300), square_tag(1, 100, 300)],
+    [square_tag(1, 100, 100), square_tag(2, 300, 100), square_tag(2, 300, 300), square_tag(4, 100, 300)],
+    [square_tag(i, 100 * i, 200) for i in range(1, 6)],
+], ids=['none', 'one', 'three', 'one id four times', 'an id twice', 'on one line'])
+def test_no_area(tags, frame, earth):
+    area = find_area(tags)
+    assert area is None
+    np.testing.assert_array_equal(overlay(frame, earth, area), frame)
+    mask = area_mask(frame, area)
+    assert not mask.any()
+    np.testing.assert_array_equal(subtract(frame, mask), frame)
+
+
+def test_of_more_than_four_tags_the_largest_quadrilateral_counts():
+    corners = [(100, 100), (500, 110), (510, 400), (90, 380)]
+    tags = [square_tag(9, 300, 250)] + [square_tag(i, *xy) for i, xy in enumerate(corners)] + \
+        [square_tag(8, 320, 120)]
+    np.testing.assert_allclose(find_area(tags).corners, corners)
+
+
+def test_the_mask_is_white_in_the_area_and_black_elsewhere(frame):
+    mask = area_mask(frame, AREA)
+    inside, outside = away_from_rim(AREA, frame.shape, 1)
+    assert np.all(mask[inside] == 255) and np.all(mask[outside] == 0)
+    # The rim is where the corners are, to a fraction of a pixel.
+    covered = mask[..., 0].sum() / 255
+    assert covered == pytest.approx(cv2.contourArea(AREA.corners), rel=0.006)
+
+
+def test_subtracting_cuts_the_area_to_black(frame):
+    cut = subtract(frame, area_mask(frame, AREA))
+    inside, outside = away_from_rim(AREA, frame.shape, 1)
+    assert not cut[inside].any()
+    np.testing.assert_array_equal(cut[outside], frame[outside])
+
+
+def test_painting_equals_the_course_but_for_the_rim(frame, earth):
+    whole = Area(np.round(AREA.corners))
+    ours, course = overlay(frame, earth, whole), course_overlay(frame, earth, whole)
+    inside, outside = away_from_rim(whole, frame.shape, 3)
+    assert np.abs(ours[inside].astype(int) - course[inside]).max() <= 2
+    np.testing.assert_array_equal(ours[outside], frame[outside])
+
+
+def test_the_picture_hangs_the_right_way_round(frame):
+    quarters = np.zeros((200, 300, 3), np.uint8)
+    colors = {(0, 0): (255, 0, 0), (0, 1): (0, 255, 0), (1, 1): (0, 0, 255), (1, 0): (255, 255, 255)}
+    for (down, across), color in colors.items():
+        quarters[100 * down:100 * down + 100, 150 * across:150 * across + 150] = color
+    painted = overlay(frame, quarters, AREA)
+    middle = AREA.corners.mean(axis=0)
+    for corner, color in zip(AREA.corners, colors.values()):
+        x, y = np.int32((corner * 2 + middle) / 3)
+        assert tuple(painted[y, x]) == color
+
+
+def test_alpha_lets_the_frame_shine_through(frame):
+    glass = np.zeros((100, 100, 4), np.uint8)
+    glass[:, 50:] = (0, 0, 255, 128)
+    painted = overlay(frame, glass, AREA)
+    np.testing.assert_array_equal(painted[240, 200], frame[240, 200])
+    expected = frame[240, 420].astype(float) * 127 / 255 + np.array([0, 0, 255]) * 128 / 255
+    np.testing.assert_allclose(painted[240, 420], expected, atol=2)
+
+
+def test_an_area_that_leaves_the_frame_is_painted_as_far_as_it_is_seen(frame, earth):
+    area = Area(AREA.corners + np.float32([-200, -150]))
+    painted = overlay(frame, earth, area)
+    full = overlay(cv2.copyMakeBorder(frame, 200, 0, 200, 0, cv2.BORDER_REPLICATE), earth,
+                   Area(area.corners + 200))
+    np.testing.assert_array_equal(painted, full[200:, 200:])
+    beyond = Area(AREA.corners + np.float32([5000, 0]))
+    np.testing.assert_array_equal(overlay(frame, earth, beyond), frame)
+
+
+def test_no_function_writes_into_the_frame(frame, earth):
+    before = frame.copy()
+    tags = Detector().detect(frame)
+    mark_tags(frame, tags)
+    mark_centers(frame, [tag.center for tag in tags])
+    fill_polygon(frame, AREA.corners)
+    subtract(frame, area_mask(frame, AREA))
+    overlay(frame, earth, AREA)
+    np.testing.assert_array_equal(frame, before)
+
+
+def test_marks_are_drawn_where_the_tags_are(frame):
+    tags = Detector().detect(frame)
+    marked = mark_tags(frame, tags)
+    for tag in tags:
+        x, y = np.int32(np.round((tag.corners[1] + tag.corners[2]) / 2))
+        assert marked[y, x].tolist() == [0, 255, 0]
+        x, y = np.int32(np.round(tag.corners[0]))
+        assert marked[y, x].tolist() == [0, 0, 255]
+
+
+@pytest.mark.parametrize('count', [0, 1, 2])
+def test_fewer_than_three_points_fill_nothing(frame, count):
+    np.testing.assert_array_equal(fill_polygon(frame, AREA.corners[:count]), frame)

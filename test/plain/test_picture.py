@@ -1,0 +1,46 @@
+"""Pictures: what can be painted, and what is said of what cannot."""
+import os
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError, load_picture
+
+
+def test_the_earth_looks_like_the_earth(package):
+    path = package + '/images/earth.jpg'
+    earth = load_picture(path)
+    assert os.path.getsize(path) <= 400_000
+    blue, green, red = earth[330, 330].astype(int)  # the Atlantic
+    assert blue > red + 30
+    blue, green, red = earth[270, 430].astype(int)  # the Sahara
+    assert red > green > blue and red > 150
+    assert earth[20, 20].max() < 60                 # space
+
+
+def test_gray_color_and_alpha(tmp_path):
+    for shape, channels in (((8, 6), 3), ((8, 6, 3), 3), ((8, 6, 4), 4)):
+        path = str(tmp_path / 'picture.png')
+        cv2.imwrite(path, np.full(shape, 77, np.uint8))
+        picture = load_picture(path)
+        assert picture.shape == (8, 6, channels) and picture.dtype == np.uint8
+        assert np.all(picture == 77)
+
+
+def test_sixteen_bits_become_eight(tmp_path):
+    path = str(tmp_path / 'picture.png')
+    for channels in (3, 4):
+        cv2.imwrite(path, np.full((4, 4, channels), 0x8080, np.uint16))
+        assert load_picture(path).dtype == np.uint8
+        assert abs(int(load_picture(path)[0, 0, 0]) - 128) <= 1
+
+
+def test_missing_broken_and_empty_files_are_named(tmp_path):
+    (tmp_path / 'empty.jpg').write_bytes(b'')
+    (tmp_path / 'broken.jpg').write_bytes(b'\xff\xd8\xff no picture')
+    for name, words in (('missing.jpg', 'is not a file'), ('empty.jpg', 'no picture'),
+                        ('broken.jpg', 'no picture'), ('.', 'is not a file')):
+        path = str(tmp_path / name)
+        with pytest.raises(InputError, match=words) as error:
+            load_picture(path)
+        assert path in str(error.value)

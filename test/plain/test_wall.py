@@ -1,0 +1,108 @@
+"""The simulated wall: its file, its rendering against the truth, how the robot drives."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Detector, InputError
+from aruco_ar.render import WallRenderer, project
+from aruco_ar.robot import Camera, Path, Pose, drive, load_path, wall_to_camera
+from aruco_ar.wall import load_wall
+
+LENS = Camera(distortion=[-0.25, 0.08, 0.001, -0.001, 0.0])
+
+
+@pytest.mark.parametrize('camera', [Camera(), LENS], ids=['pinhole', 'lens'])
+@pytest.mark.parametrize('pose', [Pose(-2.2, 0, 0), Pose(-1.9, 0.6, -0.3), Pose(-3.0, -1.0, 0.35)])
+def test_tags_are_where_the_truth_says(wall, camera, pose):
+    view = wall_to_camera(pose)
+    tags = Detector().detect(WallRenderer(wall, camera).render(*view))
+    assert sorted(tag.id for tag in tags) == [1, 2, 3, 4]
+    truth = {tag.id: project(tag.corners, *view, camera)[0] for tag in wall.tags}
+    errors = np.concatenate([tag.corners - truth[tag.id] for tag in tags])
+    assert np.abs(errors).max() < 1.5
+    assert np.abs(errors.mean(axis=0)).max() < 0.15  # no shift of the whole
+
+
+def test_a_rim_is_as_gray_as_the_part_it_covers(wall):
+    """A tag's black border seen straight on, its sum of gray against its true extent."""
+    camera, view = Camera(), wall_to_camera(Pose(-2.013, 0.2, 0))
+    frame = WallRenderer(wall, camera).render(*view)
+    tag = wall.tags[0]
+    pixels, _ = project(tag.corners, *view, camera)
+    row = int(pixels[:, 1].mean() - (pixels[3, 1] - pixels[0, 1]) * 0.44)  # in the black border
+    left, right = int(pixels[0, 0]) - 4, int(pixels[1, 0]) + 6
+    line = frame[row, left:right].mean(axis=1)
+    white, black = line[:2].mean(), line[len(line) // 2]
+    dark = np.sum((white - line[:len(line) // 2]) / (white - black))
+    assert left + len(line) // 2 - 0.5 - dark == pytest.approx(pixels[0, 0], abs=0.08)
+
+
+def test_noise_blur_and_light(wall):
+    view = wall_to_camera(Pose(-2.2, 0, 0))
+    plain = WallRenderer(wall, Camera()).render(*view).astype(int)
+    noisy = WallRenderer(wall, Camera(), noise=5)
+    one, other = noisy.render(*view).astype(int), noisy.render(*view).astype(int)
+    assert np.std(one - plain) == pytest.approx(5, rel=0.1)
+    assert np.std(one - other) == pytest.approx(5 * 2**0.5, rel=0.1)  # new in each frame
+    blurred = WallRenderer(wall, Camera(), blur=3).render(*view)
+    assert cv2.Laplacian(blurred, cv2.CV_64F).std() < cv2.Laplacian(np.uint8(plain), cv2.CV_64F).std() / 3
+    lit = WallRenderer(wall, Camera(), light=0.8).render(*view).astype(int)
+    darker = lit[60:80] / plain[60:80]
+    assert darker[:, :40].mean() > darker[:, -40:].mean() + 0.1
+
+
+@pytest.mark.parametrize('pose', [Pose(-2, 0, np.pi), Pose(-0.1, 0, 0), Pose(0.5, 0, 0), Pose(-0.3, 4.0, -1.5),
+                                  Pose(-2, 0, np.pi / 2), Pose(-50, 0, 0)])
+def test_any_view_can_be_rendered(wall, pose):
+    frame = WallRenderer(wall, LENS).render(*wall_to_camera(pose))
+    assert frame.shape == (480, 640, 3)
+    assert Detector().detect(frame) == []
+
+
+def test_a_turned_tag_turns_clockwise(tmp_path, wall):
+    text = ('wall: {width: 4, height: 2, color: [200, 200, 200]}\ndictionary: DICT_4X4_50\ntags:\n'
+            + ''.join('- {id: %d, x: %g, y: %g, side: 0.3, turn: 90}\n' % (i, x, y)
+                      for i, (x, y) in enumerate([(-.5, 1), (.5, 1), (.5, .3), (-.5, .3)])))
+    (tmp_path / 'wall.yaml').write_text(text)
+    turned = load_wall(str(tmp_path / 'wall.yaml'))
+    frame = WallRenderer(turned, Camera()).render(*wall_to_camera(Pose(-2.2, 0, 0)))
+    tags = Detector('DICT_4X4_50').detect(frame)
+    assert sorted(tag.id for tag in tags) == [0, 1, 2, 3]
+    for tag in tags:  # its own top left is now top right
+        assert np.argmin(tag.corners @ [-1, 1]) == 0
+
+
+@pytest.mark.parametrize('text, words', [
+    ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', "lacks the entry 'wall'"),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+     'tags:\n- {id: 1, x: 0, y: 0, side: 1}', 'ids of four different'),
+])
+def test_a_wrong_wall_file_is_named(tmp_path, text, words):
+    path = tmp_path / 'wall.yaml'
+    path.write_text(text)
+    with pytest.raises(InputError, match=words) as error:
+        load_wall(str(path))
+    assert str(path) in str(error.value)
+
+
+def test_a_missing_file_is_named():
+    with pytest.raises(InputError, match='"/nowhere/path.yaml" cannot be read'):
+        load_path('/nowhere/path.yaml')
+
+
+def test_driving_follows_the_arc():
+    straight = drive(Pose(0, 0, np.pi / 2), 0.5, 0, 2)
+    np.testing.assert_allclose(straight, (0, 1, np.pi / 2), atol=1e-12)
+    quarter = drive(Pose(0, 0, 0), np.pi / 2, np.pi / 2, 1)  # radius 1, to the left
+    np.testing.assert_allclose(quarter, (1, 1, np.pi / 2), atol=1e-12)
+    steps = Pose(-2, 0, 0.3)
+    for _ in range(100):
+        steps = drive(steps, 0.4, -0.2, 0.01)
+    np.testing.assert_allclose(steps, drive(Pose(-2, 0, 0.3), 0.4, -0.2, 1), atol=1e-9)
+
+
+def test_a_path_goes_round_and_round(package):
+    path = load_path(package + '/config/drive.yaml')
+    np.testing.assert_allclose(path.at(path.seconds - 1e-9)[0], path.start, atol=1e-6)
+    np.testing.assert_allclose(path.at(3 * path.seconds + 1.5)[0], path.at(1.5)[0], atol=1e-9)
+    assert Path(Pose(0, 0, 0), ((1.0, 1.0, 0.0), (1.0, 0.0, 1.0))).at(1.5) == (Pose(1, 0, 0.5), 0.0, 1.0)

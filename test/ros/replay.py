@@ -1,0 +1,141 @@
+"""What the exercises' rostests share: frames, results and truth of one stamp, put together."""
+import threading
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from aruco_ar import Area, Tag, area_mask
+from aruco_ar.messages import TRANSPORTS, frame_from_image
+from geometry_msgs.msg import PolygonStamped
+from sensor_msgs.msg import Image
+from unit5.msg import TagArray
+
+FRAME_ID = 'camera_rgb_optical_frame'
+BUFFER_BYTES = 1 << 26
+TIMEOUT_S = 60
+
+
+class Moment:
+    """All that was published with one stamp: frame, tags, area and the results by topic."""
+
+    def __init__(self, parts, results):
+        self.frame = parts['frame']
+        self.results = [parts[topic] for topic in results]
+        shape = np.array(self.frame.shape[1::-1])
+        # The truth: the tags that lie wholly in the frame, and the area if all of its tags do.
+        everywhere = [Tag(tag.id, np.float32([(p.x, p.y) for p in tag.corners]))
+                      for tag in parts['tags'].tags]
+        self.tags = [tag for tag in everywhere
+                     if np.all(tag.corners > 8) and np.all(tag.corners < shape - 8)]
+        self.cut = [tag for tag in everywhere
+                    if np.any(tag.center < 0) or np.any(tag.center > shape - 1)]
+        corners = np.float32([(p.x, p.y) for p in parts['area'].polygon.points])
+        self.area = Area(corners) if len(self.tags) == 4 else None
+
+
+class ReplayTest(unittest.TestCase):
+    """Collects moments from the bag that the exercise's own launch file replays."""
+
+    results = ()        # the topics that the exercise publishes
+    transport = 'compressed'
+    count = 60          # of different stamps to wait for
+
+    @classmethod
+    def setUpClass(cls):
+        cls._ready = threading.Condition()
+        cls._parts = {}
+        suffix, kind, to_frame = TRANSPORTS[cls.transport]
+        listen = cls._listen
+        subscribers = [
+            listen('frame', '/camera/rgb/image_raw' + suffix, kind, to_frame),
+            listen('tags', '/wall_camera/tags', TagArray),
+            listen('area', '/wall_camera/area', PolygonStamped)]
+        subscribers += [listen(topic, topic, Image, frame_from_image) for topic in cls.results]
+        names = {'frame', 'tags', 'area'} | set(cls.results)
+
+        def whole():
+            return [parts for parts in cls._parts.values() if set(parts) == names]
+        with cls._ready:
+            done = cls._ready.wait_for(lambda: len(whole()) >= cls.count, TIMEOUT_S)
+            cls.moments = [Moment(parts, cls.results) for parts in whole()]
+        for subscriber in subscribers:
+            subscriber.unregister()
+        if not done:
+            raise AssertionError('only %d of %d frames were answered within %d s'
+                                 % (len(cls.moments), cls.count, TIMEOUT_S))
+        cls.with_area = [moment for moment in cls.moments if moment.area]
+        assert cls.with_area, 'no frame in which all four tags are seen'
+
+    @classmethod
+    def _listen(cls, name, topic, kind, convert=lambda message: message):
+        def on_message(message):
+            if name in cls.results:  # the input's header is kept
+                assert message.header.frame_id == FRAME_ID and message.encoding == 'bgr8'
+            with cls._ready:
+                cls._parts.setdefault(message.header.stamp, {})[name] = convert(message)
+                cls._ready.notify_all()
+        return rospy.Subscriber(topic, kind, on_message, queue_size=10, buff_size=BUFFER_BYTES)
+
+    def assert_untouched_without_area(self, topic):
+        """Where a tag's center is out of the frame, the frame goes through unchanged."""
+        place = self.results.index(topic)
+        without = [moment for moment in self.moments if moment.cut]
+        self.assertTrue(without, 'no frame in which a tag is out of view')
+        for moment in without:
+            np.testing.assert_array_equal(moment.results[place], moment.frame)
+
+    def assert_corners(self, moment, result, color, px):
+        """The area painted in a result has its corners within px of the true ones.
+
+        ``color`` is what is painted along its rim.
+        """
+        # How much of each pixel is painted, between the frame's color and that.
+        frame = moment.frame.astype(np.float32)
+        change, full = result - frame, np.float32(color) - frame
+        covered = np.clip((change * full).sum(axis=2) / (full * full).sum(axis=2), 0, 1)
+        found = corners_of(covered, moment.area.corners)
+        errors = np.linalg.norm(found - moment.area.corners, axis=1)
+        self.assertLess(errors.max(), px)
+
+
+def split(area, shape, px=3):
+    """(inside, outside) of an area, both at least px away from its rim, as boolean masks."""
+    mask = area_mask(np.zeros(shape, np.uint8), area)[..., 0]
+    kernel = np.ones((2 * px + 1, 2 * px + 1), np.uint8)
+    return cv2.erode(mask, kernel) == 255, cv2.dilate(mask, kernel) == 0
+
+
+def corners_of(covered, near):
+    """The corners, (4, 2), of a quadrilateral that lie near given ones.
+
+    ``covered``: (h, w) float32, the part of each pixel that it covers. Each
+    side is measured between its tags, where it crosses plain wall: by how far
+    what is covered reaches along lines across the side.
+    """
+    reach, step = 6.0, 0.25
+    steps = np.arange(-reach + step / 2, reach, step)[:, None]
+    middle = near.mean(axis=0)
+    lines = []
+    for start, end in zip(near, np.roll(near, -1, axis=0)):
+        along = (end - start) / np.linalg.norm(end - start)
+        outward = np.array([along[1], -along[0]])
+        outward *= np.sign((start + end - 2 * middle) @ outward)
+        points = []
+        for part in np.linspace(0.22, 0.78, 60):
+            place = start + part * (end - start)
+            across = np.float32(place + steps * outward)[:, None]
+            reached = cv2.remap(covered, across, None, cv2.INTER_LINEAR).sum() * step - reach
+            points.append(place + reached * outward)
+        center = np.mean(points, axis=0)
+        normal = np.linalg.svd(points - center)[2][1]
+        lines.append((normal, normal @ center))  # normal . point = distance
+    return np.array([np.linalg.solve([before[0], after[0]], [before[1], after[1]])
+                     for before, after in zip(lines[-1:] + lines[:-1], lines)])
+
+
+def main(name, case):
+    """Run a test case as a rostest's node."""
+    rospy.init_node(name)
+    rostest.rosrun('unit5', name, case)
