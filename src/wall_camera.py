@@ -71,7 +71,7 @@ class WallCamera:
         path = parameter('path', '')
         self._driver = Driver(load_path(path) if path not in ('', 'none') else None)
 
-        self._image = ImagePublisher(CAMERA)
+        self._image = ImagePublisher(CAMERA, encoding='rgb8')
         self._publishers = {}
         self._transforms = tf2_ros.TransformBroadcaster()
         self._fixed = tf2_ros.StaticTransformBroadcaster()

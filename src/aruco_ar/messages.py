@@ -68,9 +68,11 @@ def frame_from_compressed(message):
     return frame
 
 
-def image_from_frame(frame, header):
-    """The frame as a sensor_msgs/Image, bgr8, with that header."""
-    return _bridge.cv2_to_imgmsg(frame, 'bgr8', header=header)
+def image_from_frame(frame, header, encoding='bgr8'):
+    """The frame as a sensor_msgs/Image, bgr8 or rgb8, with that header."""
+    if encoding == 'rgb8':
+        frame = cv2.cvtColor(frame, cv2.COLOR_BGR2RGB)
+    return _bridge.cv2_to_imgmsg(frame, encoding, header=header)
 
 
 def compressed_from_frame(frame, header):

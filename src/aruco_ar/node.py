@@ -63,8 +63,9 @@ def parameter(name, default):
 class ImagePublisher:
     """An image topic, raw and JPEG, each made only while somebody listens to it."""
 
-    def __init__(self, topic, on_listeners=None):
+    def __init__(self, topic, on_listeners=None, encoding='bgr8'):
         """``on_listeners`` is called, from any thread, when somebody comes or goes."""
+        self._encoding = encoding
         listener = _Listener(on_listeners) if on_listeners else None
         self.name = rospy.resolve_name(topic)
         self._raw = rospy.Publisher(topic, Image, listener, queue_size=1)
@@ -78,7 +79,7 @@ class ImagePublisher:
     def publish(self, frame, header):
         """Publish a frame, (h, w, 3) BGR uint8, to whom listens."""
         if self._raw.get_num_connections():
-            self._raw.publish(image_from_frame(frame, header))
+            self._raw.publish(image_from_frame(frame, header, self._encoding))
         if self._compressed.get_num_connections():
             self._compressed.publish(compressed_from_frame(frame, header))
 

@@ -94,7 +94,8 @@ class ReplayTest(unittest.TestCase):
         # How much of each pixel is painted, between the frame's color and that.
         frame = moment.frame.astype(np.float32)
         change, full = result - frame, np.float32(color) - frame
-        covered = np.clip((change * full).sum(axis=2) / (full * full).sum(axis=2), 0, 1)
+        span = np.maximum((full * full).sum(axis=2), 1)
+        covered = np.clip((change * full).sum(axis=2) / span, 0, 1)
         found = corners_of(covered, moment.area.corners)
         errors = np.linalg.norm(found - moment.area.corners, axis=1)
         self.assertLess(errors.max(), px)

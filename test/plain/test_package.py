@@ -1,0 +1,65 @@
+"""The package as ROS sees it: lint, launch files, and an install space."""
+import os
+import shutil
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+
+EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
+SHARED_ARGS = {'camera', 'transport', 'dictionary', 'ids', 'scale', 'view', 'bag', 'sim'}
+
+
+def launch_args(package, name):
+    return {arg.get('name'): arg for arg in
+            ElementTree.parse(os.path.join(package, 'launch', name)).getroot().findall('arg')}
+
+
+def test_catkin_lint_is_clean(package, tmp_path):
+    if not shutil.which('catkin_lint'):
+        pytest.skip('no catkin_lint')
+    # It wants the folder to have the package's name.
+    shutil.copytree(package, str(tmp_path / 'unit5'),
+                    ignore=shutil.ignore_patterns('.git', '.venv', 'build', '__pycache__'))
+    done = subprocess.run(['catkin_lint', '--strict', '-W2', 'unit5'], cwd=str(tmp_path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_every_launch_argument_is_documented(package):
+    for name in os.listdir(os.path.join(package, 'launch')):
+        for key, arg in launch_args(package, name).items():
+            assert arg.get('doc'), '%s: %s' % (name, key)
+
+
+def test_the_exercises_take_the_same_arguments(package):
+    for name in EXERCISES:
+        expected = SHARED_ARGS | ({'picture'} if name == 'exercise5_6.launch' else set())
+        assert set(launch_args(package, name)) == expected
+
+
+def test_an_install_space_has_it_all(package, tmp_path):
+    prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
+    for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,
+                     '-DCATKIN_DEVEL_PREFIX=%s/devel' % build, '-DCATKIN_ENABLE_TESTING=OFF',
+                     '-DPYTHON_EXECUTABLE=' + sys.executable],
+                    ['cmake', '--build', build, '--target', 'install']):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == 0, done.stdout
+    script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
+              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --ros-args unit5 '
+              'exercise5_6.launch && python3 -c "import aruco_ar.node; print(aruco_ar.__file__)"'
+              % (prefix, tmp_path))
+    clean = {key: value for key, value in os.environ.items()
+             if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}
+    done = subprocess.run(['bash', '-c', script], env=clean, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / 'made' / 'image_5.jpg').is_file()
+    assert '/exercise5_6' in done.stdout and '/wall_camera' in done.stdout
+    assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
+    assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
+    for name in ('exercise5_2.py', 'wall_camera.py'):
+        with open('%s/lib/unit5/%s' % (prefix, name)) as file:
+            assert file.readline() == '#!%s/.venv/bin/python3\n' % package

@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+"""A real photo goes through the launch file of exercise 5.2."""
+import os
+import unittest
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from aruco_ar import Detector, mark_tags
+from aruco_ar.messages import frame_from_image
+from sensor_msgs.msg import Image
+
+
+class Photo(unittest.TestCase):
+    def test_the_six_tags_are_outlined_and_numbered(self):
+        path = rospy.get_param('~photo')
+        if not os.path.isfile(path):
+            self.skipTest('no photo; it comes with the package opencv-doc: %s' % path)
+        photo = cv2.imread(path)
+        tags = Detector().detect(photo)
+        self.assertEqual(sorted(tag.id for tag in tags), [23, 40, 62, 98, 124, 203])
+        result = frame_from_image(rospy.wait_for_message('/exercise5_2/image', Image, 50))
+        np.testing.assert_array_equal(result, mark_tags(photo, tags))
+        for tag in tags:  # outlined on the photo itself, and numbered in the middle
+            self.assertTrue(np.any(np.all(result == (0, 255, 0), axis=2)[box(tag.corners)]))
+            self.assertTrue(np.any(np.all(result == (0, 255, 255), axis=2)[box(tag.corners)]))
+
+
+def box(corners):
+    left, top = np.int32(corners.min(axis=0))
+    right, bottom = np.int32(corners.max(axis=0))
+    return slice(top, bottom), slice(left, right)
+
+
+if __name__ == '__main__':
+    rospy.init_node('photo_test')
+    rostest.rosrun('unit5', 'photo_test', Photo)

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""The simulated camera: what it publishes fits together, and it drives."""
+import threading
+import unittest
+
+import message_filters
+import numpy as np
+import rospy
+import rostest
+import tf2_ros
+from aruco_ar import Detector, find_area
+from aruco_ar.messages import frame_from_image
+from geometry_msgs.msg import PolygonStamped, Twist
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import CameraInfo, Image
+from unit5.msg import TagArray
+
+TIMEOUT_S = 20
+
+
+class WallCamera(unittest.TestCase):
+    def moment(self):
+        """(image, info, tags, area) of one stamp."""
+        arrived = threading.Event()
+        found = []
+
+        def on_messages(*messages):
+            found[:] = messages
+            arrived.set()
+        subscribers = [message_filters.Subscriber(topic, kind, buff_size=1 << 24) for topic, kind in (
+            ('/camera/rgb/image_raw', Image), ('/camera/rgb/camera_info', CameraInfo),
+            ('/wall_camera/tags', TagArray), ('/wall_camera/area', PolygonStamped))]
+        message_filters.TimeSynchronizer(subscribers, 20).registerCallback(on_messages)
+        self.assertTrue(arrived.wait(TIMEOUT_S), 'no frame with its truth')
+        for subscriber in subscribers:
+            subscriber.unregister()
+        return found
+
+    def test_the_frame_the_truth_and_the_camera_info_agree(self):
+        image, info, truth, area = self.moment()
+        self.assertEqual((image.width, image.height, image.encoding), (640, 480, 'rgb8'))
+        self.assertEqual(image.header.frame_id, 'camera_rgb_optical_frame')
+        self.assertAlmostEqual(2 * np.arctan(info.width / 2 / info.K[0]), 1.047, places=6)
+        tags = Detector().detect(frame_from_image(image))
+        self.assertEqual(sorted(tag.id for tag in tags), sorted(tag.id for tag in truth.tags))
+        for tag in tags:
+            true = next(other for other in truth.tags if other.id == tag.id)
+            np.testing.assert_allclose(tag.corners, [(p.x, p.y) for p in true.corners], atol=1.5)
+        np.testing.assert_allclose(find_area(tags).corners, [(p.x, p.y) for p in area.polygon.points],
+                                   atol=1.0)
+
+        # The transforms and the camera's matrix put the wall where the truth says.
+        buffer = tf2_ros.Buffer()
+        tf2_ros.TransformListener(buffer)
+        found = buffer.lookup_transform('camera_rgb_optical_frame', 'wall', rospy.Time(0),
+                                        rospy.Duration(TIMEOUT_S)).transform
+        x, y, z, w = (getattr(found.rotation, axis) for axis in 'xyzw')
+        rotation = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        place = np.array([found.translation.x, found.translation.y, found.translation.z])
+        tag_1 = np.array([-0.45, 0.85, 0])  # config/wall.yaml
+        pixel = np.reshape(info.K, (3, 3)) @ (rotation @ tag_1 + place)
+        corner = area.polygon.points[0]
+        np.testing.assert_allclose(pixel[:2] / pixel[2], [corner.x, corner.y], atol=0.01)
+
+    def test_it_drives_by_cmd_vel_and_stops_without(self):
+        moved, stopped = threading.Event(), threading.Event()
+        start = rospy.wait_for_message('/odom', Odometry, TIMEOUT_S).pose.pose.position
+
+        def on_odometry(message):
+            here = message.pose.pose.position
+            if np.hypot(here.x - start.x, here.y - start.y) > 0.1:
+                moved.set()
+            if moved.is_set() and message.twist.twist.linear.x == 0:
+                stopped.set()
+        odometry = rospy.Subscriber('/odom', Odometry, on_odometry)
+        publisher = rospy.Publisher('/cmd_vel', Twist, queue_size=1)
+        command = Twist()
+        command.linear.x, command.angular.z = 0.3, 0.1
+        for _ in range(100):
+            publisher.publish(command)
+            if moved.wait(0.1):
+                break
+        self.assertTrue(moved.is_set(), 'it does not move')
+        self.assertTrue(stopped.wait(TIMEOUT_S), 'it does not stop when no command comes')
+        odometry.unregister()
+
+
+if __name__ == '__main__':
+    rospy.init_node('wall_camera_test')
+    rostest.rosrun('unit5', 'wall_camera_test', WallCamera)
