@@ -60,6 +60,9 @@ def test_an_install_space_has_it_all(package, tmp_path):
     assert '/exercise5_6' in done.stdout and '/wall_camera' in done.stdout
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
-    for name in ('exercise5_2.py', 'wall_camera.py'):
-        with open('%s/lib/unit5/%s' % (prefix, name)) as file:
-            assert file.readline() == '#!%s/.venv/bin/python3\n' % package
+    for name in ('artag_generator.py', 'exercise5_2.py', 'wall_camera.py'):
+        with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
+                open('%s/src/%s' % (package, name)) as source:
+            assert installed.readline() == '#!%s/.venv/bin/python3\n' % package
+            source.readline()
+            assert installed.read() == source.read()
