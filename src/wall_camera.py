@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
-import cv2
 import numpy as np
 import rospy
 import tf2_ros
 from geometry_msgs.msg import Twist
 
 from aruco_ar.errors import InputError
-from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, stop_on_input_error
+from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, run_node
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path,
                             wall_to_camera)
@@ -106,6 +105,4 @@ class WallCamera:
 
 
 if __name__ == '__main__':
-    rospy.init_node('wall_camera')
-    cv2.setNumThreads(1)  # the nodes that look at the frames need the other cores
-    stop_on_input_error(lambda: WallCamera().spin())
+    run_node('wall_camera', lambda: WallCamera().spin())

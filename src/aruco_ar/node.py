@@ -35,14 +35,15 @@ def run(name, step, topics=('image',), picture=False):
     for each of them in that order. ``step`` is called only while somebody
     listens, and only with the newest frame.
     """
+    run_node(name, lambda: _ImageNode(step, topics, picture).spin())
+
+
+def run_node(name, work):
+    """Start a node and call ``work``; end it with a sentence where that raises InputError."""
+    sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)
-    stop_on_input_error(lambda: _ImageNode(step, topics, picture).spin())
-
-
-def stop_on_input_error(work):
-    """Call ``work``; end the process with a sentence where it raises InputError."""
     try:
         work()
     except InputError as error:
