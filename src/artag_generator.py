@@ -24,7 +24,7 @@ def read_ids(text):
             ids.extend(range(int(first), int(last or first) + 1))
     except ValueError:
         raise argparse.ArgumentTypeError('"%s" is no list of ids; write for example 1-4 or 1,4,7'
-                                         % text)
+                                         % text) from None
     if not ids:
         raise argparse.ArgumentTypeError('"%s" holds no id; write the smaller number first' % text)
     return list(dict.fromkeys(ids))
@@ -66,8 +66,8 @@ def parse(argv):
     option('--output', metavar='FOLDER', help="default: the package's Tags/, or ./Tags")
     option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
     option('--page', choices=list(PAGES), default='A4', help='paper for the sheet (default: A4)')
-    option('--side', type=float, default=80, metavar='MM',
-           help='side of the tags on the sheet in millimeters (default: 80)')
+    option('--side', type=float, default=75, metavar='MM',
+           help='side of the tags on the sheet in millimeters (default: 75, four a page)')
     args = parser.parse_args(argv)
     if args.quiet is None:
         args.quiet = 1 if args.sheet else 0

@@ -1,6 +1,9 @@
-"""Writing files whole or not at all."""
+"""Files: writing them whole or not at all, and reading YAML."""
 import os
 import tempfile
+from contextlib import contextmanager
+
+import yaml
 
 from .errors import InputError
 
@@ -24,11 +27,34 @@ def write_whole(path, data):
             os.unlink(draft)
             raise
     except OSError as error:
-        raise InputError('Cannot write "%s": %s. Choose another folder with --output.'
-                         % (path, error.strerror))
+        raise InputError('Cannot write "%s": %s. Choose another place to write to.'
+                         % (path, error.strerror)) from None
 
 
 def _umask():
     mask = os.umask(0)
     os.umask(mask)
     return mask
+
+
+@contextmanager
+def yaml_entries(path):
+    """What a YAML file holds, for a ``with`` block that takes its entries from it.
+
+    Raises InputError naming the file if it cannot be read, is not YAML, or if
+    the block finds an entry missing or of the wrong form.
+    """
+    try:
+        with open(path, encoding='utf-8') as file:
+            data = yaml.safe_load(file)
+    except OSError as error:
+        raise InputError('The file "%s" cannot be read: %s.' % (path, error.strerror)) from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError('The file "%s" is not YAML: %s.'
+                         % (path, ' '.join(str(error).split()))) from None
+    try:
+        yield data
+    except KeyError as error:
+        raise InputError('The file "%s" lacks the entry %s.' % (path, error)) from None
+    except (TypeError, ValueError, AttributeError) as error:
+        raise InputError('The file "%s" has an entry of the wrong form: %s.' % (path, error)) from None

@@ -31,7 +31,7 @@ def frame_from_image(message):
     except (CvBridgeError, cv2.error, TypeError) as error:
         raise InputError('A frame with the encoding "%s" cannot be used (%s); set the camera driver '
                          'to one such as rgb8, bgr8, mono8 or yuv422.'
-                         % (message.encoding, ' '.join(str(error).split())), kind='encoding')
+                         % (message.encoding, ' '.join(str(error).split())), kind='encoding') from None
 
 
 def _without_padding(message):

@@ -18,7 +18,7 @@ def load_picture(path):
         with open(path, 'rb') as file:
             data = np.frombuffer(file.read(), np.uint8)
     except OSError as error:
-        raise InputError('The picture "%s" cannot be read: %s.' % (path, error.strerror))
+        raise InputError('The picture "%s" cannot be read: %s.' % (path, error.strerror)) from None
     as_stored = _decode(data, cv2.IMREAD_UNCHANGED)
     if as_stored is not None and as_stored.ndim == 3 and as_stored.shape[2] == 4:
         return as_stored if as_stored.dtype == np.uint8 else (as_stored // 257).astype(np.uint8)

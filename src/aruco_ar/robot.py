@@ -11,7 +11,7 @@ from typing import List, NamedTuple, Tuple
 import numpy as np
 
 from .errors import InputError
-from .wall import load_yaml
+from .files import yaml_entries
 
 CAMERA_FORWARD_M = 0.08  # before the middle between the wheels
 CAMERA_HEIGHT_M = 0.35
@@ -69,15 +69,10 @@ def load_path(path):
 
     Raises InputError naming the file and what is wrong.
     """
-    data = load_yaml(path)
-    try:
+    with yaml_entries(path) as data:
         start = Pose(*(float(data['start'][key]) for key in ('x', 'y', 'heading')))
         legs = tuple((float(leg['seconds']), float(leg.get('linear', 0)),
                       float(leg.get('angular', 0))) for leg in data['legs'])
-    except KeyError as error:
-        raise InputError('The path "%s" lacks the entry %s.' % (path, error))
-    except (TypeError, ValueError, AttributeError) as error:
-        raise InputError('The path "%s" has an entry of the wrong form: %s.' % (path, error))
     if not legs or any(leg[0] <= 0 for leg in legs):
         raise InputError('The path "%s" needs legs, each of more than 0 seconds.' % path)
     return Path(start, legs)

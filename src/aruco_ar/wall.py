@@ -8,9 +8,9 @@ from math import cos, radians, sin
 from typing import Tuple
 
 import numpy as np
-import yaml
 
 from .errors import InputError
+from .files import yaml_entries
 from .tags import tag_cells
 
 
@@ -66,18 +66,13 @@ def load_wall(path):
 
     Raises InputError naming the file and the entry that is wrong.
     """
-    data = load_yaml(path)
-    try:
+    with yaml_entries(path) as data:
         tags = tuple(WallTag(int(entry['id']), *(float(entry[key]) for key in ('x', 'y', 'side')),
                              float(entry.get('turn', 0))) for entry in data['tags'])
         wall = Wall(float(data['wall']['width']), float(data['wall']['height']),
                     tuple(int(value) for value in reversed(data['wall']['color'])),
                     str(data['dictionary']), float(data.get('quiet', 1)), tags,
                     tuple(int(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
-    except KeyError as error:
-        raise InputError('The wall "%s" lacks the entry %s.' % (path, error))
-    except (TypeError, ValueError, AttributeError) as error:
-        raise InputError('The wall "%s" has an entry of the wrong form: %s.' % (path, error))
     ids = [tag.id for tag in wall.tags]
     if len(wall.area) != 4 or len(set(wall.area)) != 4 or not set(wall.area) <= set(ids):
         raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
@@ -88,14 +83,3 @@ def load_wall(path):
                              % (tag.id, path, tag.side))
         tag_cells(wall.dictionary, tag.id)
     return wall
-
-
-def load_yaml(path):
-    """What a YAML file holds. Raises InputError naming the file if it cannot be read."""
-    try:
-        with open(path, encoding='utf-8') as file:
-            return yaml.safe_load(file)
-    except OSError as error:
-        raise InputError('The file "%s" cannot be read: %s.' % (path, error.strerror))
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError('The file "%s" is not YAML: %s.' % (path, ' '.join(str(error).split())))

@@ -75,7 +75,7 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
     ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', "lacks the entry 'wall'"),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-     'tags:\n- {id: 1, x: 0, y: 0, side: 1}', 'ids of four different'),
+     'tags:\n- {id: 1, x: 0, y: 0, side: 1}', 'four different'),
 ])
 def test_a_wrong_wall_file_is_named(tmp_path, text, words):
     path = tmp_path / 'wall.yaml'
