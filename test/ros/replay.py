@@ -12,7 +12,6 @@ from geometry_msgs.msg import PolygonStamped
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 
-FRAME_ID = 'camera_rgb_optical_frame'
 BUFFER_BYTES = 1 << 26
 TIMEOUT_S = 60
 
@@ -20,9 +19,11 @@ TIMEOUT_S = 60
 class Moment:
     """All that was published with one stamp: frame, tags, area and the results by topic."""
 
-    def __init__(self, parts, results):
-        self.frame = parts['frame']
-        self.results = [parts[topic] for topic in results]
+    def __init__(self, parts, results, to_frame):
+        self.header = parts['frame'].header
+        self.frame = to_frame(parts['frame'])
+        self.messages = [parts[topic] for topic in results]
+        self.results = [frame_from_image(message) for message in self.messages]
         shape = np.array(self.frame.shape[1::-1])
         # The truth: the tags that lie wholly in the frame, and the area if all of its tags do.
         everywhere = [Tag(tag.id, np.float32([(p.x, p.y) for p in tag.corners]))
@@ -49,17 +50,17 @@ class ReplayTest(unittest.TestCase):
         suffix, kind, to_frame = TRANSPORTS[cls.transport]
         listen = cls._listen
         subscribers = [
-            listen('frame', '/camera/rgb/image_raw' + suffix, kind, to_frame),
+            listen('frame', '/camera/rgb/image_raw' + suffix, kind),
             listen('tags', '/wall_camera/tags', TagArray),
             listen('area', '/wall_camera/area', PolygonStamped)]
-        subscribers += [listen(topic, topic, Image, frame_from_image) for topic in cls.results]
+        subscribers += [listen(topic, topic, Image) for topic in cls.results]
         names = {'frame', 'tags', 'area'} | set(cls.results)
 
         def whole():
             return [parts for parts in cls._parts.values() if set(parts) == names]
         with cls._ready:
             done = cls._ready.wait_for(lambda: len(whole()) >= cls.count, TIMEOUT_S)
-            cls.moments = [Moment(parts, cls.results) for parts in whole()]
+            cls.moments = [Moment(parts, cls.results, to_frame) for parts in whole()]
         for subscriber in subscribers:
             subscriber.unregister()
         if not done:
@@ -69,14 +70,19 @@ class ReplayTest(unittest.TestCase):
         assert cls.with_area, 'no frame in which all four tags are seen'
 
     @classmethod
-    def _listen(cls, name, topic, kind, convert=lambda message: message):
+    def _listen(cls, name, topic, kind):
         def on_message(message):
-            if name in cls.results:  # the input's header is kept
-                assert message.header.frame_id == FRAME_ID and message.encoding == 'bgr8'
             with cls._ready:
-                cls._parts.setdefault(message.header.stamp, {})[name] = convert(message)
+                cls._parts.setdefault(message.header.stamp, {})[name] = message
                 cls._ready.notify_all()
         return rospy.Subscriber(topic, kind, on_message, queue_size=10, buff_size=BUFFER_BYTES)
+
+    def test_the_header_is_kept_and_the_encoding_is_bgr8(self):
+        for moment in self.moments:
+            for message in moment.messages:
+                self.assertEqual(message.header.stamp, moment.header.stamp)
+                self.assertEqual(message.header.frame_id, moment.header.frame_id)
+                self.assertEqual(message.encoding, 'bgr8')
 
     def assert_untouched_without_area(self, topic):
         """Where a tag's center is out of the frame, the frame goes through unchanged."""
