@@ -10,9 +10,11 @@ import sys
 
 import cv2
 
-from aruco_ar import InputError, draw_tag
+from aruco_ar import DICTIONARIES, InputError, draw_tag
 from aruco_ar.files import write_whole
 from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
+
+MAX_ID = 10000  # above those of every dictionary
 
 
 def read_ids(text):
@@ -20,8 +22,8 @@ def read_ids(text):
     ids = []
     try:
         for part in text.split(','):
-            first, _, last = part.partition('-')
-            ids.extend(range(int(first), int(last or first) + 1))
+            first, dash, last = part.partition('-')
+            ids.extend(range(int(first), min(int(last if dash else first), MAX_ID) + 1))
     except ValueError:
         raise argparse.ArgumentTypeError('"%s" is no list of ids; write for example 1-4 or 1,4,7'
                                          % text) from None
@@ -54,9 +56,10 @@ def draw(form, args, tag_id):
 
 def parse(argv):
     parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARIES))
     option = parser.add_argument
-    option('--dictionary', default='DICT_6X6_250', help='any predefined OpenCV dictionary')
+    option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
     option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')
     option('--size', type=int, default=700, help='side of the tag in pixels (default: 700)')
     option('--border', type=int, default=1, help='width of the black border in cells (default: 1)')
@@ -71,8 +74,8 @@ def parse(argv):
     args = parser.parse_args(argv)
     if args.quiet is None:
         args.quiet = 1 if args.sheet else 0
-    if args.quiet < 0:
-        parser.error('--quiet takes 0 or more cells, not %d' % args.quiet)
+    if args.sheet is not None and not args.sheet.lower().endswith('.pdf'):
+        parser.error('--sheet takes the name of a PDF file, such as tags.pdf, not "%s"' % args.sheet)
     return args
 
 

@@ -81,12 +81,13 @@ class WallCamera:
         start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
             late = (rospy.Time.now() - start).to_sec() * self._rate
+            if late < count - 1:  # the clock was set back
+                start, count, late = rospy.Time.now(), 0, 0
             count = max(count + 1, int(late))  # what cannot be rendered in time is left out
             stamp = start + rospy.Duration(count / self._rate)
             try:
                 rospy.sleep(stamp - rospy.Time.now())
             except rospy.ROSTimeMovedBackwardsException:
-                start, count = rospy.Time.now(), 0
                 continue
             except rospy.ROSInterruptException:
                 return

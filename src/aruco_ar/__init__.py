@@ -1,8 +1,8 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
 A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
-(overlay). ``aruco_ar.node`` and ``aruco_ar.messages`` connect this to ROS and
-are the only modules here that need it.
+(overlay). The modules ``node``, ``messages`` and ``wall_messages`` connect this
+to ROS, and are the only ones that need it.
 """
 from .area import Area, find_area, find_four_centers
 from .detector import Detector

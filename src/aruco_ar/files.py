@@ -58,3 +58,11 @@ def yaml_entries(path):
         raise InputError('The file "%s" lacks the entry %s.' % (path, error)) from None
     except (TypeError, ValueError, AttributeError) as error:
         raise InputError('The file "%s" has an entry of the wrong form: %s.' % (path, error)) from None
+
+
+def within(value, low, high):
+    """The number as a float. Raises ValueError, which yaml_entries explains, if it is out of bounds."""
+    number = float(value)
+    if not low <= number <= high:
+        raise ValueError('%s is not from %g to %g' % (value, low, high))
+    return number

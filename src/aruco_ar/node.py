@@ -112,6 +112,8 @@ class _ImageNode:
             self._step = lambda frame, tags: step(frame, tags, painted)
 
         self._camera = rospy.resolve_name(CAMERA)
+        suffix, self._kind, self._to_frame = TRANSPORTS[self._transport]
+        self._topic = self._camera + suffix
         self._subscriber = None
         self._last_sign = time.monotonic()  # of life from the camera
         self._said = set()
@@ -119,7 +121,7 @@ class _ImageNode:
         self._wake = threading.Event()
         self._outputs = [ImagePublisher('~' + topic, self._wake.set) for topic in topics]
         rospy.on_shutdown(self._wake.set)
-        rospy.loginfo('Ready: %s -> %s', self._camera,
+        rospy.loginfo('Ready: %s -> %s', self._topic,
                       ', '.join(output.name for output in self._outputs))
 
     def spin(self):
@@ -134,9 +136,8 @@ class _ImageNode:
     def _follow_listeners(self):
         wanted = any(output.has_listeners() for output in self._outputs)
         if wanted and self._subscriber is None:
-            suffix, kind, self._to_frame = TRANSPORTS[self._transport]
             self._last_sign = time.monotonic()
-            self._subscriber = rospy.Subscriber(self._camera + suffix, kind, self._on_message,
+            self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
                                                 queue_size=1, buff_size=BUFFER_BYTES)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
@@ -151,8 +152,7 @@ class _ImageNode:
             rospy.logwarn_once('The ROS master does not answer: %s', error)
             return
         own = [output.name for output in self._outputs]
-        camera = self._camera + TRANSPORTS[self._transport][0]
-        if self._subscriber is None and camera in published:
+        if self._subscriber is None and published.get(self._topic) == self._kind._type:
             sentence = ('Nobody listens to %s, so nothing is computed. To see it: rosrun image_view '
                         'image_view image:=%s' % (', '.join(own), own[-1]))
             log = rospy.loginfo
@@ -168,20 +168,20 @@ class _ImageNode:
         self._last_sign = time.monotonic()
         if self._waiting:
             self._waiting = None
-            rospy.loginfo('Frames arrive on %s.', self._camera)
+            rospy.loginfo('Frames arrive on %s.', self._topic)
         try:
             frame = self._to_frame(message)
             if self._scale != 1.0:
                 smooth = cv2.INTER_AREA if self._scale < 1 else cv2.INTER_LINEAR
-                frame = cv2.resize(frame, None, fx=self._scale, fy=self._scale,
-                                   interpolation=smooth)
+                size = [max(1, round(side * self._scale)) for side in frame.shape[1::-1]]
+                frame = cv2.resize(frame, size, interpolation=smooth)
             images = self._step(frame, self._detector.detect(frame))
         except InputError as error:
             self._say_once(error.kind, str(error))
             return
         except Exception:  # a fault of ours: one frame is lost, not the node
             fault = traceback.format_exc()
-            self._say_once(fault, 'This frame is lost, the next is not: ' + fault)
+            self._say_once(fault, 'A frame is passed over, by a fault of this node: ' + fault)
             return
         if len(self._outputs) == 1:
             images = [images]

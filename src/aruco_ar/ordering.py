@@ -10,6 +10,9 @@ from .errors import InputError
 # that a picture could hang from: centers on one line, give or take noise.
 MIN_HEIGHT_PX = 2.0
 
+# Of so many points every four are tried, where those on the hull alone do not do.
+MAX_TRIED = 12
+
 # Which way the corners lie: top left, top right, bottom right, bottom left.
 DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
@@ -36,7 +39,8 @@ def order_coordinates(points, zigzag=False):
         raise InputError('order_coordinates takes four points, an array of shape (4, 2) of '
                          'finite numbers, not %s.' % np.array2string(points, threshold=8))
     points = points[np.lexsort(points.T)]  # whatever order they came in
-    total, difference = points.sum(axis=1), points[:, 1] - points[:, 0]
+    x, y = points.astype(np.float64).T  # small integers would overflow
+    total, difference = x + y, y - x
     order = [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
     if len(set(order)) < 4:
         order = _clockwise(points)
@@ -55,18 +59,20 @@ def _clockwise(points):
 
 
 def is_quadrilateral(corners):
-    """Whether (4, 2) corners, in order, make a convex figure that is not flat.
+    """Whether corners, (..., 4, 2) and in order, make a convex figure that is not flat.
 
     Every corner must stand out of the line through its two neighbors by
-    MIN_HEIGHT_PX, all to the same side.
+    MIN_HEIGHT_PX, all to the same side. The result is (...) bool.
     """
     corners = np.asarray(corners, np.float64)
-    before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
-    base, arm = after - before, corners - before
-    length = np.hypot(base[:, 0], base[:, 1])
-    cross = base[:, 0] * arm[:, 1] - base[:, 1] * arm[:, 0]
-    height = cross / np.maximum(length, 1e-9)
-    return bool(np.all(height > MIN_HEIGHT_PX) or np.all(height < -MIN_HEIGHT_PX))
+    before, after = np.roll(corners, 1, axis=-2), np.roll(corners, -1, axis=-2)
+    base = after - before
+    height = _cross(base, corners - before) / np.maximum(np.linalg.norm(base, axis=-1), 1e-9)
+    return np.all(height > MIN_HEIGHT_PX, axis=-1) | np.all(height < -MIN_HEIGHT_PX, axis=-1)
+
+
+def _cross(one, other):
+    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
 
 
 def largest_quadrilateral(points):
@@ -79,18 +85,30 @@ def largest_quadrilateral(points):
     points = np.asarray(points, np.float32).reshape(-1, 2)
     if len(points) < 4:
         return None
-    # The four lie on the convex hull, and there in the hull's own order.
-    hull = cv2.convexHull(points).reshape(-1, 2)
+    best = _largest_on_hull(cv2.convexHull(points).reshape(-1, 2))
+    if best is None and len(points) <= MAX_TRIED:
+        best = _largest_of_all(points)
+    return best
+
+
+def _largest_on_hull(hull):
+    """The largest quadrilateral lies on the convex hull, if that has four proper corners."""
     best, best_area = None, 0.0
     for first, third in combinations(range(len(hull)), 2):
-        base = hull[third] - hull[first]
-        arm = hull - hull[first]
-        height = base[0] * arm[:, 1] - base[1] * arm[:, 0]
+        height = _cross(hull[third] - hull[first], hull - hull[first])
         second, fourth = np.argmax(height), np.argmin(height)
         area = height[second] - height[fourth]
         if height[second] > 0 > height[fourth] and area > best_area:
-            best_area = area
-            best = hull[sorted((first, second, third, fourth))]
-    if best is None or not is_quadrilateral(best):
+            best, best_area = hull[sorted((first, second, third, fourth))], area
+    return best if best is not None and is_quadrilateral(best) else None
+
+
+def _largest_of_all(points):
+    """The largest of all proper quadrilaterals, which may have corners within the hull."""
+    fours = points[list(combinations(range(len(points)), 4))]
+    figures = fours[:, [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 1, 3]]].reshape(-1, 4, 2)
+    figures = figures[is_quadrilateral(figures)]
+    if len(figures) == 0:
         return None
-    return best
+    areas = np.abs(_cross(figures[:, 2] - figures[:, 0], figures[:, 3] - figures[:, 1]))
+    return figures[np.argmax(areas)]

@@ -90,7 +90,7 @@ def _cover(area, shape):
     x = np.arange(left, right, dtype=np.float32)
     y = np.arange(top, bottom, dtype=np.float32)[:, None]
     corners = np.asarray(area.corners, np.float64)
-    inward = np.sign(cv2.contourArea(np.float32(corners), oriented=True))
+    inward = 1 if cv2.contourArea(np.float32(corners), oriented=True) >= 0 else -1
     cover = np.full((bottom - top, right - left), 255, np.float32)
     for start, end in zip(corners, np.roll(corners, -1, axis=0)):
         along = (end - start) * inward * 255 / np.linalg.norm(end - start)
@@ -121,12 +121,19 @@ def overlay(frame, picture, area):
         return image
     shift = np.array([[1, 0, -part[1].start], [0, 1, -part[0].start], [0, 0, 1.0]])
     homography = shift @ area.homography(picture.shape[1], picture.shape[0])
-    warped = cv2.warpPerspective(picture, homography, cover.shape[1::-1],
-                                 flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    if picture.shape[2] == 4:
-        cover = cv2.multiply(cover, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
-        warped = warped[:, :, :3]
-    image[part] = blend(image[part], warped, cover)
+
+    def warp(pixels):
+        return cv2.warpPerspective(pixels, homography, cover.shape[1::-1],
+                                   flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    if picture.shape[2] == 3:
+        image[part] = blend(image[part], warp(picture), cover)
+    else:
+        # Colors go weighted with their alpha, or those that nobody sees would bleed in at its rim.
+        alpha = cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR)
+        weighted = warp(cv2.multiply(picture[:, :, :3], alpha, scale=1 / 255))
+        clear = cv2.bitwise_not(cv2.multiply(cover, warp(alpha), scale=1 / 255))
+        image[part] = cv2.add(cv2.multiply(image[part], clear, scale=1 / 255),
+                              cv2.multiply(weighted, cover, scale=1 / 255))
     return image
 
 

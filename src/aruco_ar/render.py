@@ -2,6 +2,7 @@
 import cv2
 import numpy as np
 
+from .errors import InputError
 from .paint import blend
 from .tags import tag_cells
 
@@ -191,6 +192,9 @@ def _lens(camera):
         (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
     looks = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
     low, high = np.floor(looks.min(axis=0)) - 1, np.ceil(looks.max(axis=0)) + 1
+    if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
+        raise InputError('The distortion %s bends the view too far; give smaller coefficients.'
+                         % (list(camera.distortion),))
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= low
     size = tuple(int(length) for length in high - low + 1)

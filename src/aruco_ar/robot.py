@@ -11,7 +11,7 @@ from typing import List, NamedTuple, Tuple
 import numpy as np
 
 from .errors import InputError
-from .files import yaml_entries
+from .files import within, yaml_entries
 
 CAMERA_FORWARD_M = 0.08  # before the middle between the wheels
 CAMERA_HEIGHT_M = 0.35
@@ -70,11 +70,13 @@ def load_path(path):
     Raises InputError naming the file and what is wrong.
     """
     with yaml_entries(path) as data:
-        start = Pose(*(float(data['start'][key]) for key in ('x', 'y', 'heading')))
-        legs = tuple((float(leg['seconds']), float(leg.get('linear', 0)),
-                      float(leg.get('angular', 0))) for leg in data['legs'])
-    if not legs or any(leg[0] <= 0 for leg in legs):
-        raise InputError('The path "%s" needs legs, each of more than 0 seconds.' % path)
+        start = Pose(*(within(data['start'][key], -100, 100) for key in ('x', 'y', 'heading')))
+        legs = tuple((within(leg['seconds'], 0.001, 3600),
+                      within(leg.get('linear', 0), -MAX_LINEAR, MAX_LINEAR),
+                      within(leg.get('angular', 0), -MAX_ANGULAR, MAX_ANGULAR))
+                     for leg in data['legs'])
+    if not legs:
+        raise InputError('The path "%s" has no legs; give at least one.' % path)
     return Path(start, legs)
 
 

@@ -6,7 +6,7 @@ from reportlab.lib.units import mm
 from reportlab.pdfgen.canvas import Canvas
 
 from .errors import InputError
-from .tags import tag_cells
+from .tags import check_quiet, check_size, tag_cells
 
 PAGES = {'A4': A4, 'Letter': LETTER}
 
@@ -37,6 +37,8 @@ def tag_svg(dictionary, tag_id, size=700, border=1, quiet=0):
     All cells are one path, so that no viewer leaves hairlines between them.
     """
     cells = tag_cells(dictionary, tag_id, border)
+    check_size(len(cells), size)
+    check_quiet(quiet)
     total = len(cells) + 2 * quiet
     side = size * total / len(cells)
     path = ' '.join('M%g %gh%dv1h-%dz' % (column + quiet, row + quiet, length, length)
@@ -59,8 +61,9 @@ def tag_sheet(dictionary, ids, side_mm, page='A4', border=1, quiet=1):
     """
     if page not in PAGES:
         raise InputError('There is no page "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
-    if not side_mm > 0:
-        raise InputError('A tag with a side of %g mm cannot be printed; use more than 0.' % side_mm)
+    if not 1 <= side_mm <= 1000:
+        raise InputError('A tag with a side of %g mm cannot be printed; choose from 1 to 1000.' % side_mm)
+    check_quiet(quiet)
     tags = [(tag_id, tag_cells(dictionary, tag_id, border)) for tag_id in ids]
     cell_mm = side_mm / len(tags[0][1])
     cut_mm = side_mm + 2 * quiet * cell_mm

@@ -9,6 +9,10 @@ from .errors import InputError
 DICTIONARIES = {name: getattr(cv2.aruco, name)
                 for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')}
 
+MAX_SIZE_PX = 10000
+MAX_BORDER_CELLS = 10
+MAX_QUIET_CELLS = 10
+
 
 @dataclass(frozen=True, eq=False)
 class Tag:
@@ -61,10 +65,25 @@ def tag_cells(dictionary, tag_id, border=1):
     if not 0 <= tag_id < count:
         raise InputError('Tag id %d is not in %s, which has the ids 0 to %d.'
                          % (tag_id, dictionary, count - 1))
-    if border < 1:
-        raise InputError('The border of a tag is %d cells; it takes at least 1 to be found.' % border)
+    if not 1 <= border <= MAX_BORDER_CELLS:
+        raise InputError('A border of %d cells cannot be drawn; choose from 1 to %d.'
+                         % (border, MAX_BORDER_CELLS))
     return cv2.aruco.generateImageMarker(
         marker, tag_id, marker.markerSize + 2 * border, borderBits=border)
+
+
+def check_size(cells, size):
+    """Raise InputError if a tag that many cells wide cannot be drawn with that size in pixels."""
+    if not cells <= size <= MAX_SIZE_PX:
+        raise InputError('A tag %d cells wide cannot be drawn with a size of %d px; choose from %d to '
+                         '%d.' % (cells, size, cells, MAX_SIZE_PX))
+
+
+def check_quiet(quiet):
+    """Raise InputError if a quiet zone of that many cells cannot be drawn."""
+    if not 0 <= quiet <= MAX_QUIET_CELLS:
+        raise InputError('A quiet zone of %g cells cannot be drawn; choose from 0 to %d.'
+                         % (quiet, MAX_QUIET_CELLS))
 
 
 def draw_tag(dictionary, tag_id, size=700, border=1, quiet=0):
@@ -76,11 +95,8 @@ def draw_tag(dictionary, tag_id, size=700, border=1, quiet=0):
     size with less than one pixel for each cell.
     """
     cells = len(tag_cells(dictionary, tag_id, border))
-    if size < cells:
-        raise InputError('A tag of %s with a border of %d is %d cells wide; a size of %d px has '
-                         'no room for them.' % (dictionary, border, cells, size))
-    if quiet < 0:
-        raise InputError('A quiet zone of %g cells is not possible; use 0 or more.' % quiet)
+    check_size(cells, size)
+    check_quiet(quiet)
     tag = cv2.aruco.generateImageMarker(get_dictionary(dictionary), tag_id, size, borderBits=border)
     margin = round(quiet * size / cells)
     return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=255)

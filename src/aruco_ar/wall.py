@@ -10,7 +10,7 @@ from typing import Tuple
 import numpy as np
 
 from .errors import InputError
-from .files import yaml_entries
+from .files import within, yaml_entries
 from .tags import tag_cells
 
 
@@ -67,19 +67,23 @@ def load_wall(path):
     Raises InputError naming the file and the entry that is wrong.
     """
     with yaml_entries(path) as data:
-        tags = tuple(WallTag(int(entry['id']), *(float(entry[key]) for key in ('x', 'y', 'side')),
-                             float(entry.get('turn', 0))) for entry in data['tags'])
-        wall = Wall(float(data['wall']['width']), float(data['wall']['height']),
-                    tuple(int(value) for value in reversed(data['wall']['color'])),
-                    str(data['dictionary']), float(data.get('quiet', 1)), tags,
-                    tuple(int(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
+        tags = tuple(WallTag(_id(entry['id']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
+                             within(entry['side'], 0.001, 10), within(entry.get('turn', 0), -360, 360))
+                     for entry in data['tags'])
+        wall = Wall(within(data['wall']['width'], 0.1, 100), within(data['wall']['height'], 0.1, 100),
+                    tuple(within(value, 0, 255) for value in reversed(data['wall']['color'])),
+                    str(data['dictionary']), within(data.get('quiet', 1), 0, 10), tags,
+                    tuple(_id(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
     ids = [tag.id for tag in wall.tags]
     if len(wall.area) != 4 or len(set(wall.area)) != 4 or not set(wall.area) <= set(ids):
         raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
                          % (path, list(wall.area)))
-    for tag in wall.tags:
-        if tag.side <= 0:
-            raise InputError('Tag %d of the wall "%s" has a side of %g m; give more than 0.'
-                             % (tag.id, path, tag.side))
-        tag_cells(wall.dictionary, tag.id)
+    for id in ids:
+        tag_cells(wall.dictionary, id)
     return wall
+
+
+def _id(value):
+    if not isinstance(value, int):
+        raise ValueError('%s is no id' % (value,))
+    return value

@@ -73,6 +73,14 @@ def test_fractions_of_a_pixel_are_kept():
     np.testing.assert_array_equal(order_coordinates(points[::-1]), points)
 
 
+@pytest.mark.parametrize('dtype', [np.int8, np.uint8, np.int64, np.float64])
+def test_any_type_of_number_is_ordered(dtype):
+    points = np.array([[100, 90], [10, 5], [110, 10], [5, 100]], dtype)
+    ordered = order_coordinates(points)
+    assert ordered.dtype == dtype
+    assert ordered.tolist() == [[10, 5], [110, 10], [100, 90], [5, 100]]
+
+
 @pytest.mark.parametrize('points', [[], [[1, 2]] * 3, [[1, 2, 3]] * 4,
                                     [[0, 0], [1, 0], [1, 1], [0, np.nan]]])
 def test_what_are_not_four_points_is_refused(points):
@@ -81,13 +89,21 @@ def test_what_are_not_four_points_is_refused(points):
 
 
 def test_the_largest_of_many(random):
-    for _ in range(50):
-        points = np.float32(random.uniform(0, 500, (9, 2)))
-        areas = [cv2.contourArea(cv2.convexHull(points[list(four)]))
-                 for four in combinations(range(9), 4)
-                 if len(cv2.convexHull(points[list(four)])) == 4]
+    for _ in range(300):
+        points = np.float32(random.uniform(0, 500, (random.randint(5, 10), 2)))
+        hulls = [cv2.convexHull(points[list(four)]).reshape(-1, 2)
+                 for four in combinations(range(len(points)), 4)]
+        areas = [cv2.contourArea(hull) for hull in hulls if len(hull) == 4 and is_quadrilateral(hull)]
         found = largest_quadrilateral(points)
-        assert cv2.contourArea(found) == pytest.approx(max(areas), rel=1e-4)
+        assert (found is None) == (not areas)
+        if areas:
+            assert is_quadrilateral(found)
+            assert cv2.contourArea(found) == pytest.approx(max(areas), rel=1e-4)
+
+
+def test_a_quadrilateral_within_a_triangle_is_found():
+    points = np.float32([(320, 40), (60, 440), (580, 440), (260, 300), (380, 300)])
+    assert sorted_rows(largest_quadrilateral(points)) == sorted_rows(points[1:])
 
 
 @pytest.mark.parametrize('points', [

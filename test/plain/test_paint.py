@@ -115,6 +115,13 @@ def test_alpha_lets_the_frame_shine_through(frame):
     np.testing.assert_allclose(painted[240, 420], expected, atol=2)
 
 
+def test_what_alpha_hides_does_not_bleed_in():
+    gray = np.full((480, 640, 3), 200, np.uint8)
+    disc = np.zeros((90, 90, 4), np.uint8)  # hidden black around a disc of the frame's own color
+    cv2.circle(disc, (45, 45), 30, (200, 200, 200, 255), -1)
+    assert np.abs(overlay(gray, disc, AREA).astype(int) - 200).max() <= 2
+
+
 def test_an_area_that_leaves_the_frame_is_painted_as_far_as_it_is_seen(frame, earth):
     area = Area(AREA.corners + np.float32([-200, -150]))
     painted = overlay(frame, earth, area)

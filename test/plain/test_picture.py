@@ -35,6 +35,19 @@ def test_sixteen_bits_become_eight(tmp_path):
         assert abs(int(load_picture(path)[0, 0, 0]) - 128) <= 1
 
 
+def test_a_picture_larger_than_can_be_warped_is_shrunk(tmp_path):
+    path = str(tmp_path / 'long.png')
+    cv2.imwrite(path, np.full((2, 40000, 3), 50, np.uint8))
+    assert load_picture(path).shape == (1, 4096, 3)
+
+
+def test_a_float_picture_with_alpha_is_refused_not_painted_clear(tmp_path):
+    path = str(tmp_path / 'float.tiff')
+    cv2.imwrite(path, np.full((8, 8, 4), 1.0, np.float32))
+    with pytest.raises(InputError, match='no picture that OpenCV can read'):
+        load_picture(path)
+
+
 def test_missing_broken_and_empty_files_are_named(tmp_path):
     (tmp_path / 'empty.jpg').write_bytes(b'')
     (tmp_path / 'broken.jpg').write_bytes(b'\xff\xd8\xff no picture')

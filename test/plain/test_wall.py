@@ -74,6 +74,11 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
 @pytest.mark.parametrize('text, words', [
     ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', "lacks the entry 'wall'"),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
+    ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not from'),
+    ('wall: {width: 1, height: 1, color: [1, 1, 999]}\ndictionary: DICT_4X4_50\ntags: []', '999 is not'),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\nquiet: -1\ntags: []', '-1 is not'),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+     'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}', '4.7 is no id'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
      'tags:\n- {id: 1, x: 0, y: 0, side: 1}', 'four different'),
 ])
@@ -83,6 +88,12 @@ def test_a_wrong_wall_file_is_named(tmp_path, text, words):
     with pytest.raises(InputError, match=words) as error:
         load_wall(str(path))
     assert str(path) in str(error.value)
+
+
+@pytest.mark.parametrize('distortion', [[np.nan, 0, 0, 0, 0], [-5, 1, 0, 0, 0], [0, 0, 0.5, 0.5, 0]])
+def test_a_lens_that_bends_too_far_is_refused(wall, distortion):
+    with pytest.raises(InputError, match='smaller coefficients'):
+        WallRenderer(wall, Camera(distortion=distortion))
 
 
 def test_a_missing_file_is_named():
