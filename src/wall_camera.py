@@ -40,12 +40,12 @@ class Driver:
 
     def now(self, stamp):
         """(Pose, linear, angular) at that time."""
-        seconds = (stamp - self._moved).to_sec()
+        seconds = max(0.0, (stamp - self._moved).to_sec())  # 0 where the clock was set back
         self._moved = stamp
         if self._path and self._commanded is None:
             self._pose, linear, angular = self._path.at((stamp - self._began).to_sec())
             return self._pose, linear, angular
-        if self._commanded is None or (stamp - self._commanded).to_sec() > COMMAND_S:
+        if self._commanded is None or abs((stamp - self._commanded).to_sec()) > COMMAND_S:
             self._speed = 0.0, 0.0
         self._pose = drive(self._pose, *self._speed, seconds)
         return (self._pose,) + self._speed

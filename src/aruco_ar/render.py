@@ -160,10 +160,12 @@ class WallRenderer:
                                    flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         cover = np.zeros_like(seen)
         cv2.fillConvexPoly(cover, np.int32(np.round(fine * 16)), 255, cv2.LINE_8, 4)
-        seen, cover = (cv2.cvtColor(cv2.resize(fine, (width, height), interpolation=cv2.INTER_AREA),
-                                    cv2.COLOR_GRAY2BGR) for fine in (seen, cover))
+
+        def mean(samples):
+            pixels = cv2.resize(samples, (width, height), interpolation=cv2.INTER_AREA)
+            return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR)
         part = frame[low[1]:high[1], low[0]:high[0]]
-        part[:] = blend(part, seen, cover)
+        part[:] = blend(part, mean(seen), mean(cover))
 
 
 def clip_near(points):

@@ -1,5 +1,4 @@
 """The parameters that all exercises share, checked."""
-import math
 import os
 from dataclasses import dataclass
 from typing import Tuple
@@ -8,7 +7,7 @@ from .errors import InputError
 from .tags import DICTIONARIES
 
 TRANSPORT_NAMES = ('raw', 'compressed')
-MAX_SCALE = 4.0
+MIN_SCALE, MAX_SCALE = 0.01, 4.0
 
 
 @dataclass(frozen=True)
@@ -35,7 +34,7 @@ def read_settings(get):
     return Settings(
         dictionary=_one_of(get, 'dictionary', DICTIONARIES, defaults.dictionary),
         ids=_ids(get),
-        scale=_scale(get, defaults.scale),
+        scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
         transport=_one_of(get, 'transport', TRANSPORT_NAMES, defaults.transport))
 
 
@@ -67,14 +66,6 @@ def _one_of(get, name, choices, default):
     if not isinstance(value, str) or value not in choices:
         raise _wrong(name, value, 'one of ' + ', '.join(choices))
     return value
-
-
-def _scale(get, default):
-    value = get('scale', default)
-    if (isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value)
-            or not 0 < value <= MAX_SCALE):
-        raise _wrong('scale', value, 'a number above 0 and up to %g' % MAX_SCALE)
-    return float(value)
 
 
 def _ids(get):

@@ -138,7 +138,7 @@ def test_any_ids(ids):
     ('dictionary', 'DICT_6x6_250', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
     ('ids', '1,2,3', 'four different'), ('ids', [1, 2, 3, 3], 'four different'), ('ids', 5, 'four'),
     ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
-    ('scale', 0, 'above 0 and up to 4'), ('scale', -1, 'above 0'), ('scale', 5, 'up to 4'),
+    ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
     ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
     ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
 ])

@@ -244,7 +244,7 @@ class Node(unittest.TestCase):
         for name, argument, words in (
                 ('exercise5_2.py', '_dictionary:=DICT_6x6_250', ['~dictionary', 'DICT_6x6_250', 'DICT_4X4_50']),
                 ('exercise5_3.py', '_ids:=[1,2]', ['~ids', '[1, 2]', 'four different tags']),
-                ('exercise5_4.py', '_scale:=0', ['~scale', '0', 'above 0']),
+                ('exercise5_4.py', '_scale:=0', ['~scale', '0', 'a number from 0.01 to 4']),
                 ('exercise5_5.py', '_transport:=theora', ['~transport', 'theora', 'raw, compressed']),
                 ('exercise5_6.py', '_picture:=/no/picture.jpg', ['/no/picture.jpg', 'not a file']),
                 ('wall_camera.py', '_noise:=much', ['~noise', 'much', 'a number from 0 to 100']),
