@@ -12,7 +12,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from .detector import Detector
 from .errors import InputError
 from .messages import TRANSPORTS, compressed_from_frame, image_from_frame
-from .picture import load_picture
+from .picture import load_picture, resize
 from .settings import picture_path, read_settings
 from .waiting import explain_silence
 
@@ -190,9 +190,7 @@ class _ImageNode:
         try:
             frame = self._to_frame(message)
             if self._scale != 1.0:
-                smooth = cv2.INTER_AREA if self._scale < 1 else cv2.INTER_LINEAR
-                size = [max(1, round(side * self._scale)) for side in frame.shape[1::-1]]
-                frame = cv2.resize(frame, size, interpolation=smooth)
+                frame = resize(frame, self._scale)
             images = self._step(frame, self._detector.detect(frame))
         except InputError as error:
             self._say_once(error.kind, str(error))

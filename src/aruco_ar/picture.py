@@ -33,10 +33,13 @@ def load_picture(path):
         raise InputError('The picture "%s" is no picture that OpenCV can read; give a JPEG or PNG.'
                          % path)
     shrink = MAX_SIDE_PX / max(picture.shape[:2])
-    if shrink < 1:
-        size = [max(1, round(side * shrink)) for side in picture.shape[1::-1]]
-        picture = cv2.resize(picture, size, interpolation=cv2.INTER_AREA)
-    return picture
+    return resize(picture, shrink) if shrink < 1 else picture
+
+
+def resize(image, factor):
+    """The image, (h, w, ...) uint8, made that many times as large, but at least 1 px."""
+    size = [max(1, round(side * factor)) for side in image.shape[1::-1]]
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR)
 
 
 def _decode(data, flags):

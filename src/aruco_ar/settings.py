@@ -5,8 +5,8 @@ from typing import Tuple
 
 from .errors import InputError
 from .tags import DICTIONARIES
+from .waiting import IMAGE_TYPES
 
-TRANSPORT_NAMES = ('raw', 'compressed')
 MIN_SCALE, MAX_SCALE = 0.01, 4.0
 
 
@@ -15,8 +15,8 @@ class Settings:
     """What the private parameters of an exercise's node say.
 
     ``ids``: the four tags that count, or empty for any. ``scale``: what each
-    frame's size is multiplied by before anything else. ``transport``: one of
-    TRANSPORT_NAMES.
+    frame's size is multiplied by before anything else. ``transport``: raw or
+    compressed.
     """
 
     dictionary: str = 'DICT_6X6_250'
@@ -35,7 +35,7 @@ def read_settings(get):
         dictionary=_one_of(get, 'dictionary', DICTIONARIES, defaults.dictionary),
         ids=_ids(get),
         scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
-        transport=_one_of(get, 'transport', TRANSPORT_NAMES, defaults.transport))
+        transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport))
 
 
 def picture_path(value, package):
