@@ -1,7 +1,7 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
 A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
-(overlay). The modules ``node``, ``messages`` and ``wall_messages`` connect this
+(overlay). A Tracker finds the area in a sequence of frames. The modules ``node``, ``messages`` and ``wall_messages`` connect this
 to ROS, and are the only ones that need it.
 """
 from .area import Area, find_area, find_four_centers
@@ -11,9 +11,10 @@ from .ordering import largest_quadrilateral, order_coordinates
 from .paint import area_mask, fill_polygon, mark_centers, mark_tags, overlay, subtract
 from .picture import load_picture
 from .tags import DICTIONARIES, Tag, draw_tag, get_dictionary
+from .tracker import Tracker
 
 __all__ = [
-    'Area', 'DICTIONARIES', 'Detector', 'InputError', 'Tag', 'area_mask', 'draw_tag',
+    'Area', 'DICTIONARIES', 'Detector', 'InputError', 'Tag', 'Tracker', 'area_mask', 'draw_tag',
     'fill_polygon', 'find_area', 'find_four_centers', 'get_dictionary', 'largest_quadrilateral',
     'load_picture', 'mark_centers', 'mark_tags', 'order_coordinates', 'overlay', 'subtract',
 ]

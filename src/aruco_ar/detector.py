@@ -1,7 +1,18 @@
 """Finding tags in a frame."""
 import cv2
+import numpy as np
 
-from .tags import Tag, get_dictionary
+from .edges import fit_tags
+from .tags import Tag, get_dictionary, tag_cells
+
+# A search for tags of a known size shrinks the frame until they are this wide.
+SEARCH_SIDE_PX = 32
+# What is between a tag's edges must be as like it as this (see fit_tags). That
+# keeps out what OpenCV would mistake for a tag when it corrects as many wrong
+# cells as it can, which is what finds tags blurred by motion.
+MIN_LIKENESS = 0.8
+# Size of the neighborhood against whose mean a pixel is dark or light, then.
+THRESHOLD_WINDOW_PX = 13
 
 
 class Detector:
@@ -12,21 +23,70 @@ class Detector:
     """
 
     def __init__(self, dictionary='DICT_6X6_250', ids=()):
-        parameters = cv2.aruco.DetectorParameters()
-        # Without refinement corners are whole pixels, and what is painted trembles.
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-        self._detector = cv2.aruco.ArucoDetector(get_dictionary(dictionary), parameters)
+        self._dictionary = dictionary
         self._ids = frozenset(ids)
+        self._cells = {}
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.errorCorrectionRate = 1.0
+        parameters.maxErroneousBitsInBorderRate = 0.6
+        # For tags whose edges cannot be fitted: else their corners are whole pixels.
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        self._anywhere = cv2.aruco.ArucoDetector(get_dictionary(dictionary), parameters)
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
+        parameters.adaptiveThreshWinSizeMin = THRESHOLD_WINDOW_PX
+        parameters.adaptiveThreshWinSizeMax = THRESHOLD_WINDOW_PX
+        self._of_a_size = cv2.aruco.ArucoDetector(get_dictionary(dictionary), parameters)
 
     def detect(self, frame):
         """The tags in a frame, a list of Tag in the order in which they were found.
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
         """
-        gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
-        corners, ids, _ = self._detector.detectMarkers(gray)
-        if ids is None:
+        return self._fitted(frame, *self._find(self._anywhere, frame))
+
+    def search(self, frame, side, box=None):
+        """The same for tags about ``side`` pixels wide, in a fraction of the time.
+
+        ``box``: (left, top, right, bottom), pixels, to search only there.
+        """
+        left, top = 0, 0
+        part = frame
+        if box is not None:
+            left, top = np.maximum(box[:2], 0)
+            part = frame[top:box[3], left:box[2]]
+        if min(part.shape[:2]) < SEARCH_SIDE_PX / 4:
             return []
-        return [Tag(int(tag_id), quad.reshape(4, 2))
-                for tag_id, quad in zip(ids.ravel(), corners)
-                if not self._ids or int(tag_id) in self._ids]
+        shrink = min(1.0, SEARCH_SIDE_PX / side)
+        if shrink < 1:
+            part = cv2.resize(part, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_LINEAR)
+        ids, quads = self._find(self._of_a_size, part)
+        if not ids:
+            return []
+        # The middle of the first pixel is (0, 0), before and after shrinking.
+        return self._fitted(frame, ids, (quads + 0.5) / shrink - 0.5 + np.float32([left, top]))
+
+    def cells(self, tag_id):
+        """(m, m) uint8: what the tag with that id looks like (see tag_cells)."""
+        if tag_id not in self._cells:
+            self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
+        return self._cells[tag_id]
+
+    def fit(self, frame, ids, quads):
+        """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""
+        return fit_tags(frame, quads, np.stack([self.cells(tag_id) for tag_id in ids]))
+
+    def _find(self, detector, frame):
+        gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+        corners, ids, _ = detector.detectMarkers(gray)
+        found = [] if ids is None else [
+            (int(tag_id), quad.reshape(4, 2)) for tag_id, quad in zip(ids.ravel(), corners)
+            if not self._ids or int(tag_id) in self._ids]
+        return [tag_id for tag_id, _ in found], np.float32([quad for _, quad in found])
+
+    def _fitted(self, frame, ids, quads):
+        """Tags, fitted to their edges where those can be seen."""
+        if not ids:
+            return []
+        fitted, _, likeness = self.fit(frame, ids, quads)
+        return [Tag(tag_id, quad) for tag_id, quad, alike in zip(ids, fitted, likeness)
+                if alike > MIN_LIKENESS]

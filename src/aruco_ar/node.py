@@ -11,9 +11,11 @@ from sensor_msgs.msg import CompressedImage, Image
 
 from .detector import Detector
 from .errors import InputError
+from .memory import keep_memory
 from .messages import TRANSPORTS, compressed_from_frame, image_from_frame
 from .picture import load_picture, resize
 from .settings import picture_path, read_settings
+from .tracker import Tracker
 from .waiting import explain_silence
 
 CAMERA = 'camera/rgb/image_raw'
@@ -25,17 +27,18 @@ SILENCE_S = 5.0
 BUFFER_BYTES = 64 * 1024 * 1024
 
 
-def run(name, step, topics=('image',), picture=False):
+def run(name, step, takes=('tags',), topics=('image',)):
     """Run an exercise as a node until ROS shuts down.
 
-    For each frame ``step(frame, tags)`` is called, or with ``picture``
-    ``step(frame, tags, picture)``: the frame is (h, w, 3) BGR uint8, tags is
-    a list of Tag, the picture is what the parameter ~picture names. It
-    returns the image to publish as ~image or, with several ``topics``, one
-    for each of them in that order. ``step`` is called only while somebody
-    listens, and only with the newest frame.
+    For each frame ``step`` is called with the frame, (h, w, 3) BGR uint8,
+    which is its own to write into, and with what it ``takes``, in that order:
+    ``tags``, a list of Tag; ``area``, the Area that the tags in this frame and
+    before it show, or None (see Tracker); ``picture``, what the parameter
+    ~picture names. It returns the image to publish as ~image or, with several
+    ``topics``, one for each of them in that order. ``step`` is called only
+    while somebody listens, and only with the newest frame.
     """
-    run_node(name, lambda: _ImageNode(step, topics, picture).spin())
+    run_node(name, lambda: _ImageNode(step, takes, topics).spin())
 
 
 def run_node(name, work):
@@ -44,6 +47,7 @@ def run_node(name, work):
     Where ``work`` raises InputError, its sentence is logged and the exit code is 1.
     """
     sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
+    keep_memory()
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)
@@ -118,16 +122,12 @@ class _Listener(rospy.SubscribeListener):
 class _ImageNode:
     """Calls a step with frames and tags, and publishes what it returns."""
 
-    def __init__(self, step, topics, picture):
+    def __init__(self, step, takes, topics):
         settings = read_settings(parameter)
-        self._detector = Detector(settings.dictionary, settings.ids)
         self._scale = settings.scale
         self._transport = settings.transport
         self._step = step
-        if picture:
-            path = picture_path(parameter('picture', 'images/earth.jpg'), package_folder())
-            painted = load_picture(path)
-            self._step = lambda frame, tags: step(frame, tags, painted)
+        self._given = [self._giver(name, settings) for name in takes]
 
         self._camera = rospy.resolve_name(CAMERA)
         suffix, self._kind, self._to_frame = TRANSPORTS[self._transport]
@@ -141,6 +141,16 @@ class _ImageNode:
         rospy.on_shutdown(self._wake.set)
         rospy.loginfo('Ready: %s -> %s', self._topic,
                       ', '.join(output.name for output in self._outputs))
+
+    def _giver(self, name, settings):
+        """The function of a frame and its time, seconds, that gives a step what it takes."""
+        if name == 'tags':
+            detector = Detector(settings.dictionary, settings.ids)
+            return lambda frame, stamp: detector.detect(frame)
+        if name == 'area':
+            return Tracker(settings.dictionary, settings.ids, settings.hold, settings.upright).update
+        picture = load_picture(picture_path(parameter('picture', 'images/earth.jpg'), package_folder()))
+        return lambda frame, stamp: picture
 
     def spin(self):
         """Subscribe while somebody listens, and say so when nothing arrives, until shutdown."""
@@ -191,7 +201,8 @@ class _ImageNode:
             frame = self._to_frame(message)
             if self._scale != 1.0:
                 frame = resize(frame, self._scale)
-            images = self._step(frame, self._detector.detect(frame))
+            stamp = (message.header.stamp or rospy.Time.now()).to_sec()
+            images = self._step(frame, *[give(frame, stamp) for give in self._given])
         except InputError as error:
             self._say_once(error.kind, str(error))
             return

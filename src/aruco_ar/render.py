@@ -13,6 +13,8 @@ SAMPLES = 3           # per pixel and direction, where a tag is drawn
 ROOM_COLOR = (205, 200, 196)
 FLOOR_COLOR = (92, 104, 116)
 FLOOR = np.array([[-20.0, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20]])  # wall meters
+CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # what covers a tag, in its sides
+CARD_COLOR = (120, 128, 134)
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
@@ -31,13 +33,14 @@ class WallRenderer:
     """Renders frames of a Wall through a Camera.
 
     ``noise``: standard deviation, gray levels. ``blur``: standard deviation,
-    pixels. ``light``: how much darker the wall's right end is than its left,
-    0 to 1. ``seed`` makes the noise repeatable.
+    pixels. ``smear``: pixels by which motion to the side blurs all.
+    ``light``: how much darker the wall's right end is than its left, 0 to 1.
+    ``seed`` makes the noise repeatable.
     """
 
-    def __init__(self, wall, camera, noise=0.0, blur=0.0, light=0.0, seed=0):
+    def __init__(self, wall, camera, noise=0.0, blur=0.0, light=0.0, seed=0, smear=1):
         self._wall, self._camera = wall, camera
-        self._blur, self._light = blur, light
+        self._blur, self._smear, self._light = blur, smear, light
         self._random = np.random.RandomState(seed)
         self._paper = int(np.ceil(wall.quiet))  # cells of paper around a tag
         self._background = self._paint_wall()
@@ -50,8 +53,11 @@ class WallRenderer:
         width, height = self._lens[1]
         self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
 
-    def render(self, rotation, translation):
-        """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera)."""
+    def render(self, rotation, translation, covered=()):
+        """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera).
+
+        ``covered``: ids of tags before which something gray is held.
+        """
         matrix, _, lens = self._lens
         to_image = matrix @ np.column_stack([rotation[:, 0], rotation[:, 1], translation])
         frame = self._room.copy()
@@ -61,10 +67,16 @@ class WallRenderer:
             cv2.fillPoly(frame, [floor], FLOOR_COLOR, cv2.LINE_AA, 4)
         for tag, texture in self._tags:
             self._draw_tag(frame, tag, texture, to_image, rotation, translation)
+            if tag.id in covered:
+                card = self._outline(tag.on_wall(*CARD), rotation, translation)
+                if card is not None:
+                    cv2.fillPoly(frame, [card], CARD_COLOR, cv2.LINE_AA, 4)
         if lens is not None:
             frame = cv2.remap(frame, lens, None, cv2.INTER_LINEAR)
         if self._blur > 0:
             frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
+        if self._smear > 1:
+            frame = cv2.blur(frame, (self._smear, 1))
         if self._noise is not None:
             top, left = self._random.randint(0, NOISE_FIELD_MARGIN + 1, 2)
             window = self._noise[top:top + frame.shape[0], left:left + frame.shape[1]]

@@ -8,6 +8,7 @@ from .tags import DICTIONARIES
 from .waiting import IMAGE_TYPES
 
 MIN_SCALE, MAX_SCALE = 0.01, 4.0
+MAX_HOLD_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -16,13 +17,17 @@ class Settings:
 
     ``ids``: the four tags that count, or empty for any. ``scale``: what each
     frame's size is multiplied by before anything else. ``transport``: raw or
-    compressed.
+    compressed. ``hold``: seconds for which the area stays with no tag in
+    sight. ``upright``: which side of the area is up, that of the tags or of
+    the image.
     """
 
     dictionary: str = 'DICT_6X6_250'
     ids: Tuple[int, ...] = ()
     scale: float = 1.0
     transport: str = 'raw'
+    hold: float = 0.3
+    upright: str = 'tags'
 
 
 def read_settings(get):
@@ -35,7 +40,9 @@ def read_settings(get):
         dictionary=_one_of(get, 'dictionary', DICTIONARIES, defaults.dictionary),
         ids=_ids(get),
         scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
-        transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport))
+        transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport),
+        hold=number(get, 'hold', defaults.hold, 0, MAX_HOLD_S),
+        upright=_one_of(get, 'upright', ('tags', 'image'), defaults.upright))
 
 
 def picture_path(value, package):

@@ -9,6 +9,7 @@ import pytest
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
 SHARED_ARGS = {'camera', 'transport', 'dictionary', 'ids', 'scale', 'view', 'bag', 'sim'}
+OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'}, 'exercise5_6.launch': {'hold', 'upright', 'picture'}}
 
 
 def launch_args(package, name):
@@ -35,8 +36,7 @@ def test_every_launch_argument_is_documented(package):
 
 def test_the_exercises_take_the_same_arguments(package):
     for name in EXERCISES:
-        expected = SHARED_ARGS | ({'picture'} if name == 'exercise5_6.launch' else set())
-        assert set(launch_args(package, name)) == expected
+        assert set(launch_args(package, name)) == SHARED_ARGS | OWN_ARGS.get(name, set())
 
 
 def test_an_install_space_has_it_all(package, tmp_path):

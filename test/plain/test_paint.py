@@ -9,6 +9,10 @@ from aruco_ar.robot import Camera
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 
+# OpenCV looks in the picture at 32nds of a pixel: one more or less, at the
+# strongest edge there can be, makes so many gray levels.
+ROUNDING = 8
+
 
 def square_tag(tag_id, x, y, side=20):
     return Tag(tag_id, np.float32([[x, y], [x + side, y], [x + side, y + side], [x, y + side]]) - side / 2)
@@ -90,7 +94,8 @@ def test_painting_equals_the_course_but_for_the_rim(frame, earth):
     whole = Area(np.round(AREA.corners))
     ours, course = overlay(frame, earth, whole), course_overlay(frame, earth, whole)
     inside, outside = away_from_rim(whole, frame.shape, 3)
-    assert np.abs(ours[inside].astype(int) - course[inside]).max() <= 2
+    unlike = np.abs(ours[inside].astype(int) - course[inside])
+    assert unlike.max() <= ROUNDING and unlike.mean() < 0.05
     np.testing.assert_array_equal(ours[outside], frame[outside])
 
 
@@ -127,7 +132,8 @@ def test_an_area_that_leaves_the_frame_is_painted_as_far_as_it_is_seen(frame, ea
     painted = overlay(frame, earth, area)
     full = overlay(cv2.copyMakeBorder(frame, 200, 0, 200, 0, cv2.BORDER_REPLICATE), earth,
                    Area(area.corners + 200))
-    np.testing.assert_array_equal(painted, full[200:, 200:])
+    unlike = np.abs(painted.astype(int) - full[200:, 200:])
+    assert unlike.max() <= ROUNDING and unlike.mean() < 0.05
     beyond = Area(AREA.corners + np.float32([5000, 0]))
     np.testing.assert_array_equal(overlay(frame, earth, beyond), frame)
 
@@ -141,6 +147,32 @@ def test_no_function_writes_into_the_frame(frame, earth):
     subtract(frame, area_mask(frame, AREA))
     overlay(frame, earth, AREA)
     np.testing.assert_array_equal(frame, before)
+
+
+def test_painting_in_place_paints_the_same(frame, earth):
+    painted, own = overlay(frame, earth, AREA), frame.copy()
+    assert overlay(own, earth, AREA, out=own) is own
+    np.testing.assert_array_equal(own, painted)
+    other = np.zeros_like(frame)
+    overlay(frame, earth, AREA, out=other)
+    np.testing.assert_array_equal(other, painted)
+
+
+@pytest.mark.parametrize('turn', np.arange(0, 360, 17))
+def test_the_rim_is_as_covered_as_its_pixels_are(turn):
+    """Against the distance of every pixel to every side, for an area that is turned."""
+    angle = np.radians(turn)
+    corners = np.float32([[-90, -70], [100, -50], [80, 60], [-70, 75]]) @ np.float32(
+        [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + np.float32([160.3, 140.6])
+    y, x = np.mgrid[0:280, 0:320]
+    cover = np.ones(x.shape)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0)):
+        along = (end - start) / np.linalg.norm(end - start)
+        cover = np.minimum(cover, along[0] * (y - start[1]) - along[1] * (x - start[0]) + 0.5)
+    mask = area_mask(np.zeros((280, 320, 3), np.uint8), Area(corners))
+    np.testing.assert_allclose(mask[..., 0], 255 * np.clip(cover, 0, 1), atol=1)
+    white = np.full((64, 64, 3), 255, np.uint8)
+    np.testing.assert_allclose(overlay(np.zeros_like(mask), white, Area(corners)), mask, atol=1)
 
 
 def test_marks_are_drawn_where_the_tags_are(frame):

@@ -44,8 +44,8 @@ class Exercise56(ReplayTest):
         for moment in self.with_area:
             self.assert_corners(moment, moment.results[0], SPACE, 1.5)
 
-    def test_without_four_tags_the_frame_goes_through(self):
-        self.assert_untouched_without_area('/exercise5_6/image')
+    def test_the_earth_stays_while_tags_are_out_of_view(self):
+        self.assert_stays_with_tags_out_of_view('/exercise5_6/image')
 
 
 if __name__ == '__main__':

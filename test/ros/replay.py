@@ -34,6 +34,7 @@ class Moment:
                     if np.any(tag.center < 0) or np.any(tag.center > shape - 1)]
         corners = np.float32([(p.x, p.y) for p in parts['area'].polygon.points])
         self.area = Area(corners) if len(self.tags) == 4 else None
+        self.remembered = Area(corners) if len(self.tags) in (2, 3) else None
 
 
 class ReplayTest(unittest.TestCase):
@@ -91,6 +92,21 @@ class ReplayTest(unittest.TestCase):
         self.assertTrue(without, 'no frame in which a tag is out of view')
         for moment in without:
             np.testing.assert_array_equal(moment.results[place], moment.frame)
+
+    def assert_stays_with_tags_out_of_view(self, topic):
+        """Where only two or three tags are in the frame, the area is where it belongs.
+
+        Unless they are the first that the node got to see: then nothing is changed.
+        """
+        place = self.results.index(topic)
+        changed = []
+        for moment in (moment for moment in self.moments if moment.remembered):
+            inside, outside = split(moment.remembered, moment.frame.shape)
+            np.testing.assert_array_equal(moment.results[place][outside], moment.frame[outside])
+            share = np.any(moment.results[place] != moment.frame, axis=2)[inside].mean()
+            self.assertTrue(share == 0 or share > 0.9, '%d %% of the area are changed' % (100 * share))
+            changed.append(share > 0)
+        self.assertGreater(np.mean(changed), 0.6)
 
     def assert_corners(self, moment, result, color, px):
         """The area painted in a result has its corners within px of the true ones.

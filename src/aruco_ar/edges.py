@@ -1,0 +1,137 @@
+"""Fitting tags to the frame: where exactly their edges lie, and whether it is they.
+
+Each edge of a tag, black inside and white outside, is looked at along short
+lines across it, its profiles. How much of a profile is light says where the
+edge crosses it, to some hundredths of a pixel and however blurred it is. Here
+a point of the frame is one complex number, x + y j: turning by a right angle
+is then a multiplication by 1j.
+"""
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+SAMPLES = 12             # profiles along each edge
+BEGIN, END = 0.08, 0.92  # of the edge, between which they lie: a corner's rounding stays out
+PLACES = 15              # where each profile is looked at
+# How far to both sides of an edge a profile reaches, in cells: to place an
+# edge, and before that to find it, where it is farther off than NEAR.
+PLACE, FIND, NEAR = 0.6, 0.95, 0.25
+MIN_REACH_PX = 1.2
+MIN_CONTRAST = 12        # gray levels between the black border and the white around it
+MAX_BEYOND = 0.25        # of the contrast, by which a profile may be darker or lighter than its ends
+MAX_BENT = 0.35          # of the reach, by which half of an edge's profiles may be off its line
+
+PART = np.linspace(BEGIN, END, SAMPLES, dtype=np.float32)
+ARM = PART - PART.mean()
+POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
+ACROSS = np.linspace(-1, 1, PLACES, dtype=np.float32)
+_END = PLACES // 5
+# Means over a profile's inner end and its outer end.
+ENDS = np.stack([np.arange(PLACES) < _END, np.arange(PLACES) >= PLACES - _END],
+                axis=1).astype(np.float32) / _END
+ALL = np.ones(PLACES, np.float32)
+
+
+def fit_tags(frame, quads, cells):
+    """Put quadrilaterals onto the edges of the tags that they nearly lie on.
+
+    ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``quads``: (n, 4, 2)
+    pixels, off by less than about a cell. ``cells``: (n, m, m), what the tags
+    look like (see tag_cells). Returns the quadrilaterals, (n, 4, 2) float32;
+    (n,) bool, whether all four edges were found, as they are not on a tag in
+    part covered (such a quadrilateral is left as it was); and (n,) the
+    likeness of what is between them to that very tag, 1 if it is the same.
+    """
+    quads = np.ascontiguousarray(quads, np.float32)
+    start = quads.view(np.complex64)[..., 0]  # (n, 4)
+    cell = 1 / cells.shape[1]
+    fitted, good = _fit_edges(frame, start, PLACE * cell)
+    near = np.abs(fitted - start).max(axis=1) < NEAR * cell * np.abs(start[:, 0] - start[:, 2])
+    rest = ~(good & near)
+    if rest.any():
+        found, seen = _fit_edges(frame, start[rest], FIND * cell)
+        fitted[rest], placed = _fit_edges(frame, np.where(seen[:, None], found, start[rest]), PLACE * cell)
+        good[rest] = seen & placed
+    quads = np.where(good[:, None, None], fitted[..., None].view(np.float32), quads)
+    return quads, good, _likeness(frame, quads, cells)
+
+
+def side_of(quads):
+    """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
+    along = quads - quads[:, [1, 2, 3, 0]]
+    return np.sqrt((along * along).sum(axis=2)).mean(axis=1)
+
+
+def _look(frame, points):
+    """(n, k) float32: the gray at (n, k, 2) float32 pixels, between pixels by linear interpolation."""
+    seen = cv2.remap(frame, points, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.float32(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY))
+
+
+def _fit_edges(frame, quads, reach):
+    """Fit (n, 4) complex quadrilaterals, reaching that many sides far; and whether all edges were seen."""
+    along = quads[:, [1, 2, 3, 0]] - quads
+    length = np.abs(along)
+    outward = along * np.complex64(-1j) / np.maximum(length, 1e-6)
+    reach = np.maximum(reach * length.mean(axis=1, keepdims=True), MIN_REACH_PX)  # (n, 1) pixels
+    along_edge = quads[..., None] + along[..., None] * PART                   # (n, 4, samples)
+    across = (outward * reach)[..., None] * ACROSS                            # (n, 4, places)
+    points = along_edge[..., None] + across[:, :, None]
+    gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32)).reshape(-1, PLACES)
+    ends = _median((gray @ ENDS).reshape(-1, SAMPLES, 2).swapaxes(1, 2))      # (4 n, 2)
+    dark, contrast = ends[:, :1], ends[:, 1:] - ends[:, :1]
+    share = (gray.reshape(len(ends), -1) - dark) / np.maximum(contrast, 1)
+    # What is far lighter or darker than both ends belongs to something else.
+    np.maximum(share, -MAX_BEYOND, out=share)
+    np.minimum(share, 1 + MAX_BEYOND, out=share)
+    light = (share.reshape(-1, PLACES) @ ALL).reshape(-1, 4, SAMPLES)
+    offset = (PLACES / 2 - light) * (reach * (2 / (PLACES - 1)))[..., None]   # (n, 4, samples) outward
+    # A straight line through the offsets, and once more without those unlike the rest.
+    middle, slope, left = _fit_lines(offset, np.ones_like(offset))
+    typical = _median(left)
+    weight = np.float32(left <= 3 * typical[..., None] + 0.01 * reach[..., None])
+    middle, slope, left = _fit_lines(offset, weight)
+    first = quads + (middle - slope * PART.mean()) * outward
+    along = along + slope * outward
+    # Each corner is where its edge crosses the one before.
+    toward, before = along[:, [3, 0, 1, 2]], first[:, [3, 0, 1, 2]]
+    crossed = (toward.conj() * along).imag
+    far = ((first - before).conj() * along).imag / np.where(crossed == 0, 1e-6, crossed)
+    corners = before + far * toward
+    seen = (contrast.reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
+    near = np.abs(corners - quads) < 3 * reach
+    return corners.astype(np.complex64), (seen & near).all(axis=1)
+
+
+def _fit_lines(offset, weight):
+    """The lines middle + slope * ARM through offsets, (n, 4), and how far each is off, (n, 4, samples)."""
+    count, first, second = np.moveaxis(weight @ POWERS, 2, 0)
+    weighted, leaning = np.moveaxis((weight * offset) @ POWERS[:, :2], 2, 0)
+    slope = (count * leaning - first * weighted) / (count * second - first * first + 1e-9)
+    middle = (weighted - slope * first) / count
+    return middle, slope, np.abs(offset - middle[..., None] - slope[..., None] * ARM)
+
+
+def _median(values):
+    """The upper median over the last axis: numpy's own takes ten times as long on so few."""
+    middle = values.shape[-1] // 2
+    return np.partition(values, middle, axis=-1)[..., middle]
+
+
+@lru_cache()
+def _cell_weights(count):
+    """(k, 4): the middles of a tag's inner cells as weighted means of its corners."""
+    middle = (np.arange(1, count - 1) + 0.5) / count
+    y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
+    return np.float32([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y]).T
+
+
+def _likeness(frame, quads, cells):
+    """(n,): the correlation of the frame with each tag's inner cells, 1 if they are the same."""
+    gray = _look(frame, _cell_weights(cells.shape[1]) @ quads)
+    wanted = np.float32(cells[:, 1:-1, 1:-1]).reshape(len(quads), -1)
+    gray -= gray.mean(axis=1, keepdims=True)
+    wanted -= wanted.mean(axis=1, keepdims=True)
+    norm = np.einsum('nk,nk->n', gray, gray) * np.einsum('nk,nk->n', wanted, wanted)
+    return np.einsum('nk,nk->n', gray, wanted) / np.sqrt(np.maximum(norm, 1e-6))

@@ -1,0 +1,101 @@
+"""Where the corners of tags lie in the plane of the area.
+
+In that plane the area's corners, the centers of four tags, are (0, 0), (1, 0),
+(1, 1), (0, 1). Seen from anywhere, one homography takes all of it to the frame.
+"""
+import cv2
+import numpy as np
+
+from .area import find_area
+from .edges import side_of
+from .motion import homography_to, transform
+from .tags import Tag
+
+LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
+
+
+def tolerance_of(quads):
+    """(n,) pixels: farther off than this, a corner is not where it was learnt to be."""
+    return 1.5 + 0.05 * side_of(quads)
+
+
+class Layout:
+    """The places of tags, and the four that span the area.
+
+    ``ids``: those four, in the order of the area's corners. ``places``: {id:
+    (4, 2) float64} of all tags. ``upright``: whether the order is that of the
+    tags' own tops; if they disagree, each frame has to tell which side is up.
+    """
+
+    def __init__(self, tags, corners, upright):
+        """From tags seen in one frame, and the area's corners in it, (4, 2)."""
+        near = [min(tags, key=lambda tag: np.linalg.norm(tag.center - corner)) for corner in corners]
+        to_plane = np.linalg.inv(homography_to(corners))
+        tops = {_top_of(transform(to_plane, np.float64(tag.corners))) for tag in near}
+        self.upright = upright == 'tags' and len(tops) == 1
+        turn = tops.pop() if self.upright else 0
+        self.ids = [near[(place + turn) % 4].id for place in range(4)]
+        to_plane = np.linalg.inv(homography_to(np.roll(corners, -turn, axis=0)))
+        self.places = {tag.id: transform(to_plane, np.float64(tag.corners)) for tag in tags}
+        self._sights = {tag_id: 1 for tag_id in self.places}
+
+    @classmethod
+    def from_tags(cls, tags, upright):
+        """The Layout of tags seen in one frame, or None if they do not span an area."""
+        area = find_area(tags)
+        if area is None:
+            return None
+        ids = [tag.id for tag in tags]
+        return cls([tag for tag in tags if ids.count(tag.id) == 1], np.float64(area.corners), upright)
+
+    def quads(self, ids):
+        """(n, 4, 2): the places of those tags."""
+        return np.stack([self.places[tag_id] for tag_id in ids])
+
+    def learn(self, ids, places):
+        """Average in that tags were seen at places of the plane, (n, 4, 2)."""
+        for tag_id, place in zip(ids, places):
+            known = self.places.setdefault(tag_id, place)
+            self._sights[tag_id] = min(self._sights.get(tag_id, 0) + 1, LEARN_SIGHTS)
+            self.places[tag_id] = known + (place - known) / self._sights[tag_id]
+        # The area is where the centers are, whatever was learnt about the corners.
+        drift = np.linalg.inv(homography_to([Tag(0, self.places[tag_id]).center for tag_id in self.ids]))
+        self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
+
+    def forget(self, tag_id):
+        """Forget a tag that is none of the four."""
+        del self.places[tag_id], self._sights[tag_id]
+
+    def locate(self, seen):
+        """Where the area must be for tags, {id: (4, 2) pixels}, to be where they are seen.
+
+        Returns its corners, (4, 2), and the ids of the tags that agree with
+        it: more than half of those that are known. None, [] if so many do not.
+        """
+        ids = [tag_id for tag_id in seen if tag_id in self.places]
+        if not ids:
+            return None, []
+        points, quads = self.quads(ids), np.stack([seen[tag_id] for tag_id in ids])
+        limits = tolerance_of(quads)
+        homography, _ = cv2.findHomography(points.reshape(-1, 2), quads.reshape(-1, 2), cv2.RANSAC,
+                                           float(limits.min()))
+        if homography is None:
+            return None, []
+
+        def agree():
+            off = np.linalg.norm(transform(homography, points.reshape(-1, 2)) - quads.reshape(-1, 2), axis=1)
+            return off.reshape(-1, 4).max(axis=1) < limits
+        good = agree()
+        if 2 * good.sum() <= len(ids):
+            return None, []
+        homography, _ = cv2.findHomography(points[good].reshape(-1, 2), quads[good].reshape(-1, 2))
+        if homography is None:
+            return None, []
+        return (transform(homography, np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])),
+                [tag_id for tag_id, fits in zip(ids, agree()) if fits])
+
+
+def _top_of(place):
+    """Which side of the unit square a tag's own top points to: 0, 1, 2, 3 for up, right, down, left."""
+    x, y = place[:2].sum(axis=0) - place[2:].sum(axis=0)
+    return int(np.argmax([-y, x, y, -x]))

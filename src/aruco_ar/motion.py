@@ -1,0 +1,165 @@
+"""Where the area is and how it moves: a Kalman filter over its four corners.
+
+Points of the wall are given in the plane of the area: its corners are (0, 0),
+(1, 0), (1, 1), (0, 1). Four corners in the frame fix the homography from that
+plane to the frame, so they and their speeds are all there is to know. A tag
+anywhere on the plane corrects them as far as what it shows depends on them:
+four tags fix all; one fixes the place and the size near itself, and leaves the
+slant of the far side to what was known a frame ago.
+"""
+import numpy as np
+
+# How much speeds change within a second: what robots and hands do. The frame
+# moves as a rigid camera before a plane would move it; what moves fast also
+# changes its speed fast ...
+TURN = 0.1        # rad/s: pan, tilt, roll
+TRAVEL = 0.05     # distances to the wall per second: to the side, up, forward
+SWIFT = 1.0       # times the speed that it has, on top
+# ... and a little otherwise, since the lens is not known.
+OTHER = 0.005     # widths of the frame per second
+FIRST = 1.5       # rad/s, the speed that an area just found may have
+FOCAL = 0.87      # widths of the frame, the focal length assumed for that
+CALM_S = 0.3      # with no tag in sight, the motion dies away within about this time
+CLOSE_PX = 0.5    # a correction larger than this is worth a second step
+
+
+def homography_to(corners):
+    """(3, 3) float64: from the unit square to the quadrilateral with those corners, (4, 2).
+
+    The closed form in P. Heckbert, Fundamentals of Texture Mapping and Image
+    Warping, 1989, section 2.2.3.
+    """
+    (x0, y0), (x1, y1), (x2, y2), (x3, y3) = np.asarray(corners, np.float64).tolist()
+    one_x, one_y, other_x, other_y = x1 - x2, y1 - y2, x3 - x2, y3 - y2
+    rest_x, rest_y = x0 - x1 + x2 - x3, y0 - y1 + y2 - y3
+    area = one_x * other_y - one_y * other_x or 1e-9
+    g = (rest_x * other_y - rest_y * other_x) / area
+    h = (one_x * rest_y - one_y * rest_x) / area
+    return np.array([[x1 - x0 + g * x1, x3 - x0 + h * x3, x0],
+                     [y1 - y0 + g * y1, y3 - y0 + h * y3, y0], [g, h, 1]])
+
+
+def transform(homography, points):
+    """(..., 2): points, (..., 2), through a homography, (3, 3)."""
+    seen = points @ homography[:, :2].T + homography[:, 2]
+    return seen[..., :2] / seen[..., 2:]
+
+
+class AreaMotion:
+    """The area's corners, their speeds, and how well both are known."""
+
+    def __init__(self, corners, size, points, pixels, deviation):
+        """An area just found at corners, in a frame of that size, by what was seen (see correct)."""
+        self._middle, self._focal = (np.array(size) - 1) / 2, FOCAL * size[0]
+        self._place = np.array(corners, np.float64).ravel()
+        self._speed = np.zeros(8)
+        _, slope = self._linearize(points)
+        known = (slope / np.repeat(deviation, 2)[:, None]**2).T @ slope
+        self._covariance = np.zeros((16, 16))
+        self._covariance[:8, :8] = np.linalg.inv(known + np.eye(8) / self._focal**2)
+        self._covariance[8:, 8:] = self._agility(FIRST)
+
+    @property
+    def corners(self):
+        """(4, 2) float64, pixels."""
+        return self._place.reshape(4, 2).copy()
+
+    @property
+    def deviation(self):
+        """(4,) pixels: the standard deviation of each corner's place."""
+        return np.sqrt(np.maximum(self._covariance.diagonal()[:8].reshape(4, 2).sum(axis=1), 0))
+
+    @property
+    def speed(self):
+        """Pixels per second of the fastest corner."""
+        return np.linalg.norm(self._speed.reshape(4, 2), axis=1).max()
+
+    def predict(self, seconds, calm=False):
+        """Move on by that time. ``calm``: nothing was seen lately, so let the motion die away."""
+        if calm:
+            self._speed *= np.exp(-seconds / CALM_S)
+        self._place = self._place + seconds * self._speed
+        p, change = self._covariance, self._agility() * seconds
+        drift = seconds * p[8:, :8]
+        p[:8, :8] += drift + drift.T + seconds**2 * p[8:, 8:] + change * (seconds**2 / 3)
+        p[8:, :8] += seconds * p[8:, 8:] + change * (seconds / 2)
+        p[:8, 8:] = p[8:, :8].T
+        p[8:, 8:] += change
+
+    def see(self, points):
+        """(..., 2) pixels: where points of the plane, (..., 2), are."""
+        return transform(homography_to(self._place.reshape(4, 2)), points)
+
+    def correct(self, points, pixels, deviation, limit=np.inf):
+        """Take in that points of the plane, (n, 2), are seen at pixels, (n, 2).
+
+        ``deviation``: (n,) pixels, how far off that may be. False, and nothing
+        is taken in, if it is more unlikely than ``limit`` (see unlikeliness).
+        """
+        p, before = self._covariance, self._place
+        weight = np.repeat(deviation ** -2.0, 2)
+        for attempt in range(3):
+            seen, slope = self._linearize(points)
+            weighted = slope.T * weight
+            known = weighted @ slope
+            shrink = np.linalg.inv(np.eye(8) + known @ p[:8, :8])
+            off = (pixels - seen).ravel() + slope @ (self._place - before)
+            toward = shrink @ (weighted @ off)
+            if attempt == 0 and (off @ (weight * off) - (weighted @ off) @ p[:8, :8] @ toward) > limit * len(off):
+                return False
+            change = p[:, :8] @ toward
+            step = before + change[:8] - self._place
+            self._place = before + change[:8]
+            if np.abs(step).max() < CLOSE_PX:
+                break
+        self._speed = self._speed + change[8:]
+        p = p - p[:, :8] @ (shrink @ known) @ p[:8]
+        self._covariance = (p + p.T) / 2
+        return True
+
+    def unlikeliness(self, points, pixels, deviation):
+        """How unlikely it is to see what ``correct`` takes: about 1 if all is well.
+
+        It is the squared Mahalanobis distance for each number measured.
+        """
+        seen, slope = self._linearize(points)
+        weight = np.repeat(deviation ** -2.0, 2)
+        off = (pixels - seen).ravel()
+        weighted, p = slope.T * weight, self._covariance[:8, :8]
+        toward = weighted @ off
+        explained = toward @ p @ np.linalg.solve(np.eye(8) + weighted @ slope @ p, toward)
+        return (off @ (weight * off) - explained) / len(off)
+
+    def _linearize(self, points):
+        """Where points of the plane, (n, 2), are seen, and how that changes with the corners, (2n, 8)."""
+        seen = self.see(points)
+        moves = self._moves(np.vstack([self._place.reshape(4, 2), seen]))
+        return seen, moves[8:] @ np.linalg.inv(moves[:8])
+
+    def _moves(self, pixels):
+        """(2n, 8): how (n, 2) pixels move under each of the eight infinitesimal homographies.
+
+        To the side, up, along and across both, and the two that turn a camera.
+        """
+        x, y = ((pixels - self._middle) / self._focal).T
+        moves = np.zeros((len(pixels), 2, 8))
+        moves[:, 0, 0] = moves[:, 1, 1] = self._focal
+        moves[:, 0, 2] = moves[:, 1, 3] = self._focal * x
+        moves[:, 0, 4] = moves[:, 1, 5] = self._focal * y
+        moves[:, 0, 6], moves[:, 1, 7] = moves[:, 0, 2] * x, moves[:, 1, 5] * y
+        moves[:, 1, 6] = moves[:, 0, 7] = moves[:, 0, 2] * y
+        return moves.reshape(-1, 8)
+
+    def _agility(self, swift=0.0):
+        """(8, 8): how much the speeds of the corners may change within a second, as a covariance."""
+        swift = max(swift, SWIFT * np.sqrt(self._speed @ self._speed / 4) / self._focal)
+        moves = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES
+        agility = moves * ([TURN + swift] * 3 + [TRAVEL + swift] * 3)
+        return agility @ agility.T + np.eye(8) * (OTHER * self._focal / FOCAL)**2
+
+
+# A camera's motion in those eight: pan, tilt, roll; to the side, up, forward.
+CAMERA_MOVES = np.array([[1, 0, 0, 1, 0, 0], [0, 1, 0, 0, 1, 0],
+                         [0, 0, 0, 0, 0, 1], [0, 0, 1, 0, 0, 0],
+                         [0, 0, -1, 0, 0, 0], [0, 0, 0, 0, 0, 1],
+                         [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0]], np.float64)

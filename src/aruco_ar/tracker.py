@@ -1,0 +1,223 @@
+"""The area over time: it stays on the wall while tags come and go."""
+import numpy as np
+
+from .area import Area
+from .detector import Detector
+from .edges import side_of
+from .layout import Layout, tolerance_of
+from .motion import AreaMotion, homography_to, transform
+from .ordering import is_quadrilateral, order_coordinates
+
+HOLD_S = 0.3
+SEARCH_S = 0.4         # so often the whole frame is searched for what is new
+GAP_S = 0.5            # frames farther apart than this say nothing about motion
+RELEARN_S = 0.1        # for so long another arrangement of tags must be seen
+SIGHTS = 3             # as often must be seen what is new, to be believed
+MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
+MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
+VAGUE = 0.06           # sides: while known less well, a tag is searched around where it is expected
+MARGIN = 1.0           # sides around where a tag is expected, where it is searched
+UNLIKELY = 9.0         # seeing this is no error of measurement (see AreaMotion.unlikeliness)
+# Of the area's longer side: known less well than this it is not shown, but
+# held; no longer, where it is known less well than that and has moved so far.
+MAX_DEVIATION = 0.025
+MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.05, 0.02
+
+
+class Tracker:
+    """Follows the area through a sequence of frames.
+
+    Once four tags have been seen together, it knows where on the wall all
+    their corners are; from then on every tag in sight says where the area is.
+    ``dictionary``, ``ids``: see Detector. ``hold``: seconds for which the area
+    stays when no tag is in sight. ``upright``: the picture's top is where the
+    tags' own tops are (``tags``) or where the frame's is (``image``).
+    """
+
+    def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags'):
+        self._detector = Detector(dictionary, ids)
+        self._hold = hold
+        self._upright = upright
+        self._stamp = self._shape = None
+        self.reset()
+
+    def reset(self):
+        """Forget everything seen so far."""
+        self._begin(None)
+
+    def update(self, frame, stamp):
+        """The Area in a frame, or None.
+
+        ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``stamp``: its time in
+        seconds. Where time goes back or the frame's size changes, all that was
+        seen is forgotten.
+        """
+        if self._stamp is not None and (stamp < self._stamp or frame.shape[:2] != self._shape):
+            self.reset()
+        passed = 0.0 if self._stamp is None else stamp - self._stamp
+        self._stamp, self._shape = stamp, frame.shape[:2]
+        if self._layout is None:
+            self._begin(self._detector.detect(frame))
+        else:
+            self._predict(passed)
+            self._look(frame)
+        return self._area()
+
+    def _begin(self, tags):
+        """Start afresh, with the area that these tags span, if they do."""
+        self._layout = Layout.from_tags(tags, self._upright) if tags else None
+        self._motion = None
+        self._displaced = set()  # tags seen where they do not belong, and not where they do since
+        self._rival, self._rival_since, self._rival_sights = None, None, 0
+        self._further = {}       # tags not in the layout: id -> (place, how often seen there)
+        self._searched = self._sighted = self._sure = -np.inf
+        if self._layout is not None:
+            self._searched = self._stamp
+            self._believe({tag.id: tag.corners for tag in tags})
+
+    def _predict(self, passed):
+        if self._motion is not None:
+            unseen = self._stamp - self._sighted
+            if passed > GAP_S or unseen > max(GAP_S, self._hold):
+                self._motion = None
+            else:
+                self._motion.predict(passed, calm=unseen > passed)
+
+    def _look(self, frame):
+        """Find the tags, where they should be or else anywhere, and draw the conclusions."""
+        seen = {} if self._motion is None else self._follow(frame)
+        due = self._stamp - self._searched >= SEARCH_S
+        if not due and seen and not self._displaced:
+            self._believe(seen)
+            return
+        self._searched = self._stamp
+        tags = self._search(frame)
+        for tag in tags:
+            seen.setdefault(tag.id, tag.corners)
+        agreed = self._believe({tag_id: quad for tag_id, quad in seen.items()
+                                if tag_id in self._layout.places})
+        known = [tag_id for tag_id in seen if tag_id in self._layout.places]
+        if not known and Layout.from_tags(tags, self._upright) is not None:
+            self._begin(tags)  # another scene
+            return
+        self._displaced.update(set(known) - set(agreed))
+        for tag_id in self._displaced - set(self._layout.ids):
+            self._layout.forget(tag_id)
+        self._displaced &= set(self._layout.ids)
+        if self._displaced:
+            self._consider_rearranged(tags)
+        elif len(agreed) >= 3:
+            self._learn(seen, agreed)
+
+    def _follow(self, frame):
+        """{id: corners} of the tags found where they should be."""
+        ids = list(self._layout.places)
+        quads = self._motion.see(self._layout.quads(ids))
+        inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
+        sides = side_of(quads)
+        inside = inside.all(axis=(1, 2)) & (sides > MIN_SIDE_PX)
+        ids, quads = [tag_id for tag_id, fits in zip(ids, inside) if fits], quads[inside]
+        if not ids:
+            return {}
+        fitted, found, likeness = self._detector.fit(frame, ids, quads)
+        seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found & (likeness > MIN_LIKENESS))
+                if fits}
+        vague = self._motion.deviation.max()
+        for tag_id, quad, side in zip(ids, quads, sides[inside]):
+            if tag_id not in seen and (not seen or vague > VAGUE * side):
+                box = np.concatenate([quad.min(axis=0) - MARGIN * side, quad.max(axis=0) + MARGIN * side])
+                for tag in self._detector.search(frame, side, np.int32(box)):
+                    if tag.id == tag_id:
+                        seen[tag_id] = tag.corners
+        return seen
+
+    def _search(self, frame):
+        """The tags anywhere in the frame: of about the known ones' size, if that is known."""
+        if self._motion is None:
+            return self._detector.detect(frame)
+        sides = side_of(self._motion.see(self._layout.quads(self._layout.places)))
+        return self._detector.search(frame, max(sides.min(), MIN_SIDE_PX))
+
+    def _believe(self, seen):
+        """Take in where known tags are seen, {id: corners}; the ids of those that agree."""
+        agreed = list(seen)
+        if not agreed:
+            return agreed
+        if self._motion is None or not self._motion.correct(*self._measured(seen, agreed), UNLIKELY):
+            agreed = [] if self._motion is None else self._likely(seen)
+            if agreed:
+                self._motion.correct(*self._measured(seen, agreed))
+            else:
+                corners, agreed = self._layout.locate(seen)
+                if agreed:
+                    self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
+        if agreed:
+            self._sighted = self._stamp
+            self._displaced -= set(agreed)
+        return agreed
+
+    def _measured(self, seen, ids):
+        """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
+        quads = np.float64([seen[tag_id] for tag_id in ids])
+        deviation = 0.15 + 0.002 * side_of(quads)
+        return (self._layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
+
+    def _likely(self, seen):
+        """The ids of the tags that can be where they are seen, all of them together."""
+        ids = list(seen)
+        while ids:
+            def unlikeliness(some):
+                points, pixels, _ = self._measured(seen, some)
+                deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
+                return self._motion.unlikeliness(points, pixels, deviation)
+            if unlikeliness(ids) < UNLIKELY:
+                break
+            rest = [[other for other in ids if other != tag_id] for tag_id in ids]
+            ids = min(rest, key=unlikeliness) if len(ids) > 1 else []
+        return ids
+
+    def _consider_rearranged(self, tags):
+        """Some tags are elsewhere; if they stay there, that is the new arrangement."""
+        seen = {tag.id: tag.corners for tag in tags}
+        if self._rival is not None:
+            _, agreed = self._rival.locate(seen)
+            if set(agreed) >= set(self._rival.ids):
+                self._rival_sights += 1
+                if self._rival_sights >= SIGHTS and self._stamp - self._rival_since >= RELEARN_S:
+                    self._begin(tags)
+                return
+        self._rival = Layout.from_tags(tags, self._upright)
+        self._rival_since, self._rival_sights = self._stamp, 1
+
+    def _learn(self, seen, agreed):
+        """Learn more exactly where the tags are, and further tags on the same plane."""
+        to_plane = np.linalg.inv(homography_to(self._motion.corners))
+        places = {tag_id: transform(to_plane, np.float64(quad)) for tag_id, quad in seen.items()}
+        if set(agreed) >= set(self._layout.ids):
+            self._layout.learn(agreed, [places[tag_id] for tag_id in agreed])
+        for tag_id in set(seen) - set(self._layout.places):
+            place, sights = self._further.get(tag_id, (places[tag_id], 0))
+            off = np.abs(self._motion.see(place) - seen[tag_id]).max()
+            if off > tolerance_of(np.float64(seen[tag_id])[None])[0]:
+                place, sights = places[tag_id], 0
+            self._further[tag_id] = place, sights + 1
+            if sights + 1 >= SIGHTS:
+                self._layout.learn([tag_id], [place])
+                del self._further[tag_id]
+
+    def _area(self):
+        """What is known about the area, if it is known well enough to be shown."""
+        if self._motion is None or self._displaced:
+            return None
+        corners = self._motion.corners
+        longer = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max()
+        deviation = self._motion.deviation.max()
+        if self._sighted == self._stamp and deviation < MAX_DEVIATION * longer:
+            self._sure = self._stamp
+        unsure = self._stamp - self._sure
+        if unsure > self._hold or not is_quadrilateral(corners):
+            return None
+        if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
+            return None
+        corners = np.float32(corners)
+        return Area(corners if self._layout.upright else order_coordinates(corners))
