@@ -4,6 +4,12 @@ A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
 (overlay). A Tracker finds the area in a sequence of frames. The modules ``node``, ``messages`` and ``wall_messages`` connect this
 to ROS, and are the only ones that need it.
 """
+import os
+
+# All matrices here are small. Threads of numpy's OpenBLAS would only wait for
+# each other, and take up a whole core while they do; it has to know beforehand.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
 from .area import Area, find_area, find_four_centers
 from .detector import Detector
 from .errors import InputError

@@ -6,13 +6,13 @@ from .edges import fit_tags
 from .tags import Tag, get_dictionary, tag_cells
 
 # A search for tags of a known size shrinks the frame until they are this wide.
-SEARCH_SIDE_PX = 32
+SEARCH_SIDE_PX = 24
 # What is between a tag's edges must be as like it as this (see fit_tags). That
 # keeps out what OpenCV would mistake for a tag when it corrects as many wrong
 # cells as it can, which is what finds tags blurred by motion.
 MIN_LIKENESS = 0.8
 # Size of the neighborhood against whose mean a pixel is dark or light, then.
-THRESHOLD_WINDOW_PX = 13
+THRESHOLD_WINDOW_PX = 11
 
 
 class Detector:
@@ -65,15 +65,12 @@ class Detector:
         # The middle of the first pixel is (0, 0), before and after shrinking.
         return self._fitted(frame, ids, (quads + 0.5) / shrink - 0.5 + np.float32([left, top]))
 
-    def cells(self, tag_id):
-        """(m, m) uint8: what the tag with that id looks like (see tag_cells)."""
-        if tag_id not in self._cells:
-            self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
-        return self._cells[tag_id]
-
     def fit(self, frame, ids, quads):
         """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""
-        return fit_tags(frame, quads, np.stack([self.cells(tag_id) for tag_id in ids]))
+        for tag_id in ids:
+            if tag_id not in self._cells:
+                self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
+        return fit_tags(frame, quads, np.array([self._cells[tag_id] for tag_id in ids]))
 
     def _find(self, detector, frame):
         gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)

@@ -23,7 +23,8 @@ MAX_BEYOND = 0.25        # of the contrast, by which a profile may be darker or 
 MAX_BENT = 0.35          # of the reach, by which half of an edge's profiles may be off its line
 
 PART = np.linspace(BEGIN, END, SAMPLES, dtype=np.float32)
-ARM = PART - PART.mean()
+MIDDLE = np.float32((BEGIN + END) / 2)
+ARM = PART - MIDDLE
 POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
 ACROSS = np.linspace(-1, 1, PLACES, dtype=np.float32)
 _END = PLACES // 5
@@ -60,7 +61,7 @@ def fit_tags(frame, quads, cells):
 def side_of(quads):
     """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
     along = quads - quads[:, [1, 2, 3, 0]]
-    return np.sqrt((along * along).sum(axis=2)).mean(axis=1)
+    return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
 
 
 def _look(frame, points):
@@ -74,7 +75,7 @@ def _fit_edges(frame, quads, reach):
     along = quads[:, [1, 2, 3, 0]] - quads
     length = np.abs(along)
     outward = along * np.complex64(-1j) / np.maximum(length, 1e-6)
-    reach = np.maximum(reach * length.mean(axis=1, keepdims=True), MIN_REACH_PX)  # (n, 1) pixels
+    reach = np.maximum(reach / 4 * length.sum(axis=1, keepdims=True), MIN_REACH_PX)  # (n, 1) pixels
     along_edge = quads[..., None] + along[..., None] * PART                   # (n, 4, samples)
     across = (outward * reach)[..., None] * ACROSS                            # (n, 4, places)
     points = along_edge[..., None] + across[:, :, None]
@@ -92,7 +93,7 @@ def _fit_edges(frame, quads, reach):
     typical = _median(left)
     weight = np.float32(left <= 3 * typical[..., None] + 0.01 * reach[..., None])
     middle, slope, left = _fit_lines(offset, weight)
-    first = quads + (middle - slope * PART.mean()) * outward
+    first = quads + (middle - slope * MIDDLE) * outward
     along = along + slope * outward
     # Each corner is where its edge crosses the one before.
     toward, before = along[:, [3, 0, 1, 2]], first[:, [3, 0, 1, 2]]
@@ -106,8 +107,9 @@ def _fit_edges(frame, quads, reach):
 
 def _fit_lines(offset, weight):
     """The lines middle + slope * ARM through offsets, (n, 4), and how far each is off, (n, 4, samples)."""
-    count, first, second = np.moveaxis(weight @ POWERS, 2, 0)
-    weighted, leaning = np.moveaxis((weight * offset) @ POWERS[:, :2], 2, 0)
+    powers, sums = weight @ POWERS, (weight * offset) @ POWERS
+    count, first, second = powers[..., 0], powers[..., 1], powers[..., 2]
+    weighted, leaning = sums[..., 0], sums[..., 1]
     slope = (count * leaning - first * weighted) / (count * second - first * first + 1e-9)
     middle = (weighted - slope * first) / count
     return middle, slope, np.abs(offset - middle[..., None] - slope[..., None] * ARM)
@@ -131,7 +133,7 @@ def _likeness(frame, quads, cells):
     """(n,): the correlation of the frame with each tag's inner cells, 1 if they are the same."""
     gray = _look(frame, _cell_weights(cells.shape[1]) @ quads)
     wanted = np.float32(cells[:, 1:-1, 1:-1]).reshape(len(quads), -1)
-    gray -= gray.mean(axis=1, keepdims=True)
-    wanted -= wanted.mean(axis=1, keepdims=True)
+    gray -= gray.sum(axis=1, keepdims=True) / gray.shape[1]
+    wanted -= wanted.sum(axis=1, keepdims=True) / gray.shape[1]
     norm = np.einsum('nk,nk->n', gray, gray) * np.einsum('nk,nk->n', wanted, wanted)
     return np.einsum('nk,nk->n', gray, wanted) / np.sqrt(np.maximum(norm, 1e-6))

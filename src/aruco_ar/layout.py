@@ -50,7 +50,7 @@ class Layout:
 
     def quads(self, ids):
         """(n, 4, 2): the places of those tags."""
-        return np.stack([self.places[tag_id] for tag_id in ids])
+        return np.array([self.places[tag_id] for tag_id in ids])
 
     def learn(self, ids, places):
         """Average in that tags were seen at places of the plane, (n, 4, 2)."""

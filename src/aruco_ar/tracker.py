@@ -9,7 +9,7 @@ from .motion import AreaMotion, homography_to, transform
 from .ordering import is_quadrilateral, order_coordinates
 
 HOLD_S = 0.3
-SEARCH_S = 0.4         # so often the whole frame is searched for what is new
+SEARCH_S = 0.45        # so often the whole frame is searched for what is new
 GAP_S = 0.5            # frames farther apart than this say nothing about motion
 RELEARN_S = 0.1        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
@@ -21,7 +21,7 @@ UNLIKELY = 9.0         # seeing this is no error of measurement (see AreaMotion.
 # Of the area's longer side: known less well than this it is not shown, but
 # held; no longer, where it is known less well than that and has moved so far.
 MAX_DEVIATION = 0.025
-MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.05, 0.02
+MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.04, 0.02
 
 
 class Tracker:
@@ -151,6 +151,7 @@ class Tracker:
                 corners, agreed = self._layout.locate(seen)
                 if agreed:
                     self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
+                    self._sure = -np.inf
         if agreed:
             self._sighted = self._stamp
             self._displaced -= set(agreed)
@@ -210,7 +211,7 @@ class Tracker:
         if self._motion is None or self._displaced:
             return None
         corners = self._motion.corners
-        longer = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max()
+        longer = np.hypot(*(corners - corners[[1, 2, 3, 0]]).T).max()
         deviation = self._motion.deviation.max()
         if self._sighted == self._stamp and deviation < MAX_DEVIATION * longer:
             self._sure = self._stamp

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Measure the course's code and ours, side by side, in one run."""
+import argparse
+import os
+import sys
+
+import accuracy
+import chart
+import nodes
+import speed
+import video
+from aruco_ar import InputError
+
+PARTS = ('sticking', 'speed', 'nodes', 'memory')
+
+
+def parse():
+    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' Some minutes without arguments.')
+    parser.add_argument('--only', choices=PARTS, help='this part alone')
+    parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
+    parser.add_argument('--dictionary', default='DICT_6X6_250', help="of the video's tags (default: DICT_6X6_250)")
+    parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
+                        help='where the chart of error and jitter goes (default: unit5-bench.png)')
+    return parser.parse_args()
+
+
+def main():
+    args = parse()
+    if args.video:
+        video.run(args.video, args.dictionary, args.chart)
+        return
+    print('%d processor cores' % os.cpu_count())
+    if args.only in (None, 'sticking'):
+        stamps, truth, course, ours = accuracy.run()
+        chart.draw(args.chart, accuracy.CHART_CASE, stamps, course, ours, truth)
+        print('\nWrote %s' % args.chart)
+    if args.only in (None, 'speed'):
+        speed.run()
+    if args.only in (None, 'nodes'):
+        nodes.run_load()
+    if args.only in (None, 'memory'):
+        nodes.run_memory()
+
+
+if __name__ == '__main__':
+    try:
+        main()
+    except InputError as error:
+        sys.exit('bench: %s' % error)

@@ -1,0 +1,30 @@
+#!/usr/bin/env python3
+"""A plain rospy node with the course's code, as a student writes it."""
+import os
+
+import rospy
+from aruco_ar import load_picture
+from course import Course
+from cv_bridge import CvBridge
+from scenes import PACKAGE
+from sensor_msgs.msg import Image
+
+
+class CourseNode:
+    def __init__(self):
+        self._course = Course('DICT_6X6_250', load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg')))
+        self._bridge = CvBridge()
+        self._publisher = rospy.Publisher('result', Image, queue_size=1)
+        rospy.Subscriber('camera/rgb/image_raw', Image, self._on_image, queue_size=1, buff_size=1 << 26)
+
+    def _on_image(self, message):
+        frame = self._bridge.imgmsg_to_cv2(message, desired_encoding='bgr8')
+        painted, _ = self._course.paint(frame)
+        result = self._bridge.cv2_to_imgmsg(painted, 'bgr8')
+        result.header = message.header
+        self._publisher.publish(result)
+
+
+rospy.init_node('course')
+CourseNode()
+rospy.spin()
