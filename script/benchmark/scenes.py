@@ -32,22 +32,22 @@ Frame = namedtuple('Frame', 'stamp image corners counts')
 
 
 def drive(path, count, covered=lambda number: (), counts=lambda number: True, jpeg=None,
-          size=(640, 480), **look):
+          size=(640, 480), wall=WALL, **look):
     """Frames of a drive along a path.
 
     ``covered``: the ids of the tags that something is held before, by the
-    frame's number. ``jpeg``: a quality, to compress each frame. ``look``: see
+    frame's number; ``counts`` likewise. ``jpeg``: a quality, to compress each frame. ``look``: see
     WallRenderer.
     """
     camera = Camera(*size)
-    renderer = WallRenderer(WALL, camera, **look)
+    renderer = WallRenderer(wall, camera, **look)
     for number in range(count):
         view = wall_to_camera(path.at(number / FRAMES_PER_S)[0])
         image = renderer.render(*view, covered=covered(number))
         if jpeg:
             image = cv2.imdecode(cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1],
                                  cv2.IMREAD_COLOR)
-        yield Frame(number / FRAMES_PER_S, image, project(WALL.area_corners, *view, camera)[0],
+        yield Frame(number / FRAMES_PER_S, image, project(wall.area_corners, *view, camera)[0],
                     counts(number))
 
 

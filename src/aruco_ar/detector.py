@@ -44,26 +44,13 @@ class Detector:
         """
         return self._fitted(frame, *self._find(self._anywhere, frame))
 
-    def search(self, frame, side, box=None):
-        """The same for tags about ``side`` pixels wide, in a fraction of the time.
-
-        ``box``: (left, top, right, bottom), pixels, to search only there.
-        """
-        left, top = 0, 0
-        part = frame
-        if box is not None:
-            left, top = np.maximum(box[:2], 0)
-            part = frame[top:box[3], left:box[2]]
-        if min(part.shape[:2]) < SEARCH_SIDE_PX / 4:
-            return []
+    def search(self, frame, side):
+        """The same for tags at least ``side`` pixels wide, in a fraction of the time."""
         shrink = min(1.0, SEARCH_SIDE_PX / side)
-        if shrink < 1:
-            part = cv2.resize(part, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_LINEAR)
-        ids, quads = self._find(self._of_a_size, part)
-        if not ids:
-            return []
+        small = frame if shrink == 1 else cv2.resize(frame, None, fx=shrink, fy=shrink)
+        ids, quads = self._find(self._of_a_size, small)
         # The middle of the first pixel is (0, 0), before and after shrinking.
-        return self._fitted(frame, ids, (quads + 0.5) / shrink - 0.5 + np.float32([left, top]))
+        return self._fitted(frame, ids, (quads + 0.5) / shrink - 0.5)
 
     def fit(self, frame, ids, quads):
         """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""

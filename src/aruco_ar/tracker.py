@@ -15,8 +15,6 @@ RELEARN_S = 0.1        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
-VAGUE = 0.06           # sides: while known less well, a tag is searched around where it is expected
-MARGIN = 1.0           # sides around where a tag is expected, where it is searched
 UNLIKELY = 9.0         # seeing this is no error of measurement (see AreaMotion.unlikeliness)
 # Of the area's longer side: known less well than this it is not shown, but
 # held; no longer, where it is known less well than that and has moved so far.
@@ -85,9 +83,9 @@ class Tracker:
 
     def _look(self, frame):
         """Find the tags, where they should be or else anywhere, and draw the conclusions."""
-        seen = {} if self._motion is None else self._follow(frame)
+        seen, missing = ({}, True) if self._motion is None else self._follow(frame)
         due = self._stamp - self._searched >= SEARCH_S
-        if not due and seen and not self._displaced:
+        if not (missing or due or self._displaced):
             self._believe(seen)
             return
         self._searched = self._stamp
@@ -110,26 +108,18 @@ class Tracker:
             self._learn(seen, agreed)
 
     def _follow(self, frame):
-        """{id: corners} of the tags found where they should be."""
+        """{id: corners} of the tags found where they should be, and whether one of the four is not."""
         ids = list(self._layout.places)
         quads = self._motion.see(self._layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
-        sides = side_of(quads)
-        inside = inside.all(axis=(1, 2)) & (sides > MIN_SIDE_PX)
+        inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
         ids, quads = [tag_id for tag_id, fits in zip(ids, inside) if fits], quads[inside]
         if not ids:
-            return {}
+            return {}, True
         fitted, found, likeness = self._detector.fit(frame, ids, quads)
-        seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found & (likeness > MIN_LIKENESS))
-                if fits}
-        vague = self._motion.deviation.max()
-        for tag_id, quad, side in zip(ids, quads, sides[inside]):
-            if tag_id not in seen and (not seen or vague > VAGUE * side):
-                box = np.concatenate([quad.min(axis=0) - MARGIN * side, quad.max(axis=0) + MARGIN * side])
-                for tag in self._detector.search(frame, side, np.int32(box)):
-                    if tag.id == tag_id:
-                        seen[tag_id] = tag.corners
-        return seen
+        found &= likeness > MIN_LIKENESS
+        seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found) if fits}
+        return seen, any(tag_id in self._layout.ids and tag_id not in seen for tag_id in ids)
 
     def _search(self, frame):
         """The tags anywhere in the frame: of about the known ones' size, if that is known."""

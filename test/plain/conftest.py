@@ -1,4 +1,5 @@
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+sys.path.append(os.path.join(PACKAGE, 'script', 'benchmark'))  # for its scenes
 
 
 @pytest.fixture(scope='session')

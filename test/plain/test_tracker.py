@@ -1,0 +1,225 @@
+"""The area over time, against the simulated camera's truth: it sticks, and is never wrong."""
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Tracker
+from aruco_ar.render import WallRenderer, project
+from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
+from aruco_ar.wall import WallTag
+from scenes import FAST, LIVELY, SLOW, STILL, WALL, Frame, at_random, drive
+
+USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
+
+
+def later(frames, seconds):
+    """The same frames at a later time."""
+    return [frame._replace(stamp=frame.stamp + seconds) for frame in frames]
+
+
+def follow(tracker, frames):
+    """(n, 4) pixels: how far each corner is off, NaN without an area."""
+    errors = []
+    for frame in frames:
+        area = tracker.update(frame.image, frame.stamp)
+        errors.append(np.full(4, np.nan) if area is None
+                      else np.linalg.norm(area.corners - frame.corners, axis=1))
+    return np.array(errors)
+
+
+def rms(errors):
+    return np.sqrt(np.mean(errors**2))
+
+
+def assert_never_wrong(errors, frames):
+    """No corner is off by more than 5 % of the area's longer side."""
+    for error, frame in zip(errors, frames):
+        longer = np.linalg.norm(frame.corners - np.roll(frame.corners, 1, axis=0), axis=1).max()
+        assert np.isnan(error[0]) or error.max() < 0.05 * longer
+
+
+def rolled(wall, degrees, pose=Pose(-2.2, 0.1, -0.05), stamp=0.0, **look):
+    """A Frame by a camera that is turned about the axis that it looks along."""
+    angle = np.radians(degrees)
+    roll = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    rotation, translation = wall_to_camera(pose)
+    view = roll @ rotation, roll @ translation
+    return Frame(stamp, WallRenderer(wall, Camera(), **look).render(*view),
+                 project(wall.area_corners, *view, Camera())[0], True)
+
+
+def test_standing_still_it_does_not_tremble():
+    tracker, frames = Tracker(), list(drive(STILL, 40, noise=5.0))
+    corners = np.array([tracker.update(frame.image, frame.stamp).corners for frame in frames])
+    assert corners.std(axis=0).max() < 0.05
+    assert rms(np.linalg.norm(corners - frames[0].corners, axis=2)) < 0.3
+
+
+def test_driving_past_it_stays_and_does_not_lag():
+    frames = list(drive(FAST, 120, **USUAL))
+    errors = follow(Tracker(), frames)
+    assert rms(errors) < 0.7  # NaN, were there no area in some frame
+    assert rms(errors[-30:]) < 0.7
+
+
+def test_a_sudden_start_is_followed_at_once():
+    path = Path(Pose(-2.2, 0.1, -0.05), ((1, 0, 0), (1, 0.3, 0.5)))
+    errors = follow(Tracker(), drive(path, 45, **USUAL))
+    assert errors[28:].max() < 0.7
+
+
+@pytest.mark.parametrize('covered, px', [([3], 0.6), ([1, 2], 1.2), ([2, 4], 1.2), ([2, 3, 4], 5.0),
+                                         ([1, 2, 3], 5.0)])
+def test_it_stays_while_tags_are_covered(covered, px):
+    frames = list(drive(SLOW, 75, lambda number: covered if number >= 15 else (), **USUAL))
+    errors = follow(Tracker(), frames)
+    assert rms(errors[15:]) < px
+    assert_never_wrong(errors, frames)
+
+
+def test_it_is_there_though_every_tag_hides_now_and_then():
+    frames = list(drive(LIVELY, 300, at_random(300, seed=4), **USUAL))
+    errors = follow(Tracker(), frames)
+    assert np.mean(~np.isnan(errors[:, 0])) >= 0.99
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.parametrize('look', [{'smear': 9}, {'light': 0.75}, {'jpeg': 50}], ids=str)
+def test_blur_shade_and_compression_do_not_hide_it(look):
+    frames = list(drive(LIVELY, 60, noise=2.0, **look))
+    errors = follow(Tracker(), frames)
+    assert np.mean(~np.isnan(errors[:, 0])) >= 0.98
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.parametrize('hold', [0.0, 0.3, 1.0])
+def test_without_any_tag_it_is_held_and_then_gone(hold):
+    frames = list(drive(STILL, 50, lambda number: [1, 2, 3, 4] if number >= 10 else (), noise=2.0))
+    errors = follow(Tracker(hold=hold), frames)
+    last = frames[9].stamp
+    for frame, error in zip(frames[10:], errors[10:]):
+        assert np.isnan(error[0]) == (frame.stamp - last > hold + 1e-6)
+    assert np.nanmax(errors) < 1.0
+
+
+def test_where_time_goes_back_all_is_forgotten():
+    frames = list(drive(STILL, 20, lambda number: [1] if number >= 10 else ()))
+    tracker = Tracker()
+    assert not np.isnan(follow(tracker, frames)).any()
+    assert tracker.update(frames[15].image, 0.1) is None
+    assert tracker.update(frames[0].image, 0.2) is not None
+
+
+def test_where_the_frames_change_their_size_all_is_forgotten():
+    tracker = Tracker()
+    frames = list(drive(STILL, 2))
+    assert not np.isnan(follow(tracker, frames)).any()
+    small = next(drive(STILL, 1, size=(320, 240), covered=lambda number: [1]))
+    assert tracker.update(small.image, 0.2) is None
+
+
+def test_gray_frames_will_do():
+    frames = [frame._replace(image=cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY)) for frame in drive(SLOW, 10)]
+    assert follow(Tracker(), frames).max() < 0.3
+
+
+def moved(tag_id, **place):
+    """The wall with one tag elsewhere."""
+    return replace(WALL, tags=tuple(replace(tag, **place) if tag.id == tag_id else tag for tag in WALL.tags))
+
+
+REARRANGED = {
+    'one moved': moved(3, x=0.2, y=0.4),
+    'two swapped': replace(WALL, area=(2, 1, 3, 4), tags=tuple(
+        replace(tag, id={1: 2, 2: 1}.get(tag.id, tag.id)) for tag in WALL.tags)),
+    'all swapped': replace(WALL, area=(4, 3, 2, 1), tags=tuple(
+        replace(tag, id=5 - tag.id) for tag in WALL.tags)),
+}
+
+
+@pytest.mark.parametrize('wall', REARRANGED.values(), ids=REARRANGED)
+def test_rearranged_tags_are_learnt_anew_and_no_area_is_wrong_meanwhile(wall):
+    tracker = Tracker()
+    follow(tracker, drive(SLOW, 20, **USUAL))
+    frames = later(drive(SLOW, 45, wall=wall, **USUAL), 20 / 30)
+    errors = follow(tracker, frames)
+    assert_never_wrong(errors, frames)
+    assert rms(errors[30:]) < 0.7
+
+
+def test_another_scene_is_learnt_at_once():
+    other = replace(WALL, area=(11, 12, 13, 14), tags=tuple(
+        replace(tag, id=tag.id + 10, x=tag.x * 0.7 + 0.1) for tag in WALL.tags))
+    tracker = Tracker()
+    follow(tracker, drive(SLOW, 20, **USUAL))
+    assert follow(tracker, later(drive(SLOW, 5, wall=other, **USUAL), 20 / 30)).max() < 0.7
+
+
+def test_a_second_tag_with_the_id_of_one_does_not_matter():
+    decoy = replace(WALL, tags=(WallTag(3, 0.0, 0.55, 0.18),) + WALL.tags)
+    tracker = Tracker()
+    follow(tracker, drive(SLOW, 20, **USUAL))
+    assert rms(follow(tracker, later(drive(SLOW, 45, wall=decoy, **USUAL), 20 / 30))) < 0.7
+
+
+def test_an_area_tag_elsewhere_hides_the_area_rather_than_dragging_it():
+    decoy = replace(WALL, tags=WALL.tags[:2] + WALL.tags[3:] + (WallTag(3, 0.0, 0.55, 0.18),))
+    tracker = Tracker()
+    follow(tracker, drive(SLOW, 20, **USUAL))
+    frames = later(drive(SLOW, 3, wall=replace(decoy, area=(1, 2, 4, 3)), **USUAL), 20 / 30)
+    for frame in frames:
+        area = tracker.update(frame.image, frame.stamp)
+        assert area is None
+
+
+def test_further_tags_are_learnt_and_keep_it_in_place():
+    wall = replace(WALL, tags=WALL.tags + (WallTag(8, 0.0, 0.9, 0.14, 20.0), WallTag(9, 0.0, 0.25, 0.14)))
+    frames = list(drive(SLOW, 120, lambda number: [8, 9] if number < 5 else WALL.area if number >= 75 else (),
+                        wall=wall, **USUAL))
+    errors = follow(Tracker(), frames)
+    assert rms(errors) < 1.0
+
+
+def test_the_picture_turns_with_the_wall():
+    tracker = Tracker(upright='tags')
+    frames = [rolled(WALL, angle, stamp=angle / 300) for angle in range(0, 361, 10)]
+    assert follow(tracker, frames).max() < 0.7
+
+
+def test_on_a_wall_turned_over_the_tags_own_top_is_up():
+    frame = rolled(WALL, 180)
+    assert follow(Tracker(upright='tags'), [frame]).max() < 0.7
+    flipped = Tracker(upright='image').update(frame.image, 0.0).corners
+    np.testing.assert_allclose(flipped, np.roll(frame.corners, 2, axis=0), atol=0.7)
+
+
+def test_upright_by_the_image_the_top_is_the_frames():
+    tracker = Tracker(upright='image')
+    for number, angle in enumerate((0, 30, 60, 90)):
+        frame = rolled(WALL, angle, stamp=number / 30)
+        corners = tracker.update(frame.image, frame.stamp).corners
+        if angle == 90:
+            np.testing.assert_allclose(corners, np.roll(frame.corners, 1, axis=0), atol=0.7)
+
+
+def test_where_tags_disagree_the_top_is_the_frames():
+    wall = replace(WALL, tags=tuple(replace(tag, turn=90.0 if tag.id == 2 else 0.0) for tag in WALL.tags))
+    flipped = rolled(wall, 180)
+    np.testing.assert_allclose(Tracker().update(flipped.image, 0.0).corners,
+                               np.roll(flipped.corners, 2, axis=0), atol=0.7)
+
+
+def test_nothing_is_written_into_the_frame():
+    frame = next(drive(STILL, 1))
+    before, tracker = frame.image.copy(), Tracker()
+    for number in range(3):
+        tracker.update(frame.image, number / 30)
+    np.testing.assert_array_equal(frame.image, before)
+
+
+@pytest.mark.parametrize('shape', [(480, 640, 3), (1, 1, 3), (2, 900), (64, 48, 3)])
+def test_frames_without_tags_are_no_trouble(random, shape):
+    tracker = Tracker()
+    for number in range(4):
+        assert tracker.update(random.randint(0, 256, shape).astype(np.uint8), number / 30) is None
