@@ -10,7 +10,7 @@ from itertools import cycle
 import numpy as np
 import rospy
 from aruco_ar.messages import image_from_frame
-from scenes import LIVELY, drive
+from scenes import WIDE, drive
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -125,7 +125,7 @@ def run_load():
     print('\nNodes, bgr8 at %d Hz: processor time a frame, and latency from stamp to receipt.\n' % FRAMES_PER_S)
     with Master():
         for size in SIZES:
-            frames = [frame.image for frame in drive(LIVELY, 60, noise=5.0, light=0.3, size=size)]
+            frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3, size=size)]
             frames += frames[::-1]
             spent = {}
             for name, command in NODES.items():
@@ -141,7 +141,7 @@ def run_load():
 def run_memory():
     """Print the resident size of exercise5_6.py over many frames."""
     print('\nMemory of exercise5_6.py, 640 x 480:')
-    frames = [frame.image for frame in drive(LIVELY, 60, noise=5.0, light=0.3)]
+    frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3)]
     pictures = cycle(frames + frames[::-1])
     with Master(), Node(NODES['exercise5_6.py']) as node:
         node.connect(frames[0])

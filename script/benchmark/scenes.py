@@ -24,6 +24,8 @@ def _there_and_back(start, *legs):
 STILL = Path(Pose(-2.2, 0.1, -0.05), ((1000, 0, 0),))
 SLOW = _there_and_back(Pose(-2.2, 0.25, -0.05), (3, 0.1, -0.06), (3, 0.1, 0.06))
 LIVELY = _there_and_back(Pose(-2.5, 0.2, -0.1), (2, 0.3, 0.1), (1, 0.2, -0.3), (1, 0, 0.3), (1, -0.3, 0.1))
+# The same from farther away, for frames of 16 : 9, which are lower.
+WIDE = _there_and_back(Pose(-3.1, 0.2, -0.1), (2, 0.3, 0.1), (1, 0.2, -0.3), (1, 0, 0.3), (1, -0.3, 0.1))
 FAST = _there_and_back(Pose(-2.8, 0, -0.25), (1, 0.5, 0.5), (1, 0.5, -0.5))
 
 # One frame: its time in seconds, the picture, the area's true corners, (4, 2)

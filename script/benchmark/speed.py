@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from aruco_ar import Tracker, load_picture, overlay
 from course import Course
-from scenes import LIVELY, PACKAGE, drive
+from scenes import PACKAGE, WIDE, drive
 
 SIZES = {(640, 480): (90, 5), (1280, 720): (60, 8), (1920, 1080): (60, 10), (3840, 2160): (40, 8)}
 
@@ -23,7 +23,7 @@ def measure(size, count, noise):
     picture = load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg'))
     course, tracker = Course('DICT_6X6_250', picture), Tracker()
     times = []
-    for frame in drive(LIVELY, count, noise=noise, light=0.3, size=size):
+    for frame in drive(WIDE, count, noise=noise, light=0.3, size=size):
         own = frame.image.copy()  # a node's frame is its own as well
         finding, _ = timed(course.area, frame.image)
         whole, _ = timed(course.paint, frame.image)

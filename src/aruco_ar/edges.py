@@ -14,10 +14,11 @@ import numpy as np
 SAMPLES = 12             # profiles along each edge
 BEGIN, END = 0.08, 0.92  # of the edge, between which they lie: a corner's rounding stays out
 PLACES = 15              # where each profile is looked at
-# How far to both sides of an edge a profile reaches, in cells: to place an
-# edge, and before that to find it, where it is farther off than NEAR.
-PLACE, FIND, NEAR = 0.6, 0.95, 0.25
-MIN_REACH_PX = 1.2
+# How far to both sides of an edge a profile reaches, in cells: to find the edge
+# and to place it. The latter not too far, or shading would bend what is
+# straight; and where an edge is off by more than NEAR of that, it is found first.
+FIND, PLACE, NEAR = 0.95, 0.6, 0.4
+MIN_REACH_PX, MAX_PLACE_PX = 1.2, 5.0
 MIN_CONTRAST = 12        # gray levels between the black border and the white around it
 MAX_BEYOND = 0.25        # of the contrast, by which a profile may be darker or lighter than its ends
 MAX_BENT = 0.35          # of the reach, by which half of an edge's profiles may be off its line
@@ -46,14 +47,17 @@ def fit_tags(frame, quads, cells):
     """
     quads = np.ascontiguousarray(quads, np.float32)
     start = quads.view(np.complex64)[..., 0]  # (n, 4)
-    cell = 1 / cells.shape[1]
-    fitted, good = _fit_edges(frame, start, PLACE * cell)
-    near = np.abs(fitted - start).max(axis=1) < NEAR * cell * np.abs(start[:, 0] - start[:, 2])
-    rest = ~(good & near)
+    cell = side_of(quads)[:, None] / cells.shape[1]  # (n, 1) pixels
+    find = np.maximum(FIND * cell, MIN_REACH_PX)
+    place = np.clip(PLACE * cell, MIN_REACH_PX, MAX_PLACE_PX)
+    fitted, good = _fit_edges(frame, start, place)
+    rest = ~(good & (np.abs(fitted - start) < NEAR * place).all(axis=1))
     if rest.any():
-        found, seen = _fit_edges(frame, start[rest], FIND * cell)
-        fitted[rest], placed = _fit_edges(frame, np.where(seen[:, None], found, start[rest]), PLACE * cell)
-        good[rest] = seen & placed
+        found, good[rest] = _fit_edges(frame, start[rest], find[rest])
+        for _ in range(2):
+            found, placed = _fit_edges(frame, found, place[rest])
+            good[rest] &= placed
+        fitted[rest] = found
     quads = np.where(good[:, None, None], fitted[..., None].view(np.float32), quads)
     return quads, good, _likeness(frame, quads, cells)
 
@@ -71,22 +75,23 @@ def _look(frame, points):
 
 
 def _fit_edges(frame, quads, reach):
-    """Fit (n, 4) complex quadrilaterals, reaching that many sides far; and whether all edges were seen."""
+    """Fit (n, 4) complex quadrilaterals, reaching (n, 1) pixels far; and whether all edges were seen."""
     along = quads[:, [1, 2, 3, 0]] - quads
     length = np.abs(along)
     outward = along * np.complex64(-1j) / np.maximum(length, 1e-6)
-    reach = np.maximum(reach / 4 * length.sum(axis=1, keepdims=True), MIN_REACH_PX)  # (n, 1) pixels
     along_edge = quads[..., None] + along[..., None] * PART                   # (n, 4, samples)
     across = (outward * reach)[..., None] * ACROSS                            # (n, 4, places)
     points = along_edge[..., None] + across[:, :, None]
     gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32)).reshape(-1, PLACES)
-    ends = _median((gray @ ENDS).reshape(-1, SAMPLES, 2).swapaxes(1, 2))      # (4 n, 2)
-    dark, contrast = ends[:, :1], ends[:, 1:] - ends[:, :1]
-    share = (gray.reshape(len(ends), -1) - dark) / np.maximum(contrast, 1)
+    ends = (gray @ ENDS).reshape(-1, SAMPLES, 2)                              # (4 n, samples, 2)
+    # Black is the same along an edge; white has shades.
+    dark = _median(ends[..., 0])[:, None]
+    contrast = ends[..., 1] - dark
+    share = (gray - np.repeat(dark, SAMPLES)[:, None]) / np.maximum(contrast, 1).reshape(-1, 1)
     # What is far lighter or darker than both ends belongs to something else.
     np.maximum(share, -MAX_BEYOND, out=share)
     np.minimum(share, 1 + MAX_BEYOND, out=share)
-    light = (share.reshape(-1, PLACES) @ ALL).reshape(-1, 4, SAMPLES)
+    light = (share @ ALL).reshape(-1, 4, SAMPLES)
     offset = (PLACES / 2 - light) * (reach * (2 / (PLACES - 1)))[..., None]   # (n, 4, samples) outward
     # A straight line through the offsets, and once more without those unlike the rest.
     middle, slope, left = _fit_lines(offset, np.ones_like(offset))
@@ -100,7 +105,7 @@ def _fit_edges(frame, quads, reach):
     crossed = (toward.conj() * along).imag
     far = ((first - before).conj() * along).imag / np.where(crossed == 0, 1e-6, crossed)
     corners = before + far * toward
-    seen = (contrast.reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
+    seen = (_median(contrast).reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
     near = np.abs(corners - quads) < 3 * reach
     return corners.astype(np.complex64), (seen & near).all(axis=1)
 

@@ -19,7 +19,7 @@ UNLIKELY = 9.0         # seeing this is no error of measurement (see AreaMotion.
 # Of the area's longer side: known less well than this it is not shown, but
 # held; no longer, where it is known less well than that and has moved so far.
 MAX_DEVIATION = 0.025
-MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.04, 0.02
+MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.02
 
 
 class Tracker:
