@@ -16,7 +16,7 @@ LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
 
 def tolerance_of(quads):
     """(n,) pixels: farther off than this, a corner is not where it was learnt to be."""
-    return 1.5 + 0.05 * side_of(quads)
+    return 1.0 + 0.03 * side_of(quads)
 
 
 class Layout:
@@ -63,8 +63,9 @@ class Layout:
         self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
 
     def forget(self, tag_id):
-        """Forget a tag that is none of the four."""
-        del self.places[tag_id], self._sights[tag_id]
+        """Forget a tag that is none of the four, if it is known."""
+        self.places.pop(tag_id, None)
+        self._sights.pop(tag_id, None)
 
     def locate(self, seen):
         """Where the area must be for tags, {id: (4, 2) pixels}, to be where they are seen.

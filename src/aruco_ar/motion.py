@@ -7,6 +7,8 @@ anywhere on the plane corrects them as far as what it shows depends on them:
 four tags fix all; one fixes the place and the size near itself, and leaves the
 slant of the far side to what was known a frame ago.
 """
+from copy import copy
+
 import numpy as np
 
 # How much speeds change within a second: what robots and hands do. The frame
@@ -19,7 +21,8 @@ SWIFT = 1.0       # times the speed that it has, on top
 OTHER = 0.005     # widths of the frame per second
 FIRST = 1.5       # rad/s, the speed that an area just found may have
 FOCAL = 0.87      # widths of the frame, the focal length assumed for that
-CALM_S = 0.3      # with no tag in sight, the motion dies away within about this time
+CALM_S = 1.0      # with no tag in sight, the motion dies away within about this time
+SHAKEN = 0.05, 0.03 # rad and distances to the wall: how far a shaken camera may have turned and moved
 CLOSE_PX = 0.5    # a correction larger than this is worth a second step
 
 
@@ -85,6 +88,15 @@ class AreaMotion:
         p[8:, :8] += seconds * p[8:, 8:] + change * (seconds / 2)
         p[:8, 8:] = p[8:, :8].T
         p[8:, 8:] += change
+
+    def shaken(self):
+        """The AreaMotion after what may have been a jerk of the camera, which leaves the plane as it was."""
+        jerk = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES * np.repeat(SHAKEN, 3)
+        other = copy(self)
+        other._covariance = self._covariance.copy()
+        other._covariance[:8, :8] += jerk @ jerk.T
+        other._covariance[8:, 8:] += self._agility(FIRST)
+        return other
 
     def see(self, points):
         """(..., 2) pixels: where points of the plane, (..., 2), are."""

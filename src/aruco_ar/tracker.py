@@ -11,15 +11,19 @@ from .ordering import is_quadrilateral, order_coordinates
 HOLD_S = 0.3
 SEARCH_S = 0.45        # so often the whole frame is searched for what is new
 GAP_S = 0.5            # frames farther apart than this say nothing about motion
-RELEARN_S = 0.1        # for so long another arrangement of tags must be seen
+USUAL_S = 1 / 30       # between frames whose stamps do not tell
+RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
-UNLIKELY = 9.0         # seeing this is no error of measurement (see AreaMotion.unlikeliness)
+SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its place
+# Seeing this is no error of measurement (see AreaMotion.unlikeliness), and not
+# to be explained by a jerk of the camera.
+UNLIKELY, SHAKEN_UNLIKELY = 9.0, 2.0
 # Of the area's longer side: known less well than this it is not shown, but
 # held; no longer, where it is known less well than that and has moved so far.
 MAX_DEVIATION = 0.025
-MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.02
+MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 
 
 class Tracker:
@@ -50,7 +54,7 @@ class Tracker:
         seconds. Where time goes back or the frame's size changes, all that was
         seen is forgotten.
         """
-        if self._stamp is not None and (stamp < self._stamp or frame.shape[:2] != self._shape):
+        if self._stamp is not None and (not stamp >= self._stamp or frame.shape[:2] != self._shape):
             self.reset()
         passed = 0.0 if self._stamp is None else stamp - self._stamp
         self._stamp, self._shape = stamp, frame.shape[:2]
@@ -67,7 +71,7 @@ class Tracker:
         self._motion = None
         self._displaced = set()  # tags seen where they do not belong, and not where they do since
         self._rival, self._rival_since, self._rival_sights = None, None, 0
-        self._further = {}       # tags not in the layout: id -> (place, how often seen there)
+        self._further = {}       # tags besides the four: id -> (place, how often seen there)
         self._searched = self._sighted = self._sure = -np.inf
         if self._layout is not None:
             self._searched = self._stamp
@@ -79,7 +83,7 @@ class Tracker:
             if passed > GAP_S or unseen > max(GAP_S, self._hold):
                 self._motion = None
             else:
-                self._motion.predict(passed, calm=unseen > passed)
+                self._motion.predict(passed or USUAL_S, calm=unseen > passed)
 
     def _look(self, frame):
         """Find the tags, where they should be or else anywhere, and draw the conclusions."""
@@ -90,12 +94,13 @@ class Tracker:
             return
         self._searched = self._stamp
         tags = self._search(frame)
-        for tag in tags:
+        expected = self._expected()
+        for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
-        agreed = self._believe({tag_id: quad for tag_id, quad in seen.items()
-                                if tag_id in self._layout.places})
-        known = [tag_id for tag_id in seen if tag_id in self._layout.places]
-        if not known and Layout.from_tags(tags, self._upright) is not None:
+        known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in self._layout.places}
+        agreed, moved_on = self._believe(known)
+        others = len(seen) - len(known)
+        if not moved_on and others > len(agreed) and Layout.from_tags(tags, self._upright):
             self._begin(tags)  # another scene
             return
         self._displaced.update(set(known) - set(agreed))
@@ -106,6 +111,11 @@ class Tracker:
             self._consider_rearranged(tags)
         elif len(agreed) >= 3:
             self._learn(seen, agreed)
+
+    def _expected(self):
+        """{id: (4, 2) pixels}: where the known tags should be, in the frame or out of it."""
+        return {} if self._motion is None else \
+            {tag_id: self._motion.see(place) for tag_id, place in self._layout.places.items()}
 
     def _follow(self, frame):
         """{id: corners} of the tags found where they should be, and whether one of the four is not."""
@@ -129,15 +139,22 @@ class Tracker:
         return self._detector.search(frame, max(sides.min(), MIN_SIDE_PX))
 
     def _believe(self, seen):
-        """Take in where known tags are seen, {id: corners}; the ids of those that agree."""
-        agreed = list(seen)
-        if not agreed:
-            return agreed
+        """Take in where known tags are seen, {id: corners}.
+
+        Returns the ids of those that agree, and whether they moved as they did before.
+        """
+        agreed, moved_on = list(seen), self._motion is not None
+        if not seen:
+            return [], False
         if self._motion is None or not self._motion.correct(*self._measured(seen, agreed), UNLIKELY):
-            agreed = [] if self._motion is None else self._likely(seen)
+            agreed = [] if self._motion is None else self._likely(seen, self._motion, UNLIKELY)
+            if not agreed and self._motion is not None:
+                shaken, moved_on = self._motion.shaken(), False
+                agreed = self._likely(seen, shaken, SHAKEN_UNLIKELY)
+                self._motion = shaken if agreed else self._motion
             if agreed:
                 self._motion.correct(*self._measured(seen, agreed))
-            else:
+            elif self._motion is None or len(seen) > 1:  # one alone may just have been moved
                 corners, agreed = self._layout.locate(seen)
                 if agreed:
                     self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
@@ -145,7 +162,7 @@ class Tracker:
         if agreed:
             self._sighted = self._stamp
             self._displaced -= set(agreed)
-        return agreed
+        return agreed, moved_on
 
     def _measured(self, seen, ids):
         """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
@@ -153,19 +170,20 @@ class Tracker:
         deviation = 0.15 + 0.002 * side_of(quads)
         return (self._layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
 
-    def _likely(self, seen):
-        """The ids of the tags that can be where they are seen, all of them together."""
+    def _likely(self, seen, motion, limit):
+        """The ids of the tags that, so moving, can be where they are seen, together; no minority."""
+        def unlikeliness(some):
+            points, pixels, _ = self._measured(seen, some)
+            deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
+            return motion.unlikeliness(points, pixels, deviation)
         ids = list(seen)
-        while ids:
-            def unlikeliness(some):
-                points, pixels, _ = self._measured(seen, some)
-                deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
-                return self._motion.unlikeliness(points, pixels, deviation)
-            if unlikeliness(ids) < UNLIKELY:
-                break
-            rest = [[other for other in ids if other != tag_id] for tag_id in ids]
-            ids = min(rest, key=unlikeliness) if len(ids) > 1 else []
-        return ids
+        least = 1 if len(seen) == 2 else len(seen) // 2 + 1
+        while len(ids) >= least:
+            if unlikeliness(ids) < limit:
+                return ids
+            ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
+                      key=lambda some: unlikeliness(some) if some else np.inf)
+        return []
 
     def _consider_rearranged(self, tags):
         """Some tags are elsewhere; if they stay there, that is the new arrangement."""
@@ -186,15 +204,16 @@ class Tracker:
         places = {tag_id: transform(to_plane, np.float64(quad)) for tag_id, quad in seen.items()}
         if set(agreed) >= set(self._layout.ids):
             self._layout.learn(agreed, [places[tag_id] for tag_id in agreed])
-        for tag_id in set(seen) - set(self._layout.places):
+        for tag_id in set(seen) - set(self._layout.ids):
             place, sights = self._further.get(tag_id, (places[tag_id], 0))
             off = np.abs(self._motion.see(place) - seen[tag_id]).max()
-            if off > tolerance_of(np.float64(seen[tag_id])[None])[0]:
+            if off > SAME_PLACE * side_of(np.float64(seen[tag_id])[None])[0] + 1:
+                # Moved, or not on the plane: seen from elsewhere, it is beside its place.
                 place, sights = places[tag_id], 0
+                self._layout.forget(tag_id)
             self._further[tag_id] = place, sights + 1
-            if sights + 1 >= SIGHTS:
+            if sights + 1 >= SIGHTS and tag_id not in self._layout.places:
                 self._layout.learn([tag_id], [place])
-                del self._further[tag_id]
 
     def _area(self):
         """What is known about the area, if it is known well enough to be shown."""
@@ -209,6 +228,7 @@ class Tracker:
         if unsure > self._hold or not is_quadrilateral(corners):
             return None
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
+            self._sure = -np.inf
             return None
         corners = np.float32(corners)
         return Area(corners if self._layout.upright else order_coordinates(corners))
