@@ -36,10 +36,12 @@ def main():
         print('\nWrote %s' % args.chart)
     if args.only in (None, 'speed'):
         speed.run()
-    if args.only in (None, 'nodes'):
-        nodes.run_load()
-    if args.only in (None, 'memory'):
-        nodes.run_memory()
+    if args.only in (None, 'nodes', 'memory'):
+        with nodes.Master():
+            if args.only != 'memory':
+                nodes.run_load()
+            if args.only != 'nodes':
+                nodes.run_memory()
 
 
 if __name__ == '__main__':

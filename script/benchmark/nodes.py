@@ -8,6 +8,7 @@ import time
 from itertools import cycle
 
 import numpy as np
+import rosgraph
 import rospy
 from aruco_ar.messages import image_from_frame
 from scenes import WIDE, drive
@@ -39,7 +40,9 @@ class Master:
             port = probe.getsockname()[1]
         os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
         self._core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
-        rospy.init_node('bench', disable_signals=True)  # it waits for the master
+        while not rosgraph.is_master_online():
+            time.sleep(0.1)
+        rospy.init_node('bench', disable_signals=True)
         return self
 
     def __exit__(self, *_):
@@ -76,6 +79,11 @@ class Node:
         """(time of receipt, stamp) of the next answer."""
         return self._answers.get(timeout=seconds)
 
+    def forget_answers(self):
+        """Drop those that nobody has taken."""
+        while not self._answers.empty():
+            self._answers.get()
+
     def connect(self, frame):
         """Wait until a frame is answered."""
         end = time.monotonic() + WAIT_S
@@ -97,6 +105,12 @@ class Node:
             return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
 
 
+def there_and_back(size):
+    """Frames of a drive, and the same backward, so that they can go round."""
+    frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3, size=size)]
+    return frames + frames[::-1]
+
+
 def load(command, frames):
     """(ms of processor time a frame, latencies in ms, answers) at FRAMES_PER_S."""
     pictures = cycle(frames)
@@ -105,8 +119,7 @@ def load(command, frames):
         rate = rospy.Rate(FRAMES_PER_S)
         for number in range(WARM_UP + COUNT):
             if number == WARM_UP:
-                while not node._answers.empty():
-                    node.answer()
+                node.forget_answers()
                 began = node.processor_seconds()
             rate.sleep()
             node.publish(next(pictures))
@@ -123,27 +136,25 @@ def load(command, frames):
 def run_load():
     """Print processor time and latency of all nodes."""
     print('\nNodes, bgr8 at %d Hz: processor time a frame, and latency from stamp to receipt.\n' % FRAMES_PER_S)
-    with Master():
-        for size in SIZES:
-            frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3, size=size)]
-            frames += frames[::-1]
-            spent = {}
-            for name, command in NODES.items():
-                spent[name], late = load(command, frames)
-                print('%-12s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
-                    '%d x %d' % size, name, spent[name], np.median(late), np.percentile(late, 99), len(late),
-                    COUNT), flush=True)
-            relay, course, ours = (spent[name] for name in NODES)
-            print("%-12s exercise5_6.py takes 1/%.1f of the course's, %.1f times the relay's (at most 1/5, 3)\n"
-                  % ('', course / ours, ours / relay))
+    for size in SIZES:
+        frames = there_and_back(size)
+        spent = {}
+        for name, command in NODES.items():
+            spent[name], late = load(command, frames)
+            print('%-12s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
+                '%d x %d' % size, name, spent[name], np.median(late), np.percentile(late, 99), len(late),
+                COUNT), flush=True)
+        relay, course, ours = (spent[name] for name in NODES)
+        print("%-12s exercise5_6.py takes 1/%.1f of the course's, %.1f times the relay's (at most 1/5, 3)\n"
+              % ('', course / ours, ours / relay))
 
 
 def run_memory():
     """Print the resident size of exercise5_6.py over many frames."""
     print('\nMemory of exercise5_6.py, 640 x 480:')
-    frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3)]
-    pictures = cycle(frames + frames[::-1])
-    with Master(), Node(NODES['exercise5_6.py']) as node:
+    frames = there_and_back((640, 480))
+    pictures = cycle(frames)
+    with Node(NODES['exercise5_6.py']) as node:
         node.connect(frames[0])
         first = None
         for number in range(1, MEMORY_FRAMES + 1):

@@ -1,5 +1,6 @@
 """The ROS edge without ROS running: messages, parameters, and what is said about silence."""
 import re
+from io import BytesIO
 
 import cv2
 import numpy as np
@@ -110,6 +111,24 @@ def test_a_frame_that_cannot_be_used_is_explained(change, words):
         frame_from_image(Image(**dict(fields, **change)))
 
 
+@pytest.mark.parametrize('padding', [0, 6])
+@pytest.mark.parametrize('encoding', ENCODED)
+def test_a_frame_may_be_written_into_and_the_message_stays_as_it_is(encoding, padding):
+    image = message(ENCODED[encoding], encoding, padding)
+    before = bytes(image.data)
+    frame_from_image(image)[:] = 7
+    assert image.data == before
+
+
+def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
+    header = Header(seq=3, frame_id='camera')
+    ours, usual = BytesIO(), BytesIO()
+    image_from_frame(COLORS, header).serialize(ours)
+    Image(header=header, height=32, width=48, encoding='bgr8', step=144,
+          data=COLORS.tobytes()).serialize(usual)
+    assert ours.getvalue() == usual.getvalue()
+
+
 @pytest.mark.parametrize('data', [b'', b'no picture', b'\xff\xd8\xff\xe0'])
 def test_compressed_data_that_cannot_be_decoded_is_explained(data):
     with pytest.raises(InputError, match='must be JPEG or PNG'):
@@ -121,7 +140,7 @@ def settings(**parameters):
 
 
 def test_without_parameters_nothing_is_to_be_configured():
-    assert settings() == Settings('DICT_6X6_250', (), 1.0, 'raw')
+    assert settings() == Settings('DICT_6X6_250', (), 1.0, 'raw', 0.3, 'tags')
 
 
 @pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])
@@ -140,6 +159,7 @@ def test_any_ids(ids):
     ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
     ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
     ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
+    ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
     ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
 ])
 def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):

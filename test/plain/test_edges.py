@@ -1,0 +1,67 @@
+"""Fitting tags to their edges: to a fraction of a pixel, and only to the very tag."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Detector, draw_tag
+from aruco_ar.edges import fit_tags
+from aruco_ar.tags import tag_cells
+
+CORNERS = np.float32([[101.3, 80.7], [222.9, 90.2], [215.4, 205.8], [96.1, 199.5]])
+CELLS = tag_cells('DICT_6X6_250', 7)[None]
+FINE = 8  # samples a pixel, in each direction
+
+
+def paint(corners, shade=0.0, size=(320, 280)):
+    """A frame with tag 7 and its margin, each pixel the mean over its square.
+
+    ``shade``: how much darker its right end is than its left.
+    """
+    tag = draw_tag('DICT_6X6_250', 7, 1600, quiet=1)
+    margin = (len(tag) - 1600) / 2 - 0.5  # a texel covers half of one to each side of its middle
+    side = margin + 1600
+    to_fine = cv2.getPerspectiveTransform(
+        np.float32([[margin, margin], [side, margin], [side, side], [margin, side]]),
+        np.float32((corners + 0.5) * FINE - 0.5))
+    fine = cv2.warpPerspective(tag, to_fine, (size[0] * FINE, size[1] * FINE), borderValue=200)
+    light = 1 - shade * np.arange(size[0]) / size[0]
+    return np.uint8(np.round(cv2.resize(fine, size, interpolation=cv2.INTER_AREA) * light))
+
+
+@pytest.mark.parametrize('shade', [0.0, 0.6])
+@pytest.mark.parametrize('off', [(0, 0), (1.5, -2), (-6, 5)])
+def test_a_tag_is_fitted_to_a_twentieth_of_a_pixel(shade, off):
+    quads, found, likeness = fit_tags(paint(CORNERS, shade), [CORNERS + np.float32(off)], CELLS)
+    assert found[0] and likeness[0] > 0.95
+    np.testing.assert_allclose(quads[0], CORNERS, atol=0.1 if shade else 0.05)
+
+
+def test_a_detected_tag_is_as_exact():
+    tag, = Detector().detect(paint(CORNERS))
+    np.testing.assert_allclose(tag.corners, CORNERS, atol=0.05)
+
+
+def test_blur_moves_no_edge():
+    frame = cv2.GaussianBlur(paint(CORNERS), (0, 0), 2.0)
+    quads, found, _ = fit_tags(frame, [CORNERS], CELLS)
+    assert found[0]
+    np.testing.assert_allclose(quads[0], CORNERS, atol=0.15)
+
+
+def test_another_tag_is_not_taken_for_it():
+    _, _, likeness = fit_tags(paint(CORNERS), [CORNERS], tag_cells('DICT_6X6_250', 8)[None])
+    assert likeness[0] < 0.5
+    _, _, turned = fit_tags(paint(CORNERS), [np.roll(CORNERS, 1, axis=0)], CELLS)
+    assert turned[0] < 0.5
+
+
+def test_a_tag_half_covered_is_not_found():
+    frame = paint(CORNERS)
+    cv2.rectangle(frame, (90, 60), (230, 140), 128, -1)
+    quads, found, _ = fit_tags(frame, [CORNERS], CELLS)
+    assert not found[0]
+    np.testing.assert_array_equal(quads[0], CORNERS)
+
+
+def test_where_there_is_nothing_nothing_is_found(random):
+    for frame in (np.full((280, 320), 127, np.uint8), random.randint(0, 256, (280, 320)).astype(np.uint8)):
+        assert not fit_tags(frame, [CORNERS, CORNERS - 300], CELLS[[0, 0]])[1].any()
