@@ -9,8 +9,10 @@ import numpy as np
 from .area import find_area
 from .edges import side_of
 from .motion import homography_to, transform
+from .ordering import is_quadrilateral
 from .tags import Tag
 
+UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
 
 
@@ -90,10 +92,10 @@ class Layout:
         if 2 * good.sum() <= len(ids):
             return None, []
         homography, _ = cv2.findHomography(points[good].reshape(-1, 2), quads[good].reshape(-1, 2))
-        if homography is None:
+        corners = None if homography is None else transform(homography, UNIT_SQUARE)
+        if corners is None or not is_quadrilateral(corners):
             return None, []
-        return (transform(homography, np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])),
-                [tag_id for tag_id, fits in zip(ids, agree()) if fits])
+        return corners, [tag_id for tag_id, fits in zip(ids, agree()) if fits]
 
 
 def _top_of(place):

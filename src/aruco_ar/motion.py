@@ -22,7 +22,7 @@ OTHER = 0.005     # widths of the frame per second
 FIRST = 1.5       # rad/s, the speed that an area just found may have
 FOCAL = 0.87      # widths of the frame, the focal length assumed for that
 CALM_S = 1.0      # with no tag in sight, the motion dies away within about this time
-SHAKEN = 0.05, 0.03 # rad and distances to the wall: how far a shaken camera may have turned and moved
+SHAKEN = 0.05, 0.03  # rad and distances to the wall: how far a shaken camera may have turned and moved
 CLOSE_PX = 0.5    # a correction larger than this is worth a second step
 
 
@@ -80,7 +80,7 @@ class AreaMotion:
     def predict(self, seconds, calm=False):
         """Move on by that time. ``calm``: nothing was seen lately, so let the motion die away."""
         if calm:
-            self._speed *= np.exp(-seconds / CALM_S)
+            self._speed = self._speed * np.exp(-seconds / CALM_S)
         self._place = self._place + seconds * self._speed
         p, change = self._covariance, self._agility() * seconds
         drift = seconds * p[8:, :8]

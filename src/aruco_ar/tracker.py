@@ -220,12 +220,15 @@ class Tracker:
         if self._motion is None or self._displaced:
             return None
         corners = self._motion.corners
+        if not is_quadrilateral(corners):  # seen from behind, or along the wall
+            self._motion = None
+            return None
         longer = np.hypot(*(corners - corners[[1, 2, 3, 0]]).T).max()
         deviation = self._motion.deviation.max()
         if self._sighted == self._stamp and deviation < MAX_DEVIATION * longer:
             self._sure = self._stamp
         unsure = self._stamp - self._sure
-        if unsure > self._hold or not is_quadrilateral(corners):
+        if unsure > self._hold:
             return None
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
             self._sure = -np.inf
