@@ -171,19 +171,16 @@ class Tracker:
         return (self._layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
 
     def _likely(self, seen, motion, limit):
-        """The ids of the tags that, so moving, can be where they are seen, together; no minority."""
+        """The ids of the tags that, so moving, can be where they are seen, all together."""
         def unlikeliness(some):
             points, pixels, _ = self._measured(seen, some)
             deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
             return motion.unlikeliness(points, pixels, deviation)
         ids = list(seen)
-        least = 1 if len(seen) == 2 else len(seen) // 2 + 1
-        while len(ids) >= least:
-            if unlikeliness(ids) < limit:
-                return ids
+        while ids and unlikeliness(ids) > limit:
             ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
-                      key=lambda some: unlikeliness(some) if some else np.inf)
-        return []
+                      key=lambda some: unlikeliness(some) if some else 0)
+        return ids
 
     def _consider_rearranged(self, tags):
         """Some tags are elsewhere; if they stay there, that is the new arrangement."""

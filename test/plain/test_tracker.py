@@ -135,6 +135,9 @@ REARRANGED = {
         replace(tag, id={1: 2, 2: 1}.get(tag.id, tag.id)) for tag in WALL.tags)),
     'all swapped': replace(WALL, area=(4, 3, 2, 1), tags=tuple(
         replace(tag, id=5 - tag.id) for tag in WALL.tags)),
+    'larger tags in the same places': replace(WALL, tags=tuple(replace(tag, side=0.25) for tag in WALL.tags)),
+    'all farther apart': replace(WALL, tags=tuple(
+        replace(tag, x=1.2 * tag.x, y=0.55 + 1.2 * (tag.y - 0.55)) for tag in WALL.tags)),
 }
 
 
@@ -154,6 +157,33 @@ def test_another_scene_is_learnt_at_once():
     tracker = Tracker()
     follow(tracker, drive(SLOW, 20, **USUAL))
     assert follow(tracker, later(drive(SLOW, 5, wall=other, **USUAL), 20 / 30)).max() < 0.7
+
+
+def test_another_scene_that_shares_a_tag_is_learnt_at_once():
+    other = replace(WALL, area=(1, 12, 13, 14), tags=tuple(
+        replace(tag, id=tag.id + 10 if tag.id > 1 else 1, x=tag.x * 0.7 + 0.1) for tag in WALL.tags))
+    tracker = Tracker()
+    follow(tracker, drive(SLOW, 20, **USUAL))
+    assert follow(tracker, later(drive(SLOW, 5, wall=other, **USUAL), 20 / 30)).max() < 0.7
+
+
+@pytest.mark.parametrize('covered', [[], [3], [1, 3]])
+def test_a_jerk_of_the_camera_is_survived(covered):
+    start = Pose(-2.2, 0.1, -0.05)
+    path = Path(start, ((0.5, 0, 0), (1 / 30, 0, 1.5), (1, 0, 0)))  # turned by 28 px at once
+    errors = follow(Tracker(), drive(path, 40, lambda number: covered if number > 5 else (), **USUAL))
+    assert rms(errors) < 1.0  # NaN, were there no area in some frame
+
+
+def test_a_short_sight_of_a_decoy_is_no_new_arrangement():
+    """Tag 3 is covered, and for six frames it seems to be elsewhere."""
+    decoy = replace(WALL, tags=WALL.tags[:2] + WALL.tags[3:] + (WallTag(3, 0.0, 0.55, 0.18),))
+    before, true = list(drive(STILL, 20, noise=2.0)), drive(STILL, 10, noise=2.0)
+    tracker = Tracker()
+    follow(tracker, before)
+    for frame in later(drive(STILL, 6, wall=decoy, noise=2.0), 20 / 30):
+        assert tracker.update(frame.image, frame.stamp) is None
+    assert follow(tracker, later(true, 26 / 30)).max() < 0.7
 
 
 def test_a_second_tag_with_the_id_of_one_does_not_matter():
