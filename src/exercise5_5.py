@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Exercise 5.5: subtract the area between the tags.
 
-The area is the quadrilateral through the centers of four tags, in order as in
-5.4. It stays where it is on the wall while some of the tags are covered.
+The area is the quadrilateral through the centers of four tags. It comes from
+aruco_ar.Tracker, which keeps it where it is on the wall while tags are covered.
 
 The mask is white where the area is and black elsewhere. A frame minus white
 is black, a frame minus black is the frame: subtracting the mask cuts the area

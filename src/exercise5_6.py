@@ -3,14 +3,17 @@
 
 The picture is warped so that its corners fall on the area's corners, the
 centers of the tags, and takes the place of what 5.5 subtracted.
+
+The area comes from aruco_ar.Tracker: it stays on the wall while tags are
+covered, and its top is where the tags' own tops are.
 """
 from aruco_ar import overlay
 from aruco_ar.node import run
 
 
 def paint_picture(frame, area, picture):
-    """The frame with the picture in the area; the frame itself where there is none."""
-    return overlay(frame, picture, area, out=frame)
+    """The frame with the picture in the area; the frame itself where there is no area."""
+    return overlay(frame, picture, area, out=frame)  # right into the frame: no copy is made
 
 
 if __name__ == '__main__':

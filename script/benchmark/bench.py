@@ -15,7 +15,7 @@ PARTS = ('sticking', 'speed', 'nodes', 'memory')
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' Some minutes without arguments.')
+    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About seven minutes without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
     parser.add_argument('--dictionary', default='DICT_6X6_250', help="of the video's tags (default: DICT_6X6_250)")

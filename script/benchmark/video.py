@@ -45,7 +45,10 @@ def run(path, dictionary, chart):
         have = ~np.isnan(corners[name][:, 0, 0])
         print('%-8s %18.2f %16.2f %20.1f %%' % (name, np.median(times[name]),
                                                 np.percentile(times[name], 99), 100 * have.mean()))
-    print('%-8s %17.1fx' % ('ratio', np.median(times['course']) / np.median(times['ours'])))
+    both = ~np.isnan(corners['course'][:, 0, 0] + corners['ours'][:, 0, 0])
+    if both.any():
+        course, ours = (np.median(np.array(times[name])[both]) for name in ('course', 'ours'))
+        print('where both have one: %.2f and %.2f ms, %.1fx' % (course, ours, course / ours))
     print('\njitter (second difference of the corners, pixels), mean and 95 % below:')
     for name in times:
         moved = jitter(corners[name])

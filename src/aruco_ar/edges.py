@@ -13,7 +13,7 @@ import numpy as np
 
 SAMPLES = 12             # profiles along each edge
 BEGIN, END = 0.08, 0.92  # of the edge, between which they lie: a corner's rounding stays out
-PLACES = 15              # where each profile is looked at
+PROFILE_POINTS = 15      # places at which each profile is looked at
 # How far to both sides of an edge a profile reaches, in cells: to find the edge
 # and to place it. The latter not too far, or shading would bend what is
 # straight; and where an edge is off by more than NEAR of that, it is found first.
@@ -27,12 +27,12 @@ PART = np.linspace(BEGIN, END, SAMPLES, dtype=np.float32)
 MIDDLE = np.float32((BEGIN + END) / 2)
 ARM = PART - MIDDLE
 POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
-ACROSS = np.linspace(-1, 1, PLACES, dtype=np.float32)
-_END = PLACES // 5
+ACROSS = np.linspace(-1, 1, PROFILE_POINTS, dtype=np.float32)
+END_POINTS = PROFILE_POINTS // 5
 # Means over a profile's inner end and its outer end.
-ENDS = np.stack([np.arange(PLACES) < _END, np.arange(PLACES) >= PLACES - _END],
-                axis=1).astype(np.float32) / _END
-ALL = np.ones(PLACES, np.float32)
+ENDS = np.stack([np.arange(PROFILE_POINTS) < END_POINTS, np.arange(PROFILE_POINTS) >= PROFILE_POINTS - END_POINTS],
+                axis=1).astype(np.float32) / END_POINTS
+ALL = np.ones(PROFILE_POINTS, np.float32)
 
 
 def fit_tags(frame, quads, cells):
@@ -82,7 +82,7 @@ def _fit_edges(frame, quads, reach):
     along_edge = quads[..., None] + along[..., None] * PART                   # (n, 4, samples)
     across = (outward * reach)[..., None] * ACROSS                            # (n, 4, places)
     points = along_edge[..., None] + across[:, :, None]
-    gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32)).reshape(-1, PLACES)
+    gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32)).reshape(-1, PROFILE_POINTS)
     ends = (gray @ ENDS).reshape(-1, SAMPLES, 2)                              # (4 n, samples, 2)
     # Black is the same along an edge; white has shades.
     dark = _median(ends[..., 0])[:, None]
@@ -92,7 +92,7 @@ def _fit_edges(frame, quads, reach):
     np.maximum(share, -MAX_BEYOND, out=share)
     np.minimum(share, 1 + MAX_BEYOND, out=share)
     light = (share @ ALL).reshape(-1, 4, SAMPLES)
-    offset = (PLACES / 2 - light) * (reach * (2 / (PLACES - 1)))[..., None]   # (n, 4, samples) outward
+    offset = (PROFILE_POINTS / 2 - light) * (reach * (2 / (PROFILE_POINTS - 1)))[..., None]   # (n, 4, samples) outward
     # A straight line through the offsets, and once more without those unlike the rest.
     middle, slope, left = _fit_lines(offset, np.ones_like(offset))
     typical = _median(left)

@@ -55,7 +55,7 @@ class Layout:
         return np.array([self.places[tag_id] for tag_id in ids])
 
     def learn(self, ids, places):
-        """Average in that tags were seen at places of the plane, (n, 4, 2)."""
+        """Take the mean of where tags were seen in the plane, now at places (n, 4, 2), and before."""
         for tag_id, place in zip(ids, places):
             known = self.places.setdefault(tag_id, place)
             self._sights[tag_id] = min(self._sights.get(tag_id, 0) + 1, LEARN_SIGHTS)
@@ -73,7 +73,8 @@ class Layout:
         """Where the area must be for tags, {id: (4, 2) pixels}, to be where they are seen.
 
         Returns its corners, (4, 2), and the ids of the tags that agree with
-        it: more than half of those that are known. None, [] if so many do not.
+        it, found from more than half of those that are known. None, [] if so many
+        do not agree.
         """
         ids = [tag_id for tag_id in seen if tag_id in self.places]
         if not ids:

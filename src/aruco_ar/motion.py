@@ -12,18 +12,18 @@ from copy import copy
 import numpy as np
 
 # How much speeds change within a second: what robots and hands do. The frame
-# moves as a rigid camera before a plane would move it; what moves fast also
+# moves as a rigid camera that faces a plane would move it; what moves fast also
 # changes its speed fast ...
 TURN = 0.1        # rad/s: pan, tilt, roll
 TRAVEL = 0.05     # distances to the wall per second: to the side, up, forward
 SWIFT = 1.0       # times the speed that it has, on top
-# ... and a little otherwise, since the lens is not known.
+# ... and a little otherwise, since neither slant nor lens is known.
 OTHER = 0.005     # widths of the frame per second
-FIRST = 1.5       # rad/s, the speed that an area just found may have
+FIRST = 1.5       # rad/s and distances per second, the speed that an area just found may have
 FOCAL = 0.87      # widths of the frame, the focal length assumed for that
 CALM_S = 1.0      # with no tag in sight, the motion dies away within about this time
 SHAKEN = 0.05, 0.03  # rad and distances to the wall: how far a shaken camera may have turned and moved
-CLOSE_PX = 0.5    # a correction larger than this is worth a second step
+CLOSE_PX = 0.5    # a correction by more than this is worth another step
 
 
 def homography_to(corners):
@@ -151,7 +151,7 @@ class AreaMotion:
     def _moves(self, pixels):
         """(2n, 8): how (n, 2) pixels move under each of the eight infinitesimal homographies.
 
-        To the side, up, along and across both, and the two that turn a camera.
+        Two shifts, four that are linear, and two of perspective.
         """
         x, y = ((pixels - self._middle) / self._focal).T
         moves = np.zeros((len(pixels), 2, 8))

@@ -5,6 +5,7 @@ from typing import Tuple
 
 from .errors import InputError
 from .tags import DICTIONARIES
+from .tracker import HOLD_S, UPRIGHT
 from .waiting import IMAGE_TYPES
 
 MIN_SCALE, MAX_SCALE = 0.01, 4.0
@@ -17,16 +18,14 @@ class Settings:
 
     ``ids``: the four tags that count, or empty for any. ``scale``: what each
     frame's size is multiplied by before anything else. ``transport``: raw or
-    compressed. ``hold``: seconds for which the area stays with no tag in
-    sight. ``upright``: which side of the area is up, that of the tags or of
-    the image.
+    compressed. ``hold``, ``upright``: see Tracker.
     """
 
     dictionary: str = 'DICT_6X6_250'
     ids: Tuple[int, ...] = ()
     scale: float = 1.0
     transport: str = 'raw'
-    hold: float = 0.3
+    hold: float = HOLD_S
     upright: str = 'tags'
 
 
@@ -42,7 +41,7 @@ def read_settings(get):
         scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
         transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport),
         hold=number(get, 'hold', defaults.hold, 0, MAX_HOLD_S),
-        upright=_one_of(get, 'upright', ('tags', 'image'), defaults.upright))
+        upright=_one_of(get, 'upright', UPRIGHT, defaults.upright))
 
 
 def picture_path(value, package):

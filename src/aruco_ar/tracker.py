@@ -4,11 +4,13 @@ import numpy as np
 from .area import Area
 from .detector import Detector
 from .edges import side_of
+from .errors import InputError
 from .layout import Layout, tolerance_of
 from .motion import AreaMotion, homography_to, transform
 from .ordering import is_quadrilateral, order_coordinates
 
 HOLD_S = 0.3
+UPRIGHT = 'tags', 'image'
 SEARCH_S = 0.45        # so often the whole frame is searched for what is new
 GAP_S = 0.5            # frames farther apart than this say nothing about motion
 USUAL_S = 1 / 30       # between frames whose stamps do not tell
@@ -17,13 +19,16 @@ SIGHTS = 3             # as often must be seen what is new, to be believed
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
 SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its place
-# Seeing this is no error of measurement (see AreaMotion.unlikeliness), and not
-# to be explained by a jerk of the camera.
+# What is more unlikely than this (see AreaMotion.unlikeliness) is no error of
+# measurement; and after allowing for a jerk of the camera, no jerk.
 UNLIKELY, SHAKEN_UNLIKELY = 9.0, 2.0
-# Of the area's longer side: known less well than this it is not shown, but
-# held; no longer, where it is known less well than that and has moved so far.
+# Of the area's longer side. A frame that shows the corners less exactly does not
+# renew the time for which the area is held ...
 MAX_DEVIATION = 0.025
+# ... which is over at once when they are known less exactly than the first of
+# these, and at their speed have moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
+ROUNDING_S = 1e-6      # of stamps
 
 
 class Tracker:
@@ -31,20 +36,27 @@ class Tracker:
 
     Once four tags have been seen together, it knows where on the wall all
     their corners are; from then on every tag in sight says where the area is.
-    ``dictionary``, ``ids``: see Detector. ``hold``: seconds for which the area
-    stays when no tag is in sight. ``upright``: the picture's top is where the
-    tags' own tops are (``tags``) or where the frame's is (``image``).
+    ``dictionary``, ``ids``: see Detector. ``hold``: seconds, 0 or more, for
+    which the area stays at most when the tags in sight do not show well enough
+    where it is, or none is in sight. ``upright``: the picture's top is where
+    the tags' own tops are (``tags``) or where the frame's is (``image``).
+    Raises InputError for any other.
     """
 
     def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags'):
+        if not isinstance(hold, (int, float)) or not hold >= 0:
+            raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
+        if upright not in UPRIGHT:
+            raise InputError('"%s" is no way to be upright; choose one of %s.' % (upright, ', '.join(UPRIGHT)))
         self._detector = Detector(dictionary, ids)
-        self._hold = hold
+        self._hold = hold + ROUNDING_S
         self._upright = upright
-        self._stamp = self._shape = None
         self.reset()
 
     def reset(self):
         """Forget everything seen so far."""
+        self._stamp = self._shape = None
+        self._now = 0.0  # goes on also where stamps stand still
         self._begin(None)
 
     def update(self, frame, stamp):
@@ -56,7 +68,8 @@ class Tracker:
         """
         if self._stamp is not None and (not stamp >= self._stamp or frame.shape[:2] != self._shape):
             self.reset()
-        passed = 0.0 if self._stamp is None else stamp - self._stamp
+        passed = USUAL_S if self._stamp in (None, stamp) else stamp - self._stamp
+        self._now += passed
         self._stamp, self._shape = stamp, frame.shape[:2]
         if self._layout is None:
             self._begin(self._detector.detect(frame))
@@ -74,32 +87,39 @@ class Tracker:
         self._further = {}       # tags besides the four: id -> (place, how often seen there)
         self._searched = self._sighted = self._sure = -np.inf
         if self._layout is not None:
-            self._searched = self._stamp
+            self._searched = self._now
             self._believe({tag.id: tag.corners for tag in tags})
 
     def _predict(self, passed):
+        """Move on by that time, seconds; after too long, nobody knows where to."""
         if self._motion is not None:
-            unseen = self._stamp - self._sighted
+            unseen = self._now - self._sighted
             if passed > GAP_S or unseen > max(GAP_S, self._hold):
                 self._motion = None
             else:
-                self._motion.predict(passed or USUAL_S, calm=unseen > passed)
+                self._motion.predict(passed, calm=unseen > passed)
 
     def _look(self, frame):
-        """Find the tags, where they should be or else anywhere, and draw the conclusions."""
+        """Find the tags, where they should be or else anywhere, and correct the motion by them.
+
+        What a search of the whole frame finds also tells about other scenes,
+        moved tags and further ones.
+        """
         seen, missing = ({}, True) if self._motion is None else self._follow(frame)
-        due = self._stamp - self._searched >= SEARCH_S
+        due = self._now - self._searched >= SEARCH_S
         if not (missing or due or self._displaced):
             self._believe(seen)
             return
-        self._searched = self._stamp
+        self._searched = self._now
         tags = self._search(frame)
         expected = self._expected()
+        # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in self._layout.places}
         agreed, moved_on = self._believe(known)
         others = len(seen) - len(known)
+        # A few that are known may hang in another scene as well.
         if not moved_on and others > len(agreed) and Layout.from_tags(tags, self._upright):
             self._begin(tags)  # another scene
             return
@@ -141,28 +161,38 @@ class Tracker:
     def _believe(self, seen):
         """Take in where known tags are seen, {id: corners}.
 
-        Returns the ids of those that agree, and whether they moved as they did before.
+        Returns the ids of those that agree, and whether they moved on as they did before.
         """
-        agreed, moved_on = list(seen), self._motion is not None
-        if not seen:
-            return [], False
-        if self._motion is None or not self._motion.correct(*self._measured(seen, agreed), UNLIKELY):
-            agreed = [] if self._motion is None else self._likely(seen, self._motion, UNLIKELY)
-            if not agreed and self._motion is not None:
-                shaken, moved_on = self._motion.shaken(), False
-                agreed = self._likely(seen, shaken, SHAKEN_UNLIKELY)
-                self._motion = shaken if agreed else self._motion
-            if agreed:
-                self._motion.correct(*self._measured(seen, agreed))
-            elif self._motion is None or len(seen) > 1:  # one alone may just have been moved
-                corners, agreed = self._layout.locate(seen)
-                if agreed:
-                    self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
-                    self._sure = -np.inf
+        agreed, moved_on = self._correct(seen)
         if agreed:
-            self._sighted = self._stamp
+            self._sighted = self._now
             self._displaced -= set(agreed)
         return agreed, moved_on
+
+    def _correct(self, seen):
+        if not seen:
+            return [], False
+        if self._motion is None:
+            return self._locate(seen), False
+        if self._motion.correct(*self._measured(seen, seen), UNLIKELY):
+            return list(seen), True
+        # Not all are where they should be; some may be so nearly, or all after a jerk.
+        for motion, limit in (self._motion, UNLIKELY), (self._motion.shaken(), SHAKEN_UNLIKELY):
+            agreed = self._likely(seen, motion, limit)
+            if agreed:
+                moved_on, self._motion = motion is self._motion, motion
+                motion.correct(*self._measured(seen, agreed))
+                return agreed, moved_on
+        # One tag alone may just have been moved.
+        return self._locate(seen) if len(seen) > 1 else [], False
+
+    def _locate(self, seen):
+        """Begin to follow the area from where one frame shows it; the ids of the tags that agree."""
+        corners, agreed = self._layout.locate(seen)
+        if agreed:
+            self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
+            self._sure = -np.inf
+        return agreed
 
     def _measured(self, seen, ids):
         """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
@@ -189,11 +219,11 @@ class Tracker:
             _, agreed = self._rival.locate(seen)
             if set(agreed) >= set(self._rival.ids):
                 self._rival_sights += 1
-                if self._rival_sights >= SIGHTS and self._stamp - self._rival_since >= RELEARN_S:
+                if self._rival_sights >= SIGHTS and self._now - self._rival_since >= RELEARN_S:
                     self._begin(tags)
                 return
         self._rival = Layout.from_tags(tags, self._upright)
-        self._rival_since, self._rival_sights = self._stamp, 1
+        self._rival_since, self._rival_sights = self._now, 1
 
     def _learn(self, seen, agreed):
         """Learn more exactly where the tags are, and further tags on the same plane."""
@@ -222,9 +252,9 @@ class Tracker:
             return None
         longer = np.hypot(*(corners - corners[[1, 2, 3, 0]]).T).max()
         deviation = self._motion.deviation.max()
-        if self._sighted == self._stamp and deviation < MAX_DEVIATION * longer:
-            self._sure = self._stamp
-        unsure = self._stamp - self._sure
+        if self._sighted == self._now and deviation < MAX_DEVIATION * longer:
+            self._sure = self._now
+        unsure = self._now - self._sure
         if unsure > self._hold:
             return None
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:

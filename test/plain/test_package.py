@@ -39,6 +39,13 @@ def test_the_exercises_take_the_same_arguments(package):
         assert set(launch_args(package, name)) == SHARED_ARGS | OWN_ARGS.get(name, set())
 
 
+def test_the_benchmark_says_what_it_takes(package):
+    clean = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
+    done = subprocess.run([package + '/script/bench', '--help'], env=clean, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0 and '--video FILE' in done.stdout, done.stdout
+
+
 def test_an_install_space_has_it_all(package, tmp_path):
     prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
     for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,

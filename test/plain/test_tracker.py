@@ -4,7 +4,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Tracker
+from aruco_ar import InputError, Tracker
 from aruco_ar.render import WallRenderer, project
 from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.wall import WallTag
@@ -117,6 +117,20 @@ def test_where_the_frames_change_their_size_all_is_forgotten():
     assert not np.isnan(follow(tracker, frames)).any()
     small = next(drive(STILL, 1, size=(320, 240), covered=lambda number: [1]))
     assert tracker.update(small.image, 0.2) is None
+
+
+def test_frames_that_all_have_the_same_stamp_are_no_trouble():
+    frames = list(drive(SLOW, 60, lambda number: WALL.area if number >= 30 else (), **USUAL))
+    errors = follow(Tracker(), [frame._replace(stamp=7.0) for frame in frames])
+    assert errors[:30].max() < 0.7
+    assert np.isnan(errors[45:]).all()
+
+
+@pytest.mark.parametrize('arguments, words', [
+    ({'hold': -1}, 'held for -1'), ({'hold': 'long'}, 'held for long'), ({'upright': 'up'}, '"up".*tags, image')])
+def test_what_it_cannot_do_is_said_at_once(arguments, words):
+    with pytest.raises(InputError, match=words):
+        Tracker(**arguments)
 
 
 def test_gray_frames_will_do():
