@@ -6,16 +6,16 @@ import cv2
 import numpy as np
 from aruco_ar import Tracker
 from course import Course
-from scenes import FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
+from scenes import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
 
 WRONG = 0.05  # of the area's longer side: a corner farther off makes an area wrong
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
 
 
-def _covering(count, seconds_each=2):
+def _covering(count):
     groups = list(combinations(WALL.area, count))
     covered, counts = in_turn(groups)
-    return drive(SLOW, 2 * 120 * len(groups), covered, counts, **USUAL)
+    return drive(SLOW, 2 * CYCLE * len(groups), covered, counts, **USUAL)
 
 
 # Name, the frames, what is asked for. In the order in which they are printed.

@@ -14,7 +14,6 @@ FRAMES_PER_S = 30
 CYCLE = 120  # frames: tags are in sight for the first half, covered for the second, 2 s
 
 
-
 def _there_and_back(start, *legs):
     """A path of legs of seconds, m/s, rad/s, and the same way back."""
     return Path(start, legs + tuple((seconds, -linear, -angular) for seconds, linear, angular in legs[::-1]))
@@ -38,8 +37,8 @@ def drive(path, count, covered=lambda number: (), counts=lambda number: True, jp
     """Frames of a drive along a path.
 
     ``covered``: the ids of the tags that something is held before, by the
-    frame's number; ``counts`` likewise. ``jpeg``: a quality, to compress each frame. ``look``: see
-    WallRenderer.
+    frame's number; ``counts`` likewise. ``jpeg``: a quality, to compress each frame.
+    ``look``: see WallRenderer.
     """
     camera = Camera(*size)
     renderer = WallRenderer(wall, camera, **look)

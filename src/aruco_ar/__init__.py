@@ -1,8 +1,9 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
 A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
-(overlay). A Tracker finds the area in a sequence of frames. The modules ``node``, ``messages`` and ``wall_messages`` connect this
-to ROS, and are the only ones that need it.
+(overlay). A Tracker finds the area in a sequence of frames. The modules
+``node``, ``messages`` and ``wall_messages`` connect this to ROS, and are the
+only ones that need it.
 """
 import os
 

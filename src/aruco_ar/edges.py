@@ -30,8 +30,8 @@ POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
 ACROSS = np.linspace(-1, 1, PROFILE_POINTS, dtype=np.float32)
 END_POINTS = PROFILE_POINTS // 5
 # Means over a profile's inner end and its outer end.
-ENDS = np.stack([np.arange(PROFILE_POINTS) < END_POINTS, np.arange(PROFILE_POINTS) >= PROFILE_POINTS - END_POINTS],
-                axis=1).astype(np.float32) / END_POINTS
+ENDS = np.zeros((PROFILE_POINTS, 2), np.float32)
+ENDS[:END_POINTS, 0] = ENDS[-END_POINTS:, 1] = 1 / END_POINTS
 ALL = np.ones(PROFILE_POINTS, np.float32)
 
 
@@ -92,7 +92,8 @@ def _fit_edges(frame, quads, reach):
     np.maximum(share, -MAX_BEYOND, out=share)
     np.minimum(share, 1 + MAX_BEYOND, out=share)
     light = (share @ ALL).reshape(-1, 4, SAMPLES)
-    offset = (PROFILE_POINTS / 2 - light) * (reach * (2 / (PROFILE_POINTS - 1)))[..., None]   # (n, 4, samples) outward
+    step = reach * (2 / (PROFILE_POINTS - 1))
+    offset = (PROFILE_POINTS / 2 - light) * step[..., None]                   # (n, 4, samples) outward
     # A straight line through the offsets, and once more without those unlike the rest.
     middle, slope, left = _fit_lines(offset, np.ones_like(offset))
     typical = _median(left)

@@ -109,15 +109,9 @@ class AreaMotion:
         is taken in, if it is more unlikely than ``limit`` (see unlikeliness).
         """
         p, before = self._covariance, self._place
-        weight = np.repeat(deviation ** -2.0, 2)
         for attempt in range(3):
-            seen, slope = self._linearize(points)
-            weighted = slope.T * weight
-            known = weighted @ slope
-            shrink = np.linalg.inv(np.eye(8) + known @ p[:8, :8])
-            off = (pixels - seen).ravel() + slope @ (self._place - before)
-            toward = shrink @ (weighted @ off)
-            if attempt == 0 and (off @ (weight * off) - (weighted @ off) @ p[:8, :8] @ toward) > limit * len(off):
+            known, shrink, toward, unlikeliness = self._weigh(points, pixels, deviation, before)
+            if attempt == 0 and unlikeliness > limit:
                 return False
             change = p[:, :8] @ toward
             step = before + change[:8] - self._place
@@ -134,13 +128,26 @@ class AreaMotion:
 
         It is the squared Mahalanobis distance for each number measured.
         """
+        return self._weigh(points, pixels, deviation, self._place)[3]
+
+    def _weigh(self, points, pixels, deviation, before):
+        """A measurement against what was believed before it, when the corners were ``before``.
+
+        What it tells about the corners, as an inverse covariance (8, 8); what
+        is left of that beside what was believed (8, 8); the change of the
+        corners that both ask for, still to be multiplied by the covariance,
+        (8,); and how unlikely it is. Eight corners' numbers are inverted in
+        place of the many measured: the information form of the filter.
+        """
         seen, slope = self._linearize(points)
         weight = np.repeat(deviation ** -2.0, 2)
-        off = (pixels - seen).ravel()
         weighted, p = slope.T * weight, self._covariance[:8, :8]
-        toward = weighted @ off
-        explained = toward @ p @ np.linalg.solve(np.eye(8) + weighted @ slope @ p, toward)
-        return (off @ (weight * off) - explained) / len(off)
+        known = weighted @ slope
+        shrink = np.linalg.inv(np.eye(8) + known @ p)
+        off = (pixels - seen).ravel() + slope @ (self._place - before)
+        asked = weighted @ off
+        toward = shrink @ asked
+        return known, shrink, toward, (off @ (weight * off) - asked @ p @ toward) / len(off)
 
     def _linearize(self, points):
         """Where points of the plane, (n, 2), are seen, and how that changes with the corners, (2n, 8)."""

@@ -111,8 +111,8 @@ class Tracker:
             self._believe(seen)
             return
         self._searched = self._now
-        tags = self._search(frame)
         expected = self._expected()
+        tags = self._search(frame, expected)
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
@@ -151,11 +151,11 @@ class Tracker:
         seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found) if fits}
         return seen, any(tag_id in self._layout.ids and tag_id not in seen for tag_id in ids)
 
-    def _search(self, frame):
-        """The tags anywhere in the frame: of about the known ones' size, if that is known."""
-        if self._motion is None:
+    def _search(self, frame, expected):
+        """The tags anywhere in the frame: of about the size of those expected, if any are."""
+        if not expected:
             return self._detector.detect(frame)
-        sides = side_of(self._motion.see(self._layout.quads(self._layout.places)))
+        sides = side_of(np.array(list(expected.values())))
         return self._detector.search(frame, max(sides.min(), MIN_SIDE_PX))
 
     def _believe(self, seen):
@@ -170,6 +170,7 @@ class Tracker:
         return agreed, moved_on
 
     def _correct(self, seen):
+        """Correct the motion by what is seen; the same as ``_believe``."""
         if not seen:
             return [], False
         if self._motion is None:
