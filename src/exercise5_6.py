@@ -11,10 +11,10 @@ from aruco_ar import overlay
 from aruco_ar.node import run
 
 
-def paint_picture(frame, area, picture):
+def paint_picture(frame, area, picture, fit, opacity):
     """The frame with the picture in the area; the frame itself where there is no area."""
-    return overlay(frame, picture, area, out=frame)  # right into the frame: no copy is made
+    return overlay(frame, picture, area, fit=fit, opacity=opacity, out=frame)  # right into the frame: no copy
 
 
 if __name__ == '__main__':
-    run('exercise5_6', paint_picture, takes=['area', 'picture'])
+    run('exercise5_6', paint_picture, takes=['area', 'picture', 'fit', 'opacity'])

@@ -3,7 +3,9 @@
 import numpy as np
 import rospy
 import tf2_ros
+from dynamic_reconfigure.server import Server
 from geometry_msgs.msg import Twist
+from unit5.cfg import WallCameraConfig
 
 from aruco_ar.errors import InputError
 from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, run_node
@@ -62,10 +64,10 @@ class WallCamera:
                              'p2, k3.' % (distortion,))
         self._camera = Camera(distortion=distortion)
         self._wall = load_wall(parameter('wall', package_folder() + '/config/wall.yaml'))
-        self._renderer = WallRenderer(
-            self._wall, self._camera,
-            noise=number(parameter, 'noise', 2.0, 0, 100), blur=number(parameter, 'blur', 0.0, 0, 20),
-            light=number(parameter, 'light', 0.3, 0, 1), seed=int(number(parameter, 'seed', 0, 0, 2**31)))
+        for name, default, high in (('noise', 2.0, 100), ('blur', 0.0, 20), ('light', 0.3, 1)):
+            number(parameter, name, default, 0, high)  # what is too large, the server would cut without a word
+        self._seed = int(number(parameter, 'seed', 0, 0, 2**31))
+        Server(WallCameraConfig, self._reconfigure)
         self._rate = number(parameter, 'rate', 30.0, 0.1, 1000)
         path = parameter('path', '')
         self._driver = Driver(load_path(path) if path not in ('', 'none') else None)
@@ -75,6 +77,12 @@ class WallCamera:
         self._transforms = tf2_ros.TransformBroadcaster()
         self._fixed = tf2_ros.StaticTransformBroadcaster()
         self._fixed.sendTransform(fixed_transforms(rospy.Time.now()))
+
+    def _reconfigure(self, config, level):
+        """What dynamic_reconfigure calls, first with the node's parameters; returns what it becomes."""
+        self._renderer = WallRenderer(self._wall, self._camera, noise=config['noise'], blur=config['blur'],
+                                      light=config['light'], seed=self._seed)
+        return config
 
     def spin(self):
         """Publish until shutdown, each frame stamped with the very time at which it is due."""

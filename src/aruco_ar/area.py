@@ -1,10 +1,12 @@
 """The area: the quadrilateral through the centers of four tags."""
 from collections import Counter
 from dataclasses import dataclass
+from typing import Optional
 
 import cv2
 import numpy as np
 
+from .motion import homography_to, transform
 from .ordering import largest_quadrilateral, order_coordinates
 
 
@@ -13,10 +15,12 @@ class Area:
     """Where the picture goes.
 
     ``corners``: (4, 2) float32, pixels of the frame: top left, top right,
-    bottom right, bottom left of the picture to be painted.
+    bottom right, bottom left of the picture to be painted. ``ratio``: how many
+    times as wide as high the area is on the wall, None where nobody knows.
     """
 
     corners: np.ndarray
+    ratio: Optional[float] = None
 
     def homography(self, width, height):
         """(3, 3) float64: from pixels of a picture of that size to pixels of the frame.
@@ -41,4 +45,21 @@ def find_four_centers(tags):
 def find_area(tags):
     """The Area between tags, or None if they do not span one (see find_four_centers)."""
     centers = find_four_centers(tags)
-    return None if centers is None else Area(order_coordinates(centers))
+    if centers is None:
+        return None
+    corners = order_coordinates(centers)
+    to_plane = np.linalg.inv(homography_to(corners))
+    four = [tag for tag in tags if np.any(np.all(tag.center == corners, axis=1))]
+    return Area(corners, ratio_of([transform(to_plane, np.float64(tag.corners)) for tag in four]))
+
+
+def ratio_of(places):
+    """How many times as wide as high an area is on the wall, to its tags.
+
+    ``places``: (n, 4, 2), the tags' corners in the plane in which the area is
+    the unit square. On the wall a tag is a square, which spreads as far across
+    as down however it is turned: what it spreads less across in the plane, the
+    area must be wider.
+    """
+    across, down = np.var(places, axis=1).mean(axis=0)
+    return float(np.sqrt(down / across))

@@ -6,7 +6,7 @@ In that plane the area's corners, the centers of four tags, are (0, 0), (1, 0),
 import cv2
 import numpy as np
 
-from .area import find_area
+from .area import find_area, ratio_of
 from .edges import side_of
 from .motion import homography_to, transform
 from .ordering import is_quadrilateral
@@ -53,6 +53,11 @@ class Layout:
     def quads(self, ids):
         """(n, 4, 2): the places of those tags."""
         return np.array([self.places[tag_id] for tag_id in ids])
+
+    @property
+    def ratio(self):
+        """How many times as wide as high the area is on the wall."""
+        return ratio_of(self.quads(self.ids))
 
     def learn(self, ids, places):
         """Take the mean of where tags were seen in the plane, now at places (n, 4, 2), and before."""

@@ -6,12 +6,18 @@ import cv2
 import numpy as np
 from cv_bridge import CvBridge, CvBridgeError
 from geometry_msgs.msg import Point32, PolygonStamped
-from sensor_msgs.msg import CompressedImage
-from sensor_msgs.msg import Image
+from sensor_msgs.msg import CompressedImage, Image
+from unit5.msg import Tag as TagMessage
+from unit5.msg import TagArray
 
 from .errors import InputError
 
 JPEG_QUALITY = 80  # what compressed_image_transport uses
+
+# rospy drops stale messages only within what one read of the socket returned,
+# so a read must have room for more than the largest frame: here one of 4K in
+# 16 bits and three colors, with some to spare.
+BUFFER_BYTES = 64 * 1024 * 1024
 
 _bridge = CvBridge()
 
@@ -85,6 +91,14 @@ def _without_padding(message):
                  is_bigendian=message.is_bigendian, step=row, data=data)
 
 
+def picture_from_image(message):
+    """As frame_from_image, but (h, w, 4) BGRA where the Image has an alpha channel."""
+    frame = frame_from_image(message)
+    if message.encoding not in ('bgra8', 'rgba8'):
+        return frame
+    return _bridge.imgmsg_to_cv2(_without_padding(message), 'bgra8').copy()
+
+
 def frame_from_compressed(message):
     """The frame in a sensor_msgs/CompressedImage, JPEG or PNG.
 
@@ -107,12 +121,13 @@ def image_from_frame(frame, header, encoding='bgr8'):
     """The frame as a sensor_msgs/Image, bgr8 or rgb8, with that header.
 
     In bgr8 the message shares the frame's memory: leave it alone from then on.
+    A picture with alpha, (h, w, 4), goes as bgra8.
     """
     if encoding == 'rgb8':
         frame = cv2.cvtColor(frame, cv2.COLOR_BGR2RGB)
-    height, width = frame.shape[:2]
-    return FrameMessage(header=header, height=height, width=width, encoding=encoding, is_bigendian=0,
-                        step=3 * width, data=memoryview(np.ascontiguousarray(frame).reshape(-1)))
+    height, width, channels = frame.shape
+    return FrameMessage(header=header, height=height, width=width, is_bigendian=0,
+                        encoding='bgra8' if channels == 4 else encoding, step=channels * width, data=memoryview(np.ascontiguousarray(frame).reshape(-1)))
 
 
 def compressed_from_frame(frame, header):
@@ -132,6 +147,12 @@ TRANSPORTS = {
 def points_from_pixels(pixels):
     """(n, 2) pixels as a list of geometry_msgs/Point32 with z = 0."""
     return [Point32(float(x), float(y), 0.0) for x, y in pixels]
+
+
+def tags_from_pixels(tags, header):
+    """Pairs of (id, (4, 2) pixels) as a unit5/TagArray."""
+    return TagArray(header=header, tags=[TagMessage(id=tag_id, corners=points_from_pixels(corners))
+                                         for tag_id, corners in tags])
 
 
 def polygon_from_pixels(pixels, header):

@@ -7,24 +7,22 @@ import traceback
 import cv2
 import rospkg
 import rospy
+from dynamic_reconfigure.server import Server
 from sensor_msgs.msg import CompressedImage, Image
+from unit5.cfg import PictureConfig
+from unit5.msg import TagArray
 
-from .detector import Detector
 from .errors import InputError
+from .inputs import Inputs
 from .memory import keep_memory
-from .messages import TRANSPORTS, compressed_from_frame, image_from_frame
-from .picture import load_picture, resize
-from .settings import picture_path, read_settings
-from .tracker import Tracker
+from .messages import (BUFFER_BYTES, TRANSPORTS, compressed_from_frame, image_from_frame,
+                       tags_from_pixels)
+from .picture import resize
+from .settings import load_areas, read_settings
 from .waiting import explain_silence
 
 CAMERA = 'camera/rgb/image_raw'
 SILENCE_S = 5.0
-
-# rospy drops stale messages only within what one read of the socket returned,
-# so a read must have room for more than the largest frame: here one of 4K in
-# 16 bits and three colors, with some to spare.
-BUFFER_BYTES = 64 * 1024 * 1024
 
 
 def run(name, step, takes=('tags',), topics=('image',)):
@@ -34,7 +32,9 @@ def run(name, step, takes=('tags',), topics=('image',)):
     which is its own to write into, and with what it ``takes``, in that order:
     ``tags``, a list of Tag; ``area``, the Area that the tags in this frame and
     before it show, or None (see Tracker); ``picture``, what the parameter
-    ~picture names. It returns the image to publish as ~image or, with several
+    ~picture shows at that time, or None; ``fit``, ``opacity``, the parameters
+    of these names. Where ~areas names several, ``step`` is called for one
+    after the other, each time with the image it returned. It returns the image to publish as ~image or, with several
     ``topics``, one for each of them in that order. ``step`` is called only
     while somebody listens, and only with the newest frame.
     """
@@ -123,11 +123,15 @@ class _ImageNode:
     """Calls a step with frames and tags, and publishes what it returns."""
 
     def __init__(self, step, takes, topics):
-        settings = read_settings(parameter)
-        self._scale = settings.scale
-        self._transport = settings.transport
         self._step = step
-        self._given = [self._giver(name, settings) for name in takes]
+        self._areas = [{}]  # of each area, the parameters that are its own
+        areas = parameter('areas', 'none') if 'picture' in takes else 'none'
+        if areas != 'none':
+            self._areas = load_areas(areas)
+        settings = self._read({})
+        self._scale = settings[0].scale
+        self._transport = settings[0].transport
+        self._inputs = [Inputs(takes, of_area, package_folder()) for of_area in settings]
 
         self._camera = rospy.resolve_name(CAMERA)
         suffix, self._kind, self._to_frame = TRANSPORTS[self._transport]
@@ -138,19 +142,30 @@ class _ImageNode:
         self._waiting = None
         self._wake = threading.Event()
         self._outputs = [ImagePublisher('~' + topic, self._wake.set) for topic in topics]
+        self._tags = rospy.Publisher('~tags', TagArray, _Listener(self._wake.set), queue_size=1)
+        if 'picture' in takes:
+            self._reconfigurer = Server(PictureConfig, self._reconfigure)
         rospy.on_shutdown(self._wake.set)
         rospy.loginfo('Ready: %s -> %s', self._topic,
                       ', '.join(output.name for output in self._outputs))
 
-    def _giver(self, name, settings):
-        """The function of a frame and its time, seconds, that gives a step what it takes."""
-        if name == 'tags':
-            detector = Detector(settings.dictionary, settings.ids)
-            return lambda frame, stamp: detector.detect(frame)
-        if name == 'area':
-            return Tracker(settings.dictionary, settings.ids, settings.hold, settings.upright).update
-        picture = load_picture(picture_path(parameter('picture', 'images/earth.jpg'), package_folder()))
-        return lambda frame, stamp: picture
+    def _read(self, changed):
+        """The Settings of each area: its own before what was changed before the node's parameters."""
+        def settings(own):
+            return read_settings(lambda name, default: own.get(
+                name, changed[name] if name in changed else parameter(name, default)))
+        return [settings(own) for own in self._areas]
+
+    def _reconfigure(self, config, level):
+        """What dynamic_reconfigure calls with what somebody wishes; returns what it becomes."""
+        try:
+            for inputs, settings in zip(self._inputs, self._read(config)):
+                inputs.change(settings)
+        except InputError as error:
+            rospy.logerr('%s Nothing is changed.', error)
+            return self._reconfigurer.config
+        self._wake.set()
+        return config
 
     def spin(self):
         """Subscribe while somebody listens, and say so when nothing arrives, until shutdown."""
@@ -162,7 +177,10 @@ class _ImageNode:
             self._wake.clear()
 
     def _follow_listeners(self):
-        wanted = any(output.has_listeners() for output in self._outputs)
+        wanted = self._tags.get_num_connections() > 0 or \
+            any(output.has_listeners() for output in self._outputs)
+        for inputs in self._inputs:
+            inputs.follow(wanted)
         if wanted and self._subscriber is None:
             self._last_sign = time.monotonic()
             self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
@@ -202,7 +220,9 @@ class _ImageNode:
             if self._scale != 1.0:
                 frame = resize(frame, self._scale)
             stamp = (message.header.stamp or rospy.Time.now()).to_sec()
-            images = self._step(frame, *[give(frame, stamp) for give in self._given])
+            images = frame
+            for given in [inputs.at(frame, stamp) for inputs in self._inputs]:
+                images = self._step(images, *given)
         except InputError as error:
             self._say_once(error.kind, str(error))
             return
@@ -214,6 +234,9 @@ class _ImageNode:
             images = [images]
         for output, image in zip(self._outputs, images):
             output.publish(image, message.header)
+        if self._tags.get_num_connections():
+            tags = {tag.id: tag.corners for inputs in self._inputs for tag in inputs.tags}
+            self._tags.publish(tags_from_pixels(tags.items(), message.header))
 
     def _say_once(self, kind, sentence):
         if kind not in self._said:

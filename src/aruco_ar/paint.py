@@ -8,6 +8,8 @@ is (0, 0). Colors are (blue, green, red).
 import cv2
 import numpy as np
 
+from .fitting import fit_picture
+
 GREEN = (0, 255, 0)
 RED = (0, 0, 255)
 YELLOW = (0, 255, 255)
@@ -118,20 +120,23 @@ def subtract(frame, mask):
     return cv2.subtract(frame, mask)
 
 
-def overlay(frame, picture, area, out=None):
-    """The frame with a picture painted into the area; the frame itself if ``area`` is None.
+def overlay(frame, picture, area, out=None, fit='stretch', opacity=1.0):
+    """The frame with a picture painted into the area; the frame itself if one of the two is None.
 
     ``picture``: (h, w, 3) BGR, or (h, w, 4) BGRA, whose alpha lets the frame
     shine through. The rim is smooth: its pixels are part frame, part picture.
     ``out``: where the result goes, in place of a new array; give the frame
-    itself to paint right into it, which saves copying it.
+    itself to paint right into it, which saves copying it. ``fit``: stretch,
+    contain or cover (see fit_picture). ``opacity``: how much of the picture is
+    in the mixture with the frame, 0 to 1.
     """
     if out is None:
         out = frame.copy()
     elif out is not frame:
         np.copyto(out, frame)
-    if area is None:
+    if area is None or picture is None:
         return out
+    picture, area = fit_picture(picture, area, fit)
     low = np.maximum(np.floor(area.corners.min(axis=0)) - 1, 0).astype(int)
     high = np.minimum(np.ceil(area.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
     if np.any(low >= high):
@@ -139,6 +144,8 @@ def overlay(frame, picture, area, out=None):
     part = out[low[1]:high[1], low[0]:high[0]]
     shift = np.array([[1, 0, -low[0]], [0, 1, -low[1]], [0, 0, 1.0]])
     painted = _warp(part, picture, shift @ area.homography(picture.shape[1], picture.shape[0]))
+    if opacity < 1:
+        painted = cv2.addWeighted(painted, opacity, part, 1 - opacity, 0)
     rim, cover = _rim(area.corners - low, part.shape)
     inside = np.zeros(part.shape[:2], np.uint8)
     cv2.fillConvexPoly(inside, _fixed(area.corners - low), 255, cv2.LINE_8, SHIFT)

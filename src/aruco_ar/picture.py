@@ -20,9 +20,15 @@ def load_picture(path):
         raise InputError('The picture "%s" is not a file; give the full path of a JPEG or PNG.' % path)
     try:
         with open(path, 'rb') as file:
-            data = np.frombuffer(file.read(), np.uint8)
+            data = file.read()
     except OSError as error:
         raise InputError('The picture "%s" cannot be read: %s.' % (path, error.strerror)) from None
+    return decode_picture(data, path)
+
+
+def decode_picture(data, name):
+    """As load_picture, from the bytes of a file of that name."""
+    data = np.frombuffer(data, np.uint8)
     as_stored = _decode(data, cv2.IMREAD_UNCHANGED)
     if as_stored is not None and as_stored.ndim == 3 and as_stored.shape[2] == 4 \
             and as_stored.dtype in (np.uint8, np.uint16):
@@ -30,8 +36,12 @@ def load_picture(path):
     else:  # only now as color: this turns a photo upright as its camera noted it
         picture = _decode(data, cv2.IMREAD_COLOR)
     if picture is None:
-        raise InputError('The picture "%s" is no picture that OpenCV can read; give a JPEG or PNG.'
-                         % path)
+        raise InputError('The picture "%s" is no picture that OpenCV can read; give a JPEG or PNG.' % name)
+    return shrink_to_warp(picture)
+
+
+def shrink_to_warp(picture):
+    """The picture, (h, w, 3 or 4) uint8, no larger than can be warped."""
     shrink = MAX_SIDE_PX / max(picture.shape[:2])
     return resize(picture, shrink) if shrink < 1 else picture
 

@@ -1,15 +1,18 @@
 """The parameters that all exercises share, checked."""
-import os
 from dataclasses import dataclass
 from typing import Tuple
 
 from .errors import InputError
+from .files import yaml_entries
+from .fitting import FITS
 from .tags import DICTIONARIES
 from .tracker import HOLD_S, UPRIGHT
 from .waiting import IMAGE_TYPES
 
 MIN_SCALE, MAX_SCALE = 0.01, 4.0
 MAX_HOLD_S = 60.0
+TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
+AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 
 
 @dataclass(frozen=True)
@@ -18,7 +21,8 @@ class Settings:
 
     ``ids``: the four tags that count, or empty for any. ``scale``: what each
     frame's size is multiplied by before anything else. ``transport``: raw or
-    compressed. ``hold``, ``upright``: see Tracker.
+    compressed. ``hold``, ``upright``: see Tracker. ``picture``: the path of a
+    file, which may be within the package, or topic: and the name of an image topic. ``fit``, ``opacity``: see overlay.
     """
 
     dictionary: str = 'DICT_6X6_250'
@@ -27,6 +31,9 @@ class Settings:
     transport: str = 'raw'
     hold: float = HOLD_S
     upright: str = 'tags'
+    picture: str = 'images/earth.jpg'
+    fit: str = 'stretch'
+    opacity: float = 1.0
 
 
 def read_settings(get):
@@ -41,17 +48,36 @@ def read_settings(get):
         scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
         transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport),
         hold=number(get, 'hold', defaults.hold, 0, MAX_HOLD_S),
-        upright=_one_of(get, 'upright', UPRIGHT, defaults.upright))
+        upright=_one_of(get, 'upright', UPRIGHT, defaults.upright),
+        picture=_picture(get('picture', defaults.picture)),
+        fit=_one_of(get, 'fit', FITS, defaults.fit),
+        opacity=number(get, 'opacity', defaults.opacity, 0, 1))
 
 
-def picture_path(value, package):
-    """The path that the parameter ~picture means: absolute, or within the package's folder.
+def load_areas(path):
+    """What a YAML file says of several areas: a list of {name of a parameter: value}.
 
-    Raises InputError if it is no text.
+    config/areas.yaml shows all there is. Raises InputError naming the file and
+    the entry that is wrong.
     """
-    if not isinstance(value, str) or not value:
-        raise _wrong('picture', value, 'the path of a picture, such as images/earth.jpg')
-    return os.path.join(package, os.path.expanduser(value))
+    with yaml_entries(path) as data:
+        entries = [dict(entry) for entry in data['areas']]
+        for entry in entries:
+            unknown = set(entry) - set(AREA_ENTRIES)
+            if unknown:
+                raise ValueError('"%s" is none of %s' % (unknown.pop(), ', '.join(AREA_ENTRIES)))
+            if entry['ids'] in ('', 'any', [], None):
+                raise ValueError('an area needs the ids of its four tags')
+    if not entries:
+        raise InputError('The file "%s" has no areas; give at least one.' % path)
+    return entries
+
+
+def _picture(value):
+    if not isinstance(value, str) or value in ('', TOPIC):
+        raise _wrong('picture', value, 'the path of a picture or video, such as images/earth.jpg, or '
+                                       'topic: and the name of an image topic, such as topic:/other/camera')
+    return value
 
 
 def number(get, name, default, low, high):

@@ -8,6 +8,7 @@ from .errors import InputError
 from .layout import Layout, tolerance_of
 from .motion import AreaMotion, homography_to, transform
 from .ordering import is_quadrilateral, order_coordinates
+from .tags import Tag
 
 HOLD_S = 0.3
 UPRIGHT = 'tags', 'image'
@@ -41,6 +42,8 @@ class Tracker:
     where it is, or none is in sight. ``upright``: the picture's top is where
     the tags' own tops are (``tags``) or where the frame's is (``image``).
     Raises InputError for any other.
+
+    Its attribute ``tags`` is a list of Tag, those seen in the last frame.
     """
 
     def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags'):
@@ -80,6 +83,7 @@ class Tracker:
 
     def _begin(self, tags):
         """Start afresh, with the area that these tags span, if they do."""
+        self.tags = list(tags or [])
         self._layout = Layout.from_tags(tags, self._upright) if tags else None
         self._motion = None
         self._displaced = set()  # tags seen where they do not belong, and not where they do since
@@ -108,6 +112,7 @@ class Tracker:
         seen, missing = ({}, True) if self._motion is None else self._follow(frame)
         due = self._now - self._searched >= SEARCH_S
         if not (missing or due or self._displaced):
+            self._saw(seen)
             self._believe(seen)
             return
         self._searched = self._now
@@ -116,6 +121,7 @@ class Tracker:
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
+        self._saw(seen)
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in self._layout.places}
         agreed, moved_on = self._believe(known)
         others = len(seen) - len(known)
@@ -131,6 +137,9 @@ class Tracker:
             self._consider_rearranged(tags)
         elif len(agreed) >= 3:
             self._learn(seen, agreed)
+
+    def _saw(self, seen):
+        self.tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in seen.items()]
 
     def _expected(self):
         """{id: (4, 2) pixels}: where the known tags should be, in the frame or out of it."""
@@ -261,5 +270,9 @@ class Tracker:
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
             self._sure = -np.inf
             return None
-        corners = np.float32(corners)
-        return Area(corners if self._layout.upright else order_coordinates(corners))
+        corners, ratio = np.float32(corners), self._layout.ratio
+        if self._layout.upright:
+            return Area(corners, ratio)
+        ordered = order_coordinates(corners)
+        on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
+        return Area(ordered, 1 / ratio if on_its_side else ratio)

@@ -5,9 +5,8 @@ from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
-from unit5.msg import Tag, TagArray
 
-from .messages import points_from_pixels, polygon_from_pixels
+from .messages import polygon_from_pixels, tags_from_pixels
 from .render import project
 from .robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, wall_to_camera
 
@@ -75,8 +74,8 @@ def true_tags(wall, view, camera, header):
     for tag in wall.tags:
         pixels, before_camera = project(tag.corners, *view, camera)
         if before_camera:
-            seen.append(Tag(id=tag.id, corners=points_from_pixels(pixels)))
-    return TagArray(header=header, tags=seen)
+            seen.append((tag.id, pixels))
+    return tags_from_pixels(seen, header)
 
 
 def true_area(wall, view, camera, header):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from aruco_ar import InputError
 from aruco_ar.messages import (TRANSPORTS, compressed_from_frame, frame_from_compressed,
-                               frame_from_image, image_from_frame)
-from aruco_ar.settings import Settings, picture_path, read_settings
+                               frame_from_image, image_from_frame, picture_from_image)
+from aruco_ar.settings import Settings, load_areas, read_settings
 from aruco_ar.waiting import IMAGE_TYPES, explain_silence
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
@@ -92,6 +92,14 @@ def test_what_goes_out_comes_back_with_its_header():
     assert np.abs(frame_from_compressed(small).astype(int) - COLORS).max() <= 12
 
 
+def test_a_picture_keeps_its_alpha_on_its_way():
+    picture = np.dstack([COLORS, np.full(COLORS.shape[:2], 77, np.uint8)])
+    out = image_from_frame(picture, Header())
+    assert out.encoding == 'bgra8'
+    np.testing.assert_array_equal(picture_from_image(out), picture)
+    np.testing.assert_array_equal(picture_from_image(image_from_frame(COLORS, Header())), COLORS)
+
+
 GOOD = message(COLORS, 'bgr8')
 
 
@@ -161,6 +169,8 @@ def test_any_ids(ids):
     ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
     ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
     ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
+    ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as images/earth.jpg'),
+    ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
 ])
 def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
     with pytest.raises(InputError) as error:
@@ -169,11 +179,24 @@ def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, val
         assert words in str(error.value)
 
 
-def test_a_picture_is_looked_for_in_the_package():
-    assert picture_path('images/earth.jpg', '/package') == '/package/images/earth.jpg'
-    assert picture_path('/mine.png', '/package') == '/mine.png'
-    with pytest.raises(InputError, match='~picture is 5'):
-        picture_path(5, '/package')
+def test_the_areas_of_a_file_are_read(package):
+    one, other = load_areas(package + '/config/areas.yaml')
+    assert settings(**one).ids == (1, 2, 3, 4) and settings(**other).ids == (5, 6, 7, 8)
+    assert settings(**other).fit == 'contain' and settings(**one).opacity == 1.0
+
+
+@pytest.mark.parametrize('text, words', [
+    ('areas: []', 'has no areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
+    ('area: []', "lacks the entry 'areas'"), ('areas: [{picture: a.png}]', "lacks the entry 'ids'"),
+    ('areas: [{ids: any}]', 'needs the ids of its four tags'),
+    ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
+])
+def test_what_is_wrong_with_a_file_of_areas_is_said(tmp_path, text, words):
+    path = tmp_path / 'areas.yaml'
+    path.write_text(text)
+    with pytest.raises(InputError, match=words) as error:
+        load_areas(str(path))
+    assert str(path) in str(error.value)
 
 
 RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']

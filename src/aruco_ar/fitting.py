@@ -1,0 +1,38 @@
+"""Fitting a picture of one shape into an area of another."""
+import numpy as np
+
+from .area import Area
+from .errors import InputError
+from .motion import homography_to, transform
+
+FITS = 'stretch', 'contain', 'cover'
+
+
+def fit_picture(picture, area, fit):
+    """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
+
+    ``fit``: with ``stretch`` all of the picture fills all of the area; with
+    ``contain`` all of the picture is in the middle of the area, in its own
+    proportions; with ``cover`` as much of its middle as fills the area. Raises
+    InputError for any other.
+    """
+    if fit not in FITS:
+        raise InputError('"%s" is no way to fit a picture; choose one of %s.' % (fit, ', '.join(FITS)))
+    height, width = picture.shape[:2]
+    wider = width / height / (area.ratio or _ratio_in_the_frame(area))  # than the area, so many times
+    if fit == 'stretch' or wider == 1:
+        return picture, area
+    if fit == 'cover':
+        kept_width = max(1, round(width / max(wider, 1)))
+        kept_height = max(1, round(height * min(wider, 1)))
+        left, top = (width - kept_width) // 2, (height - kept_height) // 2
+        return picture[top:top + kept_height, left:left + kept_width], area
+    across, down = min(wider, 1) / 2, min(1 / wider, 1) / 2
+    inner = np.array([[-across, -down], [across, -down], [across, down], [-across, down]]) + 0.5
+    return picture, Area(np.float32(transform(homography_to(area.corners), inner)))
+
+
+def _ratio_in_the_frame(area):
+    """What is best known about the proportions of an Area where no tag tells about the wall."""
+    top, right, bottom, left = np.hypot(*(area.corners - np.roll(area.corners, -1, axis=0)).T)
+    return (top + bottom) / max(left + right, 1e-9)

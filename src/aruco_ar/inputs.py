@@ -1,0 +1,109 @@
+"""What an exercise's step takes besides the frame, for one area, and where a node gets it from."""
+import os
+
+import rospy
+
+from .detector import Detector
+from .errors import InputError
+from .messages import BUFFER_BYTES, TRANSPORTS, picture_from_image
+from .picture import shrink_to_warp
+from .settings import TOPIC
+from .sources import open_source
+from .tracker import Tracker
+from .waiting import SUFFIX
+
+
+class Inputs:
+    """Gives a step what it takes, frame by frame.
+
+    ``takes``: some of tags, area, picture, fit, opacity. ``package``: the
+    folder within which the path of a picture may be given. ``tags``: those
+    seen in the last frame.
+    """
+
+    def __init__(self, takes, settings, package):
+        self.tags = []
+        self._takes, self._settings, self._package = takes, settings, package
+        self._detector = Detector(settings.dictionary, settings.ids) if 'tags' in takes else None
+        self._tracker = Tracker(settings.dictionary, settings.ids, settings.hold,
+                                settings.upright) if 'area' in takes else None
+        self._source = self._open(settings.picture) if 'picture' in takes else None
+
+    def at(self, frame, stamp):
+        """What the step takes, in order, for a frame and its time, seconds."""
+        return [getattr(self, '_' + name)(frame, stamp) for name in self._takes]
+
+    def change(self, settings):
+        """Use the picture, fit and opacity of other Settings from the next frame on.
+
+        Raises InputError, and changes nothing, if there is no such picture.
+        """
+        if settings.picture != self._settings.picture:
+            source = self._open(settings.picture)
+            self.follow(False)
+            self._source = source
+        self._settings = settings
+
+    def follow(self, wanted):
+        """Listen to the picture's topic, if it is one, or leave it."""
+        if isinstance(self._source, TopicPicture):
+            self._source.follow(wanted)
+
+    def _tags(self, frame, stamp):
+        self.tags = self._detector.detect(frame)
+        return self.tags
+
+    def _area(self, frame, stamp):
+        area = self._tracker.update(frame, stamp)
+        self.tags = self._tracker.tags
+        return area
+
+    def _picture(self, frame, stamp):
+        return self._source.at(stamp)
+
+    def _fit(self, frame, stamp):
+        return self._settings.fit
+
+    def _opacity(self, frame, stamp):
+        return self._settings.opacity
+
+    def _open(self, picture):
+        if picture.startswith(TOPIC):
+            return TopicPicture(picture[len(TOPIC):])
+        path = os.path.join(self._package, os.path.expanduser(picture))
+        return open_source(path, lambda sentence: rospy.logwarn('%s', sentence))
+
+
+class TopicPicture:
+    """The newest image on a topic; while nothing new comes, the last one stays."""
+
+    def __init__(self, topic):
+        self._topic = rospy.resolve_name(topic)
+        compressed = self._topic.endswith(SUFFIX)
+        _, self._kind, to_frame = TRANSPORTS['compressed' if compressed else 'raw']
+        self._to_picture = to_frame if compressed else picture_from_image
+        self._subscriber = None
+        self._message = None  # not yet made a picture: most are never shown
+        self._picture = None
+
+    def follow(self, wanted):
+        """Listen to the topic, or leave it."""
+        if wanted and self._subscriber is None:
+            self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
+                                                queue_size=1, buff_size=BUFFER_BYTES)
+        elif not wanted and self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
+
+    def at(self, stamp):
+        """The picture, (h, w, 3 or 4) uint8, or None before the first has come."""
+        message, self._message = self._message, None
+        if message is not None:
+            try:
+                self._picture = shrink_to_warp(self._to_picture(message))
+            except InputError as error:
+                rospy.logerr_once('A picture on %s is passed over: %s', self._topic, error)
+        return self._picture
+
+    def _on_message(self, message):
+        self._message = message
