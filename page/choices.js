@@ -1,0 +1,68 @@
+// What can be chosen: the picture to paint, and what the simulation looks like.
+const SLIDE_MS = 150;
+
+export function choices(send, say) {
+  const section = document.getElementById('picture');
+  const group = section.querySelector('.pictures');
+  const file = document.getElementById('file');
+  const simulation = document.getElementById('simulation');
+  let named = '';
+
+  function show({ pictures, picture, sliders }) {
+    section.hidden = picture === null;
+    if (pictures.join('/') !== named) {
+      named = pictures.join('/');
+      group.replaceChildren(...pictures.map(choice));
+    }
+    for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
+    simulation.hidden = !Object.keys(sliders).length;
+    for (const label of simulation.querySelectorAll('[data-slider]')) {
+      const value = sliders[label.dataset.slider];
+      label.hidden = value === undefined;
+      if (value !== undefined && !label.matches(':active')) label.querySelector('input').value = value;
+      write(label);
+    }
+  }
+
+  function choice(name) {
+    const label = document.createElement('label');
+    const input = Object.assign(document.createElement('input'), { type: 'radio', name: 'picture', value: name });
+    const image = Object.assign(document.createElement('img'), { src: `/picture?name=${encodeURIComponent(name)}`, alt: '' });
+    label.append(input, image, name);
+    input.addEventListener('change', () => send({ picture: name }));
+    return label;
+  }
+
+  async function upload(picture) {
+    if (!picture) return;
+    say(`Sending ${picture.name} …`);
+    try {
+      const answer = await fetch('/picture', { method: 'POST', body: picture });
+      if (answer.ok) say(`${picture.name} is painted.`);
+      else say((await answer.text()).trim(), true);
+    } catch {
+      say(`${picture.name} could not be sent; is it too large?`, true);
+    }
+  }
+
+  file.addEventListener('change', () => { upload(file.files[0]); file.value = ''; });
+  const dragging = (on) => (event) => { event.preventDefault(); document.body.classList.toggle('dropping', on); };
+  document.addEventListener('dragover', dragging(true));
+  document.addEventListener('dragleave', dragging(false));
+  document.addEventListener('drop', (event) => { dragging(false)(event); upload(event.dataTransfer.files[0]); });
+
+  function write(label) {
+    label.querySelector('output').textContent = label.querySelector('input').value;
+  }
+
+  for (const label of simulation.querySelectorAll('[data-slider]')) {
+    const input = label.querySelector('input');
+    let timer = null;
+    input.addEventListener('input', () => {
+      write(label);
+      timer ??= setTimeout(() => { timer = null; send({ slide: [label.dataset.slider, Number(input.value)] }); }, SLIDE_MS);
+    });
+  }
+
+  return { show };
+}

@@ -1,0 +1,69 @@
+// The pictures: drawn as they come, one large on click; only those in view are asked for.
+export function tiles(send) {
+  const all = new Map();
+
+  for (const element of document.querySelectorAll('.tile')) {
+    const tile = { element, topic: element.dataset.topic, inView: false,
+                   canvas: element.querySelector('canvas'), button: element.querySelector('.view'),
+                   why: element.querySelector('.why') };
+    all.set(tile.topic, tile);
+    tile.button.addEventListener('click', () => enlarge(tile.element.classList.contains('large') ? null : tile));
+  }
+  const observer = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) all.get(target.dataset.topic).inView = isIntersecting;
+    look();
+  }, { rootMargin: '100px' });
+  for (const { element } of all.values()) observer.observe(element);
+  document.addEventListener('visibilitychange', look);
+  document.addEventListener('keydown', ({ key }) => { if (key === 'Escape') enlarge(null); });
+
+  function enlarge(large) {
+    for (const tile of all.values()) {
+      const name = tile.button.getAttribute('aria-label').split(': ')[0];
+      tile.element.classList.toggle('large', tile === large);
+      tile.element.classList.toggle('aside', large !== null && tile !== large);
+      tile.element.style.order = tile === large ? -1 : 0;
+      tile.button.setAttribute('aria-expanded', tile === large);
+      tile.button.setAttribute('aria-label', `${name}: ${tile === large ? 'make small' : 'enlarge'}`);
+    }
+    if (large) large.element.scrollIntoView({ block: 'nearest' });
+    look();
+  }
+
+  // Tell the server what is looked at: with one picture large, that alone.
+  function look() {
+    const large = [...all.values()].find(({ element }) => element.classList.contains('large'));
+    const seen = document.hidden ? [] : large ? [large] : [...all.values()].filter((tile) => tile.inView);
+    send({ look: seen.map(({ topic }) => topic) });
+  }
+
+  async function frame(head, jpeg) {
+    const tile = all.get(head.topic);
+    if (!tile) return;
+    try {
+      const picture = await createImageBitmap(jpeg);
+      if (tile.canvas.width !== picture.width || tile.canvas.height !== picture.height) {
+        [tile.canvas.width, tile.canvas.height] = [picture.width, picture.height];
+      }
+      tile.canvas.getContext('2d').drawImage(picture, 0, 0);
+      picture.close();
+    } finally {
+      send({ shown: head.topic });
+    }
+    tile.why.hidden = true;
+    const write = (name, text) => { tile.element.querySelector(name).textContent = text; };
+    write('.rate', `${Math.round(head.rate)} fps`);
+    write('.latency', head.latency === null ? '– ms' : `${head.latency} ms`);
+    write('.tags', head.tags === null ? '' : head.tags.length ? `tags ${head.tags.join(' ')}` : 'no tags');
+  }
+
+  function without(topic, why) {
+    const tile = all.get(topic);
+    if (!tile) return;
+    tile.why.textContent = why;
+    tile.why.hidden = false;
+    for (const figure of tile.element.querySelectorAll('.figures span')) figure.textContent = '–';
+  }
+
+  return { frame, without, look, lost() { for (const topic of all.keys()) without(topic, 'No connection to the server.'); } };
+}

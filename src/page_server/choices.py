@@ -1,0 +1,138 @@
+"""What is chosen on the page: the picture to paint, and what the simulation looks like."""
+import asyncio
+import io
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import cv2
+import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.messages import image_from_frame
+from aruco_ar.node import package_folder
+from aruco_ar.picture import decode_picture, resize
+from aruco_ar.settings import TOPIC
+from aruco_ar.sources import open_source
+from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
+from dynamic_reconfigure.srv import Reconfigure
+from PIL import Image as PillowImage
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
+
+PAINTER, SIMULATION = 'exercise5_6', 'wall_camera'
+SLIDERS = 'noise', 'light'
+FOLDER = 'images'
+FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
+MAX_BYTES = 16 * 1024 * 1024
+MAX_PIXELS = 32 * 1000 * 1000
+THUMBNAIL_PX = 160
+
+
+class Node:
+    """The dynamic_reconfigure of another node, as far as it is there."""
+
+    def __init__(self, name, on_change):
+        self.name = rospy.resolve_name(name)
+        self._values, self._on_change = {}, on_change
+        self._updates = rospy.Subscriber(self.name + '/parameter_updates', Config, self._on_update)
+        self._set = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
+
+    @property
+    def values(self):
+        """{parameter: value}, empty while the node is not running."""
+        return dict(self._values) if self._updates.get_num_connections() else {}
+
+    def set(self, **values):
+        """Set parameters, texts or numbers; blocks. Raises InputError if the node does not take them."""
+        config = Config(strs=[StrParameter(name, value) for name, value in values.items() if isinstance(value, str)],
+                        doubles=[DoubleParameter(name, float(value)) for name, value in values.items()
+                                 if not isinstance(value, str)])
+        try:
+            taken = values_of(self._set(config).config)
+        except rospy.ServiceException:
+            raise InputError('%s is not running, so nothing is changed.' % self.name) from None
+        for name, value in values.items():
+            if isinstance(value, str) and taken.get(name) != value:
+                raise InputError('%s does not take "%s"; its log says why.' % (self.name, value))
+
+    def _on_update(self, config):
+        self._values = values_of(config)
+        self._on_change()
+
+
+def values_of(config):
+    """{name: value} of a dynamic_reconfigure/Config."""
+    return {item.name: item.value for item in config.strs + config.doubles}
+
+
+class Choices:
+    """Blocking work is done in a thread of its own, one thing after the other."""
+
+    def __init__(self, on_change):
+        """``on_change`` is called, from any thread, when something has been chosen, here or elsewhere."""
+        self._worker = ThreadPoolExecutor(1, 'choices')
+        self._painter, self._simulation = Node(PAINTER, on_change), Node(SIMULATION, on_change)
+        self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
+        self._thumbnails = {}
+
+    def state(self):
+        """What there is to choose, and what is chosen, for the page."""
+        picture = self._painter.values.get('picture')
+        simulation = self._simulation.values
+        return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
+                'sliders': {name: simulation[name] for name in SLIDERS if name in simulation}}
+
+    def pictures(self):
+        """The sorted names of the files in images/."""
+        return sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
+                      if entry.is_file() and not entry.name.startswith('.'))
+
+    async def choose(self, name):
+        """Have the file of that name in images/ painted. Raises InputError if there is none."""
+        if name not in self.pictures():
+            raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
+        await self._in_worker(lambda: self._painter.set(picture='%s/%s' % (FOLDER, name)))
+
+    async def drop(self, data):
+        """Have the picture with these bytes painted. Raises InputError if they are none that can be taken."""
+        await self._in_worker(self._drop, data)
+
+    async def slide(self, name, value):
+        """Set one of SLIDERS. Raises InputError if there is no simulation."""
+        if name in SLIDERS and isinstance(value, (int, float)):
+            await self._in_worker(lambda: self._simulation.set(**{name: value}))
+
+    async def thumbnail(self, name):
+        """The file of that name in images/ as a small JPEG, or None."""
+        if name not in self.pictures():
+            return None
+        if name not in self._thumbnails:
+            self._thumbnails[name] = await self._in_worker(self._shrink, name)
+        return self._thumbnails[name]
+
+    def _in_worker(self, work, *arguments):
+        return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)
+
+    def _name_of(self, picture):
+        """What the page calls a picture that exercise 5.6 paints: a file in images/, or dropped, or other."""
+        if picture == TOPIC + self._dropped.resolved_name:
+            return 'dropped'
+        folder, name = os.path.split(picture)
+        return name if os.path.join(package_folder(), folder) == os.path.join(package_folder(), FOLDER) else 'other'
+
+    def _drop(self, data):
+        try:  # the header alone, before memory is taken for the pixels
+            with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
+                width, height = image.size
+        except Exception:  # Pillow raises many kinds
+            raise InputError('That is no picture; drop a JPEG or PNG.') from None
+        if width * height > MAX_PIXELS:
+            raise InputError('The picture has %d x %d pixels; drop one of at most %d million pixels.'
+                             % (width, height, MAX_PIXELS // 10**6))
+        picture = decode_picture(data, 'dropped')
+        self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
+        self._painter.set(picture=TOPIC + self._dropped.resolved_name)
+
+    def _shrink(self, name):
+        picture = open_source(os.path.join(package_folder(), FOLDER, name)).at(0)
+        picture = resize(picture[..., :3], min(1, THUMBNAIL_PX / max(picture.shape[:2])))
+        return cv2.imencode('.jpg', picture)[1].tobytes()

@@ -1,0 +1,217 @@
+"""What the server answers to HTTP: the page, image topics under web_video_server's addresses, pictures."""
+import asyncio
+from urllib.parse import quote
+
+from aruco_ar.errors import InputError
+from tornado.iostream import StreamClosedError
+from tornado.web import RequestHandler, stream_request_body
+
+from .choices import MAX_BYTES
+from .guard import is_own_name, is_same_site
+from .topics import MAX_SIDE_PX
+
+BOUNDARY = 'boundarydonotcross'  # web_video_server's
+STALLED_S = 30.0                 # a browser that takes nothing for so long is given up
+SILENT_S = 5.0                   # for so long a snapshot waits for a frame
+POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+          "connect-src 'self' ws://%s; base-uri 'none'; form-action 'self'; frame-ancestors 'self'")
+
+
+def refusal_of(request):
+    """The sentence with which a request is refused, or None; for HTTP and websockets alike."""
+    if not is_own_name(request.host):
+        return ('This server does not go by the name "%s"; open it by its IP address or as localhost.'
+                % request.host)
+    if request.method not in ('GET', 'HEAD') or 'Upgrade' in request.headers:
+        if not is_same_site(request.headers.get('Origin'), request.host):
+            return 'Only the page of this server itself may do that, not one of "%s".' % request.headers['Origin']
+    return None
+
+
+class Handler(RequestHandler):
+    """What all have in common. A refusal is a sentence in plain text."""
+
+    def initialize(self, parts):
+        self.parts = parts
+        self.gone = False
+
+    def prepare(self):
+        refusal = refusal_of(self.request)
+        if refusal:
+            self.refuse(403, refusal)
+
+    def set_default_headers(self):
+        self.set_header('Server', 'unit5')
+        self.set_header('X-Content-Type-Options', 'nosniff')
+        self.set_header('Cache-Control', 'no-store')
+
+    def on_connection_close(self):
+        self.gone = True
+
+    def refuse(self, status, sentence):
+        """Answer with a status other than 200 and a sentence."""
+        self.set_status(status)
+        self.set_header('Content-Type', 'text/plain; charset=utf-8')
+        self.finish(sentence + '\n')
+
+    def write_error(self, status_code, **_):
+        self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))
+
+    def number(self, name, high):
+        """A whole number among the query's arguments, 1 to high, or None if it is not there."""
+        text = self.get_query_argument(name, '')
+        if not text:
+            return None
+        if not text.isdecimal() or not 1 <= int(text[:9]) <= high:
+            raise InputError('%s is "%s"; it must be a whole number from 1 to %d.' % (name, text, high))
+        return int(text)
+
+    async def image(self):
+        """The ImageTopic that the query names, and its options; None, None if that was refused."""
+        try:
+            options = {'quality': self.number('quality', 100), 'width': self.number('width', MAX_SIDE_PX),
+                       'height': self.number('height', MAX_SIDE_PX)}
+        except InputError as error:
+            self.refuse(400, str(error))
+            return None, None
+        kind = self.get_query_argument('type', 'mjpeg')
+        if kind not in ('mjpeg', 'ros_compressed'):
+            self.refuse(400, 'There is no stream of type "%s"; take mjpeg, or leave it out.' % kind)
+            return None, None
+        try:
+            name = self.get_query_argument('topic', '')
+            return await self.parts.topics.image(name, exact=options['quality'] is not None), options
+        except LookupError as error:
+            self.refuse(404, error.args[0])
+        except InputError as error:
+            self.refuse(503, str(error))
+        return None, None
+
+
+class Unknown(Handler):
+    """Whatever else is asked for."""
+
+    def prepare(self):
+        super().prepare()
+        if not self._finished:
+            self.refuse(404, 'There is no such page. / lists the image topics there are.')
+
+
+class Page(Handler):
+    """The page itself, with the list of all image topics."""
+
+    async def get(self):
+        try:
+            topics = await self.parts.topics.images()
+        except InputError:
+            topics = []
+        self.set_header('Content-Security-Policy', POLICY % self.request.host)
+        self.set_header('Referrer-Policy', 'no-referrer')
+        self.render('index.html', tiles=self.parts.tiles, topics=topics, quote=quote)
+
+
+class StreamViewer(Handler):
+    """A stream in a page of its own."""
+
+    async def get(self):
+        topic, _ = await self.image()
+        if topic is not None:
+            self.set_header('Content-Security-Policy', "default-src 'none'; img-src 'self'")
+            self.render('stream_viewer.html', name=self.get_query_argument('topic'), query=self.request.query)
+
+
+class Stream(Handler):
+    """An image topic as MJPEG, each frame as soon as the browser has taken the one before."""
+
+    async def get(self):
+        topic, options = await self.image()
+        if topic is None:
+            return
+        self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
+        with topic.watched():
+            try:
+                self.write('--%s\r\n' % BOUNDARY)
+                await self.flush()
+                number = topic.number
+                while not self.gone:
+                    if await topic.newer(number, 1.0):
+                        number = topic.number
+                        await self._send(topic, options)
+            except (StreamClosedError, asyncio.TimeoutError):
+                pass
+
+    async def _send(self, topic, options):
+        stamp = topic.message.header.stamp
+        try:
+            jpeg = await topic.jpeg(**options)
+        except InputError:  # a frame that cannot be used; the next one may
+            return
+        self.write('Content-type: image/jpeg\r\nX-Timestamp: %d.%09d\r\nContent-Length: %d\r\n\r\n'
+                   % (stamp.secs, stamp.nsecs, len(jpeg)))
+        self.write(jpeg)
+        self.write('\r\n--%s\r\n' % BOUNDARY)
+        await asyncio.wait_for(self.flush(), STALLED_S)
+
+
+class Snapshot(Handler):
+    """The next frame of an image topic, as JPEG."""
+
+    async def get(self):
+        topic, options = await self.image()
+        if topic is None:
+            return
+        with topic.watched():
+            if not await topic.newer(topic.number, SILENT_S):
+                self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
+                return
+            stamp = topic.message.header.stamp
+            try:
+                jpeg = await topic.jpeg(**options)
+            except InputError as error:
+                self.refuse(503, str(error))
+                return
+        self.set_header('Content-Type', 'image/jpeg')
+        self.set_header('X-Timestamp', '%d.%09d' % (stamp.secs, stamp.nsecs))
+        self.finish(jpeg)
+
+
+@stream_request_body
+class Picture(Handler):
+    """GET: a small view of a file in images/. POST: have the picture in the body painted."""
+
+    def prepare(self):
+        self._body, self._bytes = [], 0
+        super().prepare()
+        self._announced = self.request.headers.get('Content-Length', '0')
+        if not self._finished and self._announced.isdecimal() and int(self._announced) > MAX_BYTES:
+            self._refuse_size()
+
+    def data_received(self, chunk):
+        self._bytes += len(chunk)
+        if self._bytes <= MAX_BYTES and not self._finished:
+            self._body.append(chunk)
+        elif not self._finished:
+            self._refuse_size()
+
+    async def get(self):
+        jpeg = await self.parts.choices.thumbnail(self.get_query_argument('name', ''))
+        if jpeg is None:
+            self.refuse(404, 'There is no such picture in images/.')
+            return
+        self.set_header('Content-Type', 'image/jpeg')
+        self.finish(jpeg)
+
+    async def post(self):
+        if self._finished:
+            return
+        try:
+            await self.parts.choices.drop(b''.join(self._body))
+        except InputError as error:
+            self.refuse(422, str(error))
+            return
+        self.set_status(204)
+
+    def _refuse_size(self):
+        self._body = []
+        self.set_header('Connection', 'close')
+        self.refuse(413, 'The picture is larger than %d MB.' % (MAX_BYTES // 1024**2))

@@ -1,0 +1,151 @@
+"""The page's websocket: frames, figures and choices to the browser; what is looked at, driving, choices back.
+
+From the browser come JSON objects: {"look": [topics]}, {"shown": topic},
+{"drive": [forward, left]}, {"picture": name}, {"slide": [name, value]}. To it
+go {"state": ...}, {"problem": sentence}, {"without": topic, "why": sentence},
+and frames: four bytes with the length of a JSON object, that object, a JPEG.
+"""
+import asyncio
+import json
+import struct
+from collections import deque
+
+import rospy
+from aruco_ar.errors import InputError
+from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+from .handlers import refusal_of
+
+SHOWN_S = 5.0       # for so long the browser may take to show a frame before it is sent another
+SILENT_S = 3.0      # without a frame for so long, the page says so
+MAX_LATENCY_S = 60  # more than that: the stamps are of another clock
+MAX_LOOKS = 16
+
+
+class View:
+    """What one browser sees of one topic."""
+
+    def __init__(self, name, tags):
+        self.name, self.tags = name, tags
+        self.shown = asyncio.Event()
+        self.stamp, self.latencies, self.times = None, deque(maxlen=15), deque(maxlen=30)
+        self.task = None
+
+    def figures(self, topic):
+        """The JSON object that goes with the topic's newest frame."""
+        ids = [tag.id for tag in self.tags.message.tags] if self.tags and self.tags.message else None
+        latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
+        return {'topic': self.name, 'rate': round(topic.rate, 1), 'tags': ids,
+                'latency': None if latency is None else round(1000 * latency)}
+
+    def on_shown(self):
+        """The browser shows the frame sent last."""
+        if self.stamp is not None:
+            latency = (rospy.Time.now() - self.stamp).to_sec()
+            if 0 <= latency < MAX_LATENCY_S:
+                self.latencies.append(latency)
+        self.stamp = None
+        self.shown.set()
+
+
+class Live(WebSocketHandler):
+    """One browser's connection."""
+
+    def initialize(self, parts):
+        self.parts = parts
+        self._views = {}
+
+    def prepare(self):
+        refusal = refusal_of(self.request)
+        if refusal:
+            self.set_status(403)
+            self.finish(refusal + '\n')
+
+    def check_origin(self, origin):
+        return True  # prepare has refused what is not of this site
+
+    def open(self):
+        self.set_nodelay(True)
+        self.parts.browsers.add(self)
+        self.send_state()
+
+    def on_close(self):
+        self.parts.browsers.discard(self)
+        self._look([])
+        if self.parts.driver:
+            self.parts.driver.leave(self)
+
+    def send_state(self):
+        """Tell the page what there is to choose and what is chosen."""
+        self._send(json.dumps({'state': dict(self.parts.choices.state(), drive=self.parts.driver is not None)}))
+
+    async def on_message(self, message):
+        try:
+            said = json.loads(message)
+            if 'look' in said:
+                self._look([str(name) for name in said['look']][:MAX_LOOKS])
+            elif 'shown' in said and said['shown'] in self._views:
+                self._views[said['shown']].on_shown()
+            elif 'drive' in said and self.parts.driver:
+                self.parts.driver.command(self, *said['drive'])
+            elif 'picture' in said:
+                await self.parts.choices.choose(said['picture'])
+            elif 'slide' in said:
+                await self.parts.choices.slide(*said['slide'])
+        except InputError as error:
+            self._send(json.dumps({'problem': str(error)}))
+        except (ValueError, TypeError):
+            self.close(1003, 'not the language of this page')
+
+    def _look(self, names):
+        """Send frames of these topics and no others."""
+        for name in set(self._views) - set(names):
+            self._views.pop(name).task.cancel()
+        for name in set(names) - set(self._views):
+            self._views[name] = view = View(name, self.parts.tags_beside(name))
+            view.task = asyncio.ensure_future(self._show(view))
+
+    async def _show(self, view):
+        """Send frames of a topic, the next when the browser shows the one before, as long as it looks."""
+        if view.tags is None:
+            await self._show_frames(view)
+            return
+        with view.tags.watched():
+            await self._show_frames(view)
+
+    async def _show_frames(self, view):
+        while True:
+            try:
+                topic = await self.parts.topics.image(view.name)
+            except (LookupError, InputError) as error:
+                self._send(json.dumps({'without': view.name, 'why': error.args[0]}))
+                await asyncio.sleep(SILENT_S)
+                continue
+            with topic.watched():
+                number = topic.number
+                while await topic.newer(number, SILENT_S):
+                    number = topic.number
+                    await self._show_frame(view, topic)
+            self._send(json.dumps({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name}))
+
+    async def _show_frame(self, view, topic):
+        stamp, figures = topic.message.header.stamp, view.figures(topic)
+        try:
+            jpeg = await topic.jpeg()
+        except InputError as error:
+            self._send(json.dumps({'without': view.name, 'why': str(error)}))
+            return
+        head = json.dumps(figures).encode()
+        view.shown.clear()
+        view.stamp = stamp
+        self._send(struct.pack('>I', len(head)) + head + jpeg)
+        try:
+            await asyncio.wait_for(view.shown.wait(), SHOWN_S)
+        except asyncio.TimeoutError:
+            pass
+
+    def _send(self, message):
+        try:
+            self.write_message(message, binary=isinstance(message, bytes))
+        except WebSocketClosedError:
+            pass

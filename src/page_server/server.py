@@ -1,0 +1,131 @@
+"""The server: puts its parts together and answers until ROS shuts down."""
+import asyncio
+import os
+import socket
+from dataclasses import dataclass, field
+from typing import Any, List, NamedTuple, Optional
+
+import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.node import CAMERA, package_folder, parameter
+from aruco_ar.settings import number
+from tornado.httpserver import HTTPServer
+from tornado.netutil import bind_sockets
+from tornado.web import Application, StaticFileHandler
+
+from .choices import MAX_BYTES, Choices
+from .driving import Driver
+from .guard import is_loopback
+from .handlers import Handler, Page, Picture, Snapshot, Stream, StreamViewer, Unknown, refusal_of
+from .live import Live
+from .topics import Topics
+
+PORT = 8080
+SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
+IDLE_S = 60
+PING_S = 5
+
+
+class Tile(NamedTuple):
+    """One of the pictures side by side; ``tags``: the topic that says which tags are in sight."""
+
+    number: str
+    title: str
+    topic: str
+    tags: str
+
+
+TILES = [('5.1', 'The wall with the generated tags', CAMERA, 'exercise5_2/tags'),
+         ('5.2', 'Tags detected', 'exercise5_2/image', 'exercise5_2/tags'),
+         ('5.3', 'Centers, as they come', 'exercise5_3/image', 'exercise5_3/tags'),
+         ('5.4', 'Centers in order', 'exercise5_4/image', 'exercise5_4/tags'),
+         ('5.5', 'The area subtracted', 'exercise5_5/image', 'exercise5_5/tags'),
+         ('5.6', 'A picture in its place', 'exercise5_6/image', 'exercise5_6/tags')]
+
+
+@dataclass
+class Parts:
+    """What the handlers share. ``driver`` is None where driving is off."""
+
+    topics: Topics
+    choices: Optional[Choices]
+    driver: Optional[Driver]
+    tiles: List[Tile]
+    browsers: Any = field(default_factory=set)
+
+    def tags_beside(self, name):
+        """The Watched topic with the tags that are in sight on an image topic, or None."""
+        beside = [tile.tags for tile in self.tiles if tile.topic == name]
+        return self.topics.tags(beside[0]) if beside else None
+
+    def tell_browsers(self):
+        """Send the state to all."""
+        for browser in list(self.browsers):
+            browser.send_state()
+
+
+class Files(StaticFileHandler):
+    """The files in page/."""
+
+    set_default_headers = Handler.set_default_headers
+
+    def prepare(self):
+        if refusal_of(self.request):
+            self.set_status(403)
+            self.finish()
+
+
+def serve():
+    """Serve the page until ROS shuts down. Raises InputError if that is not possible."""
+    address, port = str(parameter('address', '127.0.0.1')), int(number(parameter, 'port', PORT, 1, 65535))
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    driver = None
+    if _may_drive(parameter('drive', 'auto'), address):
+        driver = Driver(number(parameter, 'linear', 0.3, 0, 2), number(parameter, 'angular', 0.8, 0, 8))
+    tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
+             for number, title, topic, tags in TILES]
+    parts = Parts(Topics(), None, driver, tiles)
+    parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
+    server = _listen(application(parts), address, port)
+    rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
+    name = 'localhost' if is_loopback(address) else socket.gethostname() if address == '0.0.0.0' else address
+    rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port, 'on' if driver else 'off')
+    loop.run_forever()
+    server.stop()
+
+
+def application(parts):
+    """The tornado Application that answers with these Parts."""
+    page = os.path.join(package_folder(), 'page')
+    shared = {'parts': parts}
+    return Application([
+        ('/', Page, shared), ('/live', Live, shared), ('/picture', Picture, shared),
+        ('/stream', Stream, shared), ('/stream_viewer', StreamViewer, shared), ('/snapshot', Snapshot, shared),
+        (r'/page/([a-z]+\.(?:js|css|svg))', Files, {'path': page}),
+    ], default_handler_class=Unknown, default_handler_args=shared, template_path=page,
+        log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
+        websocket_max_message_size=64 * 1024)
+
+
+def _may_drive(wish, address):
+    if wish == 'auto':
+        return is_loopback(address)
+    if not isinstance(wish, bool):
+        raise InputError('The parameter ~drive is %s; it must be true, false or auto.' % wish)
+    is_loopback(address)
+    return wish
+
+
+def _listen(app, address, port):
+    server = HTTPServer(app, idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, max_header_size=16 * 1024,
+                        max_buffer_size=2 * MAX_BYTES, max_body_size=MAX_BYTES + 1)
+    try:
+        listening = bind_sockets(port, address)
+    except OSError as error:
+        raise InputError('The page cannot be served at %s:%d: %s. Give another place: port:=8081.'
+                         % (address, port, error.strerror)) from None
+    for each in listening:  # what comes in inherits it
+        each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
+    server.add_sockets(listening)
+    return server

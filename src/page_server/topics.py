@@ -1,0 +1,169 @@
+"""Topics that are subscribed to only while somebody watches them."""
+import asyncio
+import time
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+
+import cv2
+import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS
+from aruco_ar.waiting import IMAGE_TYPES, SUFFIX
+from rosgraph.names import is_legal_name
+from unit5.msg import TagArray
+
+LISTING_S = 1.0   # for which the master's list of topics is believed
+RATE_S = 2.0      # over which a frame rate is measured
+MAX_SIDE_PX = 4096
+JPEG_START = b'\xff\xd8'
+
+
+class Watched:
+    """The newest message of a topic, for coroutines."""
+
+    def __init__(self, name, kind, registrar):
+        """``registrar``: an executor of one thread, which talks to the ROS master."""
+        self.name, self.message, self.number = name, None, 0
+        self._kind, self._registrar, self._loop = kind, registrar, asyncio.get_event_loop()
+        self._watchers, self._subscriber = 0, None
+        self._arrival = self._loop.create_future()
+        self._times = deque(maxlen=256)
+
+    @contextmanager
+    def watched(self):
+        """Subscribe for as long as the ``with`` block lasts."""
+        self._watchers += 1
+        self._registrar.submit(self._follow_watchers)
+        try:
+            yield
+        finally:
+            self._watchers -= 1
+            self._registrar.submit(self._follow_watchers)
+
+    async def newer(self, number, seconds):
+        """Wait for a message after that of this ``number``: whether one came within that time."""
+        if self.number == number:
+            await asyncio.wait([self._arrival], timeout=seconds)
+        return self.number != number
+
+    @property
+    def rate(self):
+        """Messages a second, just now."""
+        now = time.monotonic()
+        while self._times and now - self._times[0] > RATE_S:
+            self._times.popleft()
+        span = self._times[-1] - self._times[0] if len(self._times) > 1 else 0
+        return (len(self._times) - 1) / span if span > 0 else 0.0
+
+    def _follow_watchers(self):
+        if self._watchers and self._subscriber is None:
+            self._subscriber = rospy.Subscriber(self.name, self._kind, self._on_message, queue_size=1,
+                                                buff_size=BUFFER_BYTES)
+        elif not self._watchers and self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
+
+    def _on_message(self, message):
+        try:
+            self._loop.call_soon_threadsafe(self._take, message)
+        except RuntimeError:  # the loop has ended, the node is about to
+            pass
+
+    def _take(self, message):
+        self.message, self.number = message, self.number + 1
+        self._times.append(time.monotonic())
+        self._arrival.set_result(None)
+        self._arrival = self._loop.create_future()
+
+
+class ImageTopic(Watched):
+    """An image topic whose newest frame is there as JPEG."""
+
+    def __init__(self, name, transport, registrar, encoder):
+        """``encoder``: an executor."""
+        suffix, kind, self._to_frame = TRANSPORTS[transport]
+        super().__init__(name + suffix, kind, registrar)
+        self._encoder = encoder
+        self._encoded = {}  # options -> future; of the newest frame only
+        self._encoded_number = None
+
+    async def jpeg(self, quality=None, width=None, height=None):
+        """The newest frame as the bytes of a JPEG.
+
+        ``quality``: 1 to 100; ``width``, ``height``: pixels; None for what comes.
+        Raises InputError if the frame cannot be used.
+        """
+        if self._encoded_number != self.number:
+            self._encoded, self._encoded_number = {}, self.number
+        options = quality, width, height
+        if options not in self._encoded:  # several who look at the same share the work
+            self._encoded[options] = self._loop.run_in_executor(
+                self._encoder, self._encode, self.message, *options)
+        return await asyncio.shield(self._encoded[options])
+
+    def _encode(self, message, quality, width, height):
+        data = message.data
+        if not (quality or width or height) and bytes(data[:2]) == JPEG_START:
+            return bytes(data)
+        frame = self._to_frame(message)
+        if width or height:
+            size = (width or round(frame.shape[1] * height / frame.shape[0]),
+                    height or round(frame.shape[0] * width / frame.shape[1]))
+            size = [min(max(side, 1), MAX_SIDE_PX) for side in size]
+            frame = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+        return cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, quality or JPEG_QUALITY])[1].tobytes()
+
+
+class Topics:
+    """All image topics that are published."""
+
+    def __init__(self):
+        self._registrar = ThreadPoolExecutor(1, 'registrar')
+        self._encoder = ThreadPoolExecutor(2, 'encoder')
+        self._known = {}
+        self._published, self._listed = {}, -LISTING_S
+
+    async def published(self):
+        """{name: type} of all topics. Raises InputError where the ROS master does not answer."""
+        if time.monotonic() - self._listed > LISTING_S:
+            try:
+                self._published = dict(await asyncio.get_event_loop().run_in_executor(
+                    self._registrar, rospy.get_published_topics))
+            except Exception as error:  # whatever the master's client raises
+                raise InputError('The ROS master does not answer: %s.' % error) from None
+            self._listed = time.monotonic()
+        return self._published
+
+    async def images(self):
+        """The sorted names of all image topics; one that is only there compressed goes by its raw name."""
+        names = {name[:-len(SUFFIX)] if kind == IMAGE_TYPES['compressed'] and name.endswith(SUFFIX) else name
+                 for name, kind in (await self.published()).items() if kind in IMAGE_TYPES.values()}
+        return sorted(names)
+
+    async def image(self, name, exact=False):
+        """The ImageTopic of that name: its compressed form, unless ``exact`` is wished for and it has another.
+
+        Raises LookupError, with a sentence, if there is none.
+        """
+        if not name or not is_legal_name(name):
+            raise LookupError('Give the name of an image topic: ?topic=/camera/rgb/image_raw. '
+                              'The page / lists those there are.')
+        name, published = rospy.resolve_name(name), await self.published()
+        there = [transport for transport, (suffix, _, _) in TRANSPORTS.items()
+                 if published.get(name + suffix) == IMAGE_TYPES[transport]]
+        if not there:
+            raise LookupError('There is no image topic %s%s. The page / lists those there are.' % (
+                name, ', only one of type ' + published[name] if name in published else ''))
+        transport = there[0 if exact else -1]
+        return self._get(name, ImageTopic, transport, self._registrar, self._encoder)
+
+    def tags(self, name):
+        """The topic of a TagArray, whether it is published or not."""
+        return self._get(name, Watched, TagArray, self._registrar)
+
+    def _get(self, name, make, *arguments):
+        key = name, arguments[0]
+        if key not in self._known:
+            self._known[key] = make(name, *arguments)
+        return self._known[key]
