@@ -12,6 +12,7 @@ import cv2
 
 from aruco_ar import DICTIONARIES, InputError, draw_tag
 from aruco_ar.files import write_whole
+from aruco_ar.progress import progress
 from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
 
 MAX_ID = 10000  # above those of every dictionary
@@ -86,7 +87,7 @@ def generate(args):
                                        args.border, args.quiet))]
     folder = args.output or default_folder()
     return [(os.path.join(folder, 'image_%d.%s' % (tag_id, args.format)),
-             draw(args.format, args, tag_id)) for tag_id in args.ids]
+             draw(args.format, args, tag_id)) for tag_id in progress(args.ids, 'tags')]
 
 
 def main(argv):

@@ -5,6 +5,7 @@ from multiprocessing import Pool
 import cv2
 import numpy as np
 from aruco_ar import Tracker
+from aruco_ar.progress import progress, tell
 from course import Course
 from scenes import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
 
@@ -86,19 +87,19 @@ def run():
                                                     'with an area', 'wrong'))
     series, total = None, {'frames': 0, 'course': 0, 'ours': 0}
     with Pool() as pool:
-        for name, course, ours, drawn in pool.imap(measure, CASES):
+        for name, course, ours, drawn in progress(pool.imap(measure, CASES), 'sticking', len(CASES)):
             series = drawn or series
             total['frames'] += ours['frames']
             total['course'] += course['wrong']
             total['ours'] += ours['wrong']
-            print('%-35s %-18s %7d   %5s | %-5s %5.1f | %5.1f %%  %3d | %d' % (
+            tell('%-35s %-18s %7d   %5s | %-5s %5.1f | %5.1f %%  %3d | %d' % (
                 name, CASES[name][1], ours['frames'], _number(course['rms']), _number(ours['rms']),
-                100 * course['share'], 100 * ours['share'], course['wrong'], ours['wrong']), flush=True)
+                100 * course['share'], 100 * ours['share'], course['wrong'], ours['wrong']))
             if name.startswith('standing'):
-                print('%-35s %-18s %7s   %5s | %s' % ('  spread of the corners', '', '',
+                tell('%-35s %-18s %7s   %5s | %s' % ('  spread of the corners', '', '',
                                                     _number(course['spread']), _number(ours['spread'])))
             if name.startswith('driving'):
-                print('%-35s %-18s %7s   %s | %s ms' % (
+                tell('%-35s %-18s %7s   %s | %s ms' % (
                     '  lag, first and last third', '', '', '%.1f, %.1f' % course['lag'],
                     '%.1f, %.1f' % ours['lag']))
     print('%-35s %-18s %7d   %-13s %-15s %3d | %d' % ('all of the above', 'wrong 0', total['frames'], '',

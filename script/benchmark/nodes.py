@@ -11,6 +11,7 @@ import numpy as np
 import rosgraph
 import rospy
 from aruco_ar.messages import image_from_frame
+from aruco_ar.progress import progress, tell
 from scenes import WIDE, drive
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
@@ -111,13 +112,13 @@ def there_and_back(size):
     return frames + frames[::-1]
 
 
-def load(command, frames):
+def load(name, command, frames):
     """(ms of processor time a frame, latencies in ms, answers) at FRAMES_PER_S."""
     pictures = cycle(frames)
     with Node(command) as node:
         node.connect(frames[0])
         rate = rospy.Rate(FRAMES_PER_S)
-        for number in range(WARM_UP + COUNT):
+        for number in progress(range(WARM_UP + COUNT), name):
             if number == WARM_UP:
                 node.forget_answers()
                 began = node.processor_seconds()
@@ -140,7 +141,7 @@ def run_load():
         frames = there_and_back(size)
         spent = {}
         for name, command in NODES.items():
-            spent[name], late = load(command, frames)
+            spent[name], late = load(name, command, frames)
             print('%-12s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
                 '%d x %d' % size, name, spent[name], np.median(late), np.percentile(late, 99), len(late),
                 COUNT), flush=True)
@@ -157,11 +158,10 @@ def run_memory():
     with Node(NODES['exercise5_6.py']) as node:
         node.connect(frames[0])
         first = None
-        for number in range(1, MEMORY_FRAMES + 1):
+        for number in progress(range(1, MEMORY_FRAMES + 1), 'memory'):
             node.publish(next(pictures))
             node.answer()
             if number in (MEMORY_FRAMES // 20, MEMORY_FRAMES // 2, MEMORY_FRAMES):
                 size = node.resident_bytes()
                 first = first or size
-                print('after %6d frames %6.1f MB, %+.2f %%' % (number, size / 1e6, 100 * (size / first - 1)),
-                      flush=True)
+                tell('after %6d frames %6.1f MB, %+.2f %%' % (number, size / 1e6, 100 * (size / first - 1)))

@@ -1,10 +1,12 @@
 """Milliseconds a frame, one thread, both methods on the same frames in turn."""
 import os
 import time
+from itertools import product
 
 import cv2
 import numpy as np
 from aruco_ar import Tracker, load_picture, overlay
+from aruco_ar.progress import progress, tell
 from course import Course
 from scenes import PACKAGE, WIDE, drive
 
@@ -40,10 +42,10 @@ def run():
           'from a photo of 960 x 640.\n\n'
           '%-12s %-7s %8s   %-26s %-26s %s' % ('frame', 'noise', 'at least', 'frame in to painted out',
                                               'tags and area alone', 'ours, 99 % below'))
-    for size, (count, target) in SIZES.items():
-        for noise in (5.0, 2.0):
-            whole, ours, finding, tracking = measure(size, count, noise)
-            print('%-12s %-7g %7dx   %6.2f | %5.2f = %5.1fx    %6.2f | %5.2f = %5.1fx    %6.2f' % (
-                '%d x %d' % size, noise, target, np.median(whole), np.median(ours),
-                np.median(whole) / np.median(ours), np.median(finding), np.median(tracking),
-                np.median(finding) / np.median(tracking), np.percentile(ours, 99)), flush=True)
+    for size, noise in progress(list(product(SIZES, (5.0, 2.0))), 'speed'):
+        count, target = SIZES[size]
+        whole, ours, finding, tracking = measure(size, count, noise)
+        tell('%-12s %-7g %7dx   %6.2f | %5.2f = %5.1fx    %6.2f | %5.2f = %5.1fx    %6.2f' % (
+            '%d x %d' % size, noise, target, np.median(whole), np.median(ours),
+            np.median(whole) / np.median(ours), np.median(finding), np.median(tracking),
+            np.median(finding) / np.median(tracking), np.percentile(ours, 99)))

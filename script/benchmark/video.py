@@ -4,6 +4,7 @@ import os
 import cv2
 import numpy as np
 from aruco_ar import InputError, Tracker, load_picture, overlay
+from aruco_ar.progress import progress
 from chart import draw, jitter
 from course import Course
 from scenes import PACKAGE
@@ -24,10 +25,8 @@ def run(path, dictionary, chart):
     course, tracker = Course(dictionary, picture), Tracker(dictionary)
     times, corners = {'course': [], 'ours': []}, {'course': [], 'ours': []}
     nothing = np.full((4, 2), np.nan)
-    while True:
-        good, frame = video.read()
-        if not good:
-            break
+    count = max(int(video.get(cv2.CAP_PROP_FRAME_COUNT)), 0)  # as the file says, which may be wrong
+    for frame in progress(_frames(video), 'frames', count):
         took, (_, found) = timed(course.paint, frame)
         times['course'].append(took)
         corners['course'].append(nothing if found is None else found)
@@ -59,3 +58,10 @@ def run(path, dictionary, chart):
             print('%-8s never three frames with an area in a row' % name)
     draw(chart, os.path.basename(path), stamps, corners['course'], corners['ours'])
     print('\nWrote %s' % chart)
+
+
+def _frames(video):
+    good, frame = video.read()
+    while good:
+        yield frame
+        good, frame = video.read()

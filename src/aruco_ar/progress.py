@@ -16,10 +16,17 @@ def progress(items, title, count=None):
     if sys.stderr.isatty():
         yield from tqdm(items, title, count, leave=False, dynamic_ncols=True)
         return
-    said = time.monotonic()
+    began = said = time.monotonic()
     for number, item in enumerate(items, start=1):
         yield item
         if time.monotonic() - said > LINE_S and number < count:
             said = time.monotonic()
             print('%s: %d of %d' % (title, number, count), file=sys.stderr, flush=True)
-    print('%s: all %d done' % (title, count), file=sys.stderr, flush=True)
+    if time.monotonic() - began > LINE_S:
+        print('%s: all %d done' % (title, count), file=sys.stderr, flush=True)
+
+
+def tell(line):
+    """Print a line on stdout, above the bar if there is one."""
+    tqdm.write(line)
+    sys.stdout.flush()

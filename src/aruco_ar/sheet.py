@@ -6,6 +6,7 @@ from reportlab.lib.units import mm
 from reportlab.pdfgen.canvas import Canvas
 
 from .errors import InputError
+from .progress import progress
 from .tags import check_quiet, check_size, tag_cells
 
 PAGES = {'A4': A4, 'Letter': LETTER}
@@ -78,7 +79,7 @@ def tag_sheet(dictionary, ids, side_mm, page='A4', border=1, quiet=1):
     file = io.BytesIO()
     canvas = Canvas(file, pagesize=PAGES[page], pageCompression=1)
     canvas.setTitle('%s, side %g mm' % (dictionary, side_mm))
-    for start in range(0, len(tags), columns * rows):
+    for start in progress(range(0, len(tags), columns * rows), 'pages'):
         for place, (tag_id, cells) in enumerate(tags[start:start + columns * rows]):
             row, column = divmod(place, columns)
             left = MARGIN_MM + column * cut_mm
