@@ -52,7 +52,7 @@ export function choices(send, say) {
   document.addEventListener('drop', (event) => { dragging(false)(event); upload(event.dataTransfer.files[0]); });
 
   function write(label) {
-    label.querySelector('output').textContent = label.querySelector('input').value;
+    label.querySelector('.value').textContent = label.querySelector('input').value;
   }
 
   for (const label of simulation.querySelectorAll('[data-slider]')) {

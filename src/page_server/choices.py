@@ -122,12 +122,14 @@ class Choices:
     def _drop(self, data):
         try:  # the header alone, before memory is taken for the pixels
             with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
-                width, height = image.size
+                pixels = image.width * image.height
+        except PillowImage.DecompressionBombError:
+            pixels = float('inf')
         except Exception:  # Pillow raises many kinds
             raise InputError('That is no picture; drop a JPEG or PNG.') from None
-        if width * height > MAX_PIXELS:
-            raise InputError('The picture has %d x %d pixels; drop one of at most %d million pixels.'
-                             % (width, height, MAX_PIXELS // 10**6))
+        if pixels > MAX_PIXELS:
+            raise InputError('The picture is too large; drop one of at most %d million pixels.'
+                             % (MAX_PIXELS // 10**6))
         picture = decode_picture(data, 'dropped')
         self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
         self._painter.set(picture=TOPIC + self._dropped.resolved_name)

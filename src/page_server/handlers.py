@@ -181,6 +181,7 @@ class Picture(Handler):
 
     def prepare(self):
         self._body, self._bytes = [], 0
+        self.request.connection.set_max_body_size(1 << 62)  # else tornado refuses without a word
         super().prepare()
         self._announced = self.request.headers.get('Content-Length', '0')
         if not self._finished and self._announced.isdecimal() and int(self._announced) > MAX_BYTES:

@@ -33,7 +33,7 @@ class View:
 
     def figures(self, topic):
         """The JSON object that goes with the topic's newest frame."""
-        ids = [tag.id for tag in self.tags.message.tags] if self.tags and self.tags.message else None
+        ids = sorted(tag.id for tag in self.tags.message.tags) if self.tags and self.tags.message else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
         return {'topic': self.name, 'rate': round(topic.rate, 1), 'tags': ids,
                 'latency': None if latency is None else round(1000 * latency)}
@@ -79,7 +79,7 @@ class Live(WebSocketHandler):
         """Tell the page what there is to choose and what is chosen."""
         self._send(json.dumps({'state': dict(self.parts.choices.state(), drive=self.parts.driver is not None)}))
 
-    async def on_message(self, message):
+    def on_message(self, message):
         try:
             said = json.loads(message)
             if 'look' in said:
@@ -89,13 +89,18 @@ class Live(WebSocketHandler):
             elif 'drive' in said and self.parts.driver:
                 self.parts.driver.command(self, *said['drive'])
             elif 'picture' in said:
-                await self.parts.choices.choose(said['picture'])
+                asyncio.ensure_future(self._choose(self.parts.choices.choose(said['picture'])))
             elif 'slide' in said:
-                await self.parts.choices.slide(*said['slide'])
-        except InputError as error:
-            self._send(json.dumps({'problem': str(error)}))
+                asyncio.ensure_future(self._choose(self.parts.choices.slide(*said['slide'])))
         except (ValueError, TypeError):
             self.close(1003, 'not the language of this page')
+
+    async def _choose(self, choosing):
+        """Await a choice, which may take a while: driving does not wait for it."""
+        try:
+            await choosing
+        except InputError as error:
+            self._send(json.dumps({'problem': str(error)}))
 
     def _look(self, names):
         """Send frames of these topics and no others."""

@@ -1,5 +1,6 @@
 """The server: puts its parts together and answers until ROS shuts down."""
 import asyncio
+import logging
 import os
 import socket
 from dataclasses import dataclass, field
@@ -8,12 +9,12 @@ from typing import Any, List, NamedTuple, Optional
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.node import CAMERA, package_folder, parameter
-from aruco_ar.settings import number
+from aruco_ar.settings import number as number_parameter
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 
-from .choices import MAX_BYTES, Choices
+from .choices import Choices
 from .driving import Driver
 from .guard import is_loopback
 from .handlers import Handler, Page, Picture, Snapshot, Stream, StreamViewer, Unknown, refusal_of
@@ -77,12 +78,15 @@ class Files(StaticFileHandler):
 
 def serve():
     """Serve the page until ROS shuts down. Raises InputError if that is not possible."""
-    address, port = str(parameter('address', '127.0.0.1')), int(number(parameter, 'port', PORT, 1, 65535))
+    address, port = str(parameter('address', '127.0.0.1')), int(number_parameter(parameter, 'port', PORT, 1, 65535))
+    for name in ('tornado.application', 'asyncio'):  # a fault of ours shows where the node's others do
+        logging.getLogger(name).parent = logging.getLogger('rosout')
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     driver = None
     if _may_drive(parameter('drive', 'auto'), address):
-        driver = Driver(number(parameter, 'linear', 0.3, 0, 2), number(parameter, 'angular', 0.8, 0, 8))
+        driver = Driver(number_parameter(parameter, 'linear', 0.3, 0, 2),
+                        number_parameter(parameter, 'angular', 0.8, 0, 8))
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
     parts = Parts(Topics(), None, driver, tiles)
@@ -119,7 +123,7 @@ def _may_drive(wish, address):
 
 def _listen(app, address, port):
     server = HTTPServer(app, idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, max_header_size=16 * 1024,
-                        max_buffer_size=2 * MAX_BYTES, max_body_size=MAX_BYTES + 1)
+                        max_body_size=16 * 1024)
     try:
         listening = bind_sockets(port, address)
     except OSError as error:

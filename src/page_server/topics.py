@@ -65,10 +65,7 @@ class Watched:
             self._subscriber = None
 
     def _on_message(self, message):
-        try:
-            self._loop.call_soon_threadsafe(self._take, message)
-        except RuntimeError:  # the loop has ended, the node is about to
-            pass
+        self._loop.call_soon_threadsafe(self._take, message)
 
     def _take(self, message):
         self.message, self.number = message, self.number + 1
@@ -84,7 +81,7 @@ class ImageTopic(Watched):
         """``encoder``: an executor."""
         suffix, kind, self._to_frame = TRANSPORTS[transport]
         super().__init__(name + suffix, kind, registrar)
-        self._encoder = encoder
+        self._transport, self._encoder = transport, encoder
         self._encoded = {}  # options -> future; of the newest frame only
         self._encoded_number = None
 
@@ -103,9 +100,9 @@ class ImageTopic(Watched):
         return await asyncio.shield(self._encoded[options])
 
     def _encode(self, message, quality, width, height):
-        data = message.data
-        if not (quality or width or height) and bytes(data[:2]) == JPEG_START:
-            return bytes(data)
+        if self._transport == 'compressed' and not (quality or width or height) \
+                and bytes(message.data[:2]) == JPEG_START:
+            return bytes(message.data)  # somebody has encoded it already
         frame = self._to_frame(message)
         if width or height:
             size = (width or round(frame.shape[1] * height / frame.shape[0]),

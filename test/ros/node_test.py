@@ -1,25 +1,21 @@
 #!/usr/bin/env python3
 """What every exercise's node does: subscribing, encodings, sentences about what is wrong."""
-import os
-import queue
-import signal
-import subprocess
-import threading
 import unittest
 
 import cv2
 import numpy as np
 import rospy
 import rostest
+import started
 from aruco_ar import draw_tag
 from aruco_ar.messages import frame_from_compressed, frame_from_image
 from cv_bridge import CvBridge
+from listening import Connections, Inbox
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 
 CAMERA = '/camera/rgb/image_raw'
-WAIT_S = 20
 
 
 def scene():
@@ -31,92 +27,20 @@ def scene():
     return frame
 
 
-class Started:
-    """A node as a process; what it prints is read as it comes."""
-
-    def __init__(self, name, *arguments):
-        self.process = subprocess.Popen(['rosrun', 'unit5', name] + list(arguments),
-                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                        start_new_session=True)
-        self.lines, self._arrived = [], threading.Condition()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        for line in self.process.stdout:
-            with self._arrived:
-                self.lines.append(line)
-                self._arrived.notify_all()
-
-    def wait_for(self, *words):
-        """Wait until a line has all these words; that line."""
-        def found():
-            return [line for line in self.lines if all(word in line for word in words)]
-        with self._arrived:
-            if not self._arrived.wait_for(found, WAIT_S):
-                raise AssertionError('%s never said %s but: %s' % (self.process.args[2], words,
-                                                                   ''.join(self.lines)))
-            return found()[0]
-
-    def ends(self):
-        """The exit code."""
-        return self.process.wait(WAIT_S)
-
-    def stop(self):
-        if self.process.poll() is None:
-            os.killpg(self.process.pid, signal.SIGINT)
-            self.process.wait(WAIT_S)
-
-
-class Inbox(queue.Queue):
-    """The messages of a topic; ``get`` waits for the next."""
-
-    def __init__(self, topic, kind):
-        super().__init__()
-        self.subscriber = rospy.Subscriber(topic, kind, self.put, queue_size=10, buff_size=1 << 25)
-
-    def next(self):
-        return self.get(timeout=WAIT_S)
-
-
-class Connections(rospy.SubscribeListener):
-    """Tells when somebody subscribes to a topic, and when they leave."""
-
-    def __init__(self):
-        super().__init__()
-        self.count, self._changed = 0, threading.Condition()
-
-    def peer_subscribe(self, *_):
-        self._change(1)
-
-    def peer_unsubscribe(self, *_):
-        self._change(-1)
-
-    def _change(self, by):
-        with self._changed:
-            self.count += by
-            self._changed.notify_all()
-
-    def wait(self, count):
-        with self._changed:
-            if not self._changed.wait_for(lambda: self.count == count, WAIT_S):
-                raise AssertionError('%d subscribers, not %d' % (self.count, count))
-
-
 class Node(unittest.TestCase):
     def setUp(self):
         self.running = []
 
     def tearDown(self):
         for item in self.running:
-            item.stop() if isinstance(item, Started) else item.unregister()
+            item.stop() if isinstance(item, started.Started) else item.unregister()
         for name in rospy.get_param_names():  # what _name:=value set outlives the node
             if name.startswith(('/exercise5_', '/wall_camera/')):
                 rospy.delete_param(name)
 
     def start(self, name, *arguments):
-        node = Started(name, *arguments)
-        self.running.append(node)
-        return node
+        self.running.append(started.node(name, *arguments))
+        return self.running[-1]
 
     def camera(self, topic=CAMERA, kind=Image):
         """(publisher, connections) of a camera without a picture yet."""

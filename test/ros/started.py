@@ -1,0 +1,47 @@
+"""Processes under test: started, read as they print, and ended."""
+import os
+import signal
+import subprocess
+import threading
+
+WAIT_S = 20
+
+
+class Started:
+    """A command as a process; what it prints is read as it comes."""
+
+    def __init__(self, *command):
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                        start_new_session=True)
+        self.lines, self._arrived = [], threading.Condition()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            with self._arrived:
+                self.lines.append(line)
+                self._arrived.notify_all()
+
+    def wait_for(self, *words):
+        """Wait until a line has all these words; that line."""
+        def found():
+            return [line for line in self.lines if all(word in line for word in words)]
+        with self._arrived:
+            if not self._arrived.wait_for(found, WAIT_S):
+                raise AssertionError('%s never said %s but: %s' % (self.process.args, words,
+                                                                   ''.join(self.lines)))
+            return found()[0]
+
+    def ends(self):
+        """The exit code."""
+        return self.process.wait(WAIT_S)
+
+    def stop(self):
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGINT)
+            self.process.wait(WAIT_S)
+
+
+def node(name, *arguments):
+    """A node of the package, Started."""
+    return Started('rosrun', 'unit5', name, *arguments)
