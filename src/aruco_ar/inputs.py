@@ -1,5 +1,6 @@
 """What an exercise's step takes besides the frame, for one area, and where a node gets it from."""
 import os
+import time
 
 import rospy
 
@@ -10,7 +11,7 @@ from .picture import shrink_to_warp
 from .settings import TOPIC
 from .sources import open_source
 from .tracker import Tracker
-from .waiting import SUFFIX
+from .waiting import SILENCE_S, SUFFIX
 
 
 class Inputs:
@@ -83,17 +84,21 @@ class TopicPicture:
         _, self._kind, to_frame = TRANSPORTS['compressed' if compressed else 'raw']
         self._to_picture = to_frame if compressed else picture_from_image
         self._subscriber = None
+        self._arrived = False
         self._message = None  # not yet made a picture: most are never shown
         self._picture = None
 
     def follow(self, wanted):
-        """Listen to the topic, or leave it."""
+        """Listen to the topic, or leave it; say so, once, when nothing comes."""
         if wanted and self._subscriber is None:
+            self._since = time.monotonic()
             self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
                                                 queue_size=1, buff_size=BUFFER_BYTES)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
+        elif wanted and not self._arrived and time.monotonic() - self._since > SILENCE_S:
+            rospy.logwarn_once('Nothing has arrived on %s, so nothing is painted yet. Is it published?', self._topic)
 
     def at(self, stamp):
         """The picture, (h, w, 3 or 4) uint8, or None before the first has come."""
@@ -106,4 +111,4 @@ class TopicPicture:
         return self._picture
 
     def _on_message(self, message):
-        self._message = message
+        self._message, self._arrived = message, True

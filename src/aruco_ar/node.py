@@ -19,10 +19,9 @@ from .messages import (BUFFER_BYTES, TRANSPORTS, compressed_from_frame, image_fr
                        tags_from_pixels)
 from .picture import resize
 from .settings import load_areas, read_settings
-from .waiting import explain_silence
+from .waiting import SILENCE_S, explain_silence
 
 CAMERA = 'camera/rgb/image_raw'
-SILENCE_S = 5.0
 
 
 def run(name, step, takes=('tags',), topics=('image',)):

@@ -2,6 +2,7 @@
 
 IMAGE_TYPES = {'raw': 'sensor_msgs/Image', 'compressed': 'sensor_msgs/CompressedImage'}
 SUFFIX = '/compressed'
+SILENCE_S = 5.0  # after so long it is time to say why
 
 
 def explain_silence(camera, transport, published, own=()):
