@@ -4,7 +4,6 @@ import numpy as np
 
 from .errors import InputError
 from .paint import blend
-from .tags import tag_cells
 
 NEAR_M = 0.05         # nothing nearer to the camera than this is seen
 TAG_CELL_TEXELS = 32  # resolution of a tag's texture, halved again and again for far views
@@ -42,9 +41,10 @@ class WallRenderer:
         self._wall, self._camera = wall, camera
         self._blur, self._smear, self._light = blur, smear, light
         self._random = np.random.RandomState(seed)
-        self._paper = int(np.ceil(wall.quiet))  # cells of paper around a tag
         self._background = self._paint_wall()
-        self._tags = [(tag, self._paint_tag(tag)) for tag in wall.tags]
+        papers = [wall.paper(tag) for tag in wall.tags]
+        self._tags = [(tag, corners, self._paint_tag(cells, corners))
+                      for tag, (cells, corners) in zip(wall.tags, papers)]
         self._noise = None
         if noise > 0:
             shape = (camera.height + NOISE_FIELD_MARGIN, camera.width + NOISE_FIELD_MARGIN, 3)
@@ -65,8 +65,8 @@ class WallRenderer:
         floor = self._outline(FLOOR, rotation, translation)
         if floor is not None:
             cv2.fillPoly(frame, [floor], FLOOR_COLOR, cv2.LINE_AA, 4)
-        for tag, texture in self._tags:
-            self._draw_tag(frame, tag, texture, to_image, rotation, translation)
+        for tag, paper, texture in self._tags:
+            self._draw_tag(frame, paper, texture, to_image, rotation, translation)
             if tag.id in covered:
                 card = self._outline(tag.on_wall(*CARD), rotation, translation)
                 if card is not None:
@@ -99,17 +99,15 @@ class WallRenderer:
         color = (np.float64(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
         return np.uint8(np.clip(color, 0, 255))
 
-    def _paint_tag(self, tag):
+    def _paint_tag(self, cells, paper):
         """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
-        cells = tag_cells(self._wall.dictionary, tag.id)
-        gray = cv2.copyMakeBorder(cells, *[self._paper] * 4, cv2.BORDER_CONSTANT, value=255)
-        texture = gray.repeat(TAG_CELL_TEXELS, 0).repeat(TAG_CELL_TEXELS, 1)
-        place = (np.arange(len(texture)) + 0.5) / (TAG_CELL_TEXELS * len(cells))
-        place -= place.mean()
-        x = tag.on_wall(*np.meshgrid(place, place))[..., 0]
+        texture = cells.repeat(TAG_CELL_TEXELS, 0).repeat(TAG_CELL_TEXELS, 1)
+        place = (np.arange(len(texture)) + 0.5) / len(texture)
+        left, right, _, foot = paper[:, 0]
+        x = left + (right - left) * place + (foot - left) * place[:, None]
         # Paper is not a light source, ink not a hole.
         pyramid = [np.uint8((20 + texture * (225 / 255)) * self._light_at(x))]
-        while len(pyramid[-1]) > 2 * len(gray):  # until two texels are left of a cell
+        while len(pyramid[-1]) > 2 * len(cells):  # until two texels are left of a cell
             pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5,
                                       interpolation=cv2.INTER_AREA))
         return pyramid
@@ -141,14 +139,12 @@ class WallRenderer:
         cv2.fillPoly(mask, [outline], 255, cv2.LINE_8, 4)
         cv2.copyTo(seen, mask, frame)
 
-    def _draw_tag(self, frame, tag, pyramid, to_image, rotation, translation):
-        """Warp a tag's paper into the part of the frame that it covers.
+    def _draw_tag(self, frame, paper, pyramid, to_image, rotation, translation):
+        """Warp a tag's paper, by its corners on the wall, into the part of the frame that it covers.
 
         Each pixel is the mean over samples in it, that is, over its square;
         the texture is taken from the pyramid so that no sample skips texels.
         """
-        reach = 0.5 * len(pyramid[0]) / (len(pyramid[0]) - 2 * self._paper * TAG_CELL_TEXELS)
-        paper = tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
         if np.min(paper @ rotation[2] + translation[2]) <= NEAR_M:
             return
         ends = np.column_stack([paper[:, :2], np.ones(4)]) @ to_image.T

@@ -60,6 +60,17 @@ class Wall:
         by_id = {tag.id: tag for tag in self.tags}
         return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area])
 
+    def paper(self, tag):
+        """A tag's cells on its white paper, and where the paper's corners are.
+
+        The cells are (n, n) uint8, 0 black and 255 white; the corners (4, 3)
+        float64, wall meters, clockwise from the tag's own top left.
+        """
+        cells = tag_cells(self.dictionary, tag.id)
+        paper = np.pad(cells, int(np.ceil(self.quiet)), constant_values=255)
+        reach = 0.5 * len(paper) / len(cells)
+        return paper, tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
+
 
 def load_wall(path):
     """Read a Wall from its YAML file (config/wall.yaml shows all there is).
