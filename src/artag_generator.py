@@ -11,7 +11,7 @@ import sys
 import cv2
 
 from aruco_ar import DICTIONARIES, InputError, draw_tag
-from aruco_ar.files import write_whole
+from aruco_ar.files import own_folder, write_whole
 from aruco_ar.progress import progress
 from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
 
@@ -31,19 +31,6 @@ def read_ids(text):
     if not ids:
         raise argparse.ArgumentTypeError('"%s" holds no id; write the smaller number first' % text)
     return list(dict.fromkeys(ids))
-
-
-def default_folder():
-    """The package's own Tags/, or ./Tags where that cannot be written."""
-    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    if not os.path.isfile(os.path.join(package, 'package.xml')):  # an install space
-        import rospkg
-        try:
-            package = rospkg.RosPack().get_path('unit5')
-        except rospkg.ResourceNotFound:
-            return 'Tags'
-    tags = os.path.join(package, 'Tags')
-    return tags if os.access(tags, os.W_OK) else 'Tags'
 
 
 def draw(form, args, tag_id):
@@ -85,7 +72,7 @@ def generate(args):
     if args.sheet:
         return [(args.sheet, tag_sheet(args.dictionary, args.ids, args.side, args.page,
                                        args.border, args.quiet))]
-    folder = args.output or default_folder()
+    folder = args.output or own_folder('Tags')
     return [(os.path.join(folder, 'image_%d.%s' % (tag_id, args.format)),
              draw(args.format, args, tag_id)) for tag_id in progress(args.ids, 'tags')]
 

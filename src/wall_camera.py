@@ -8,7 +8,8 @@ from geometry_msgs.msg import Twist
 from unit5.cfg import WallCameraConfig
 
 from aruco_ar.errors import InputError
-from aruco_ar.node import CAMERA, ImagePublisher, package_folder, parameter, run_node
+from aruco_ar.files import package_folder
+from aruco_ar.node import CAMERA, ImagePublisher, parameter, run_node
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path,
                             wall_to_camera)

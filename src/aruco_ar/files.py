@@ -1,4 +1,4 @@
-"""Files: writing them whole or not at all, and reading YAML."""
+"""Files: where the package's own are, writing them whole or not at all, and reading YAML."""
 import os
 import tempfile
 from contextlib import contextmanager
@@ -6,6 +6,31 @@ from contextlib import contextmanager
 import yaml
 
 from .errors import InputError
+
+
+def package_folder():
+    """Where config/, images/ and Tags/ are: the source folder, or share/unit5 once installed.
+
+    Raises InputError in an install space that ROS does not know of.
+    """
+    source = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    if os.path.isfile(os.path.join(source, 'package.xml')):
+        return source
+    import rospkg  # not needed to run from the source folder
+    try:
+        return rospkg.RosPack().get_path('unit5')
+    except rospkg.ResourceNotFound:
+        raise InputError('ROS does not find the package unit5; source the setup.bash of the install '
+                         'space.') from None
+
+
+def own_folder(name):
+    """The package's folder of that name, to write into, or ./name where that cannot be written."""
+    try:
+        folder = os.path.join(package_folder(), name)
+    except InputError:
+        return name
+    return folder if os.access(folder, os.W_OK) else name
 
 
 def write_whole(path, data):

@@ -5,7 +5,6 @@ import time
 import traceback
 
 import cv2
-import rospkg
 import rospy
 from dynamic_reconfigure.server import Server
 from sensor_msgs.msg import CompressedImage, Image
@@ -13,6 +12,7 @@ from unit5.cfg import PictureConfig
 from unit5.msg import TagArray
 
 from .errors import InputError
+from .files import package_folder
 from .inputs import Inputs
 from .memory import keep_memory
 from .messages import (BUFFER_BYTES, TRANSPORTS, compressed_from_frame, image_from_frame,
@@ -70,11 +70,6 @@ def run_node(name, work):
     rospy.spin()
     worker.join(2.0)
     sys.exit(1 if errors else 0)
-
-
-def package_folder():
-    """Where launch/, images/ and Tags/ are: the source folder, or share/unit5 once installed."""
-    return rospkg.RosPack().get_path('unit5')
 
 
 def parameter(name, default):

@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import cv2
 import rospy
 from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
 from aruco_ar.messages import image_from_frame
-from aruco_ar.node import package_folder
 from aruco_ar.picture import decode_picture, resize
 from aruco_ar.settings import TOPIC
 from aruco_ar.sources import open_source

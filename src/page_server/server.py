@@ -8,7 +8,8 @@ from typing import Any, List, NamedTuple, Optional
 
 import rospy
 from aruco_ar.errors import InputError
-from aruco_ar.node import CAMERA, package_folder, parameter
+from aruco_ar.files import package_folder
+from aruco_ar.node import CAMERA, parameter
 from aruco_ar.settings import number as number_parameter
 from tornado.httpserver import HTTPServer
 from tornado.netutil import bind_sockets
