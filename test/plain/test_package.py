@@ -55,6 +55,7 @@ def test_an_install_space_has_it_all(package, tmp_path):
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert done.returncode == 0, done.stdout
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
+              ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --ros-args unit5 '
               'exercise5_6.launch && python3 -c "import aruco_ar.node; print(aruco_ar.__file__)"'
               % (prefix, tmp_path))
@@ -64,10 +65,12 @@ def test_an_install_space_has_it_all(package, tmp_path):
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
     assert (tmp_path / 'made' / 'image_5.jpg').is_file()
+    assert (tmp_path / 'wall' / 'worlds' / 'wall.world').is_file()
+    assert os.path.isfile(prefix + '/share/unit5/gazebo/worlds/wall.world')
     assert '/exercise5_6' in done.stdout and '/wall_camera' in done.stdout
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
-    for name in ('artag_generator.py', 'exercise5_2.py', 'wall_camera.py'):
+    for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):
         with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
                 open('%s/src/%s' % (package, name)) as source:
             assert installed.readline() == '#!%s/.venv/bin/python3\n' % package

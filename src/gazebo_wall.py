@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+"""The simulated camera's wall for Gazebo: a model, and a world that shows it.
+
+Needs neither a roscore nor Gazebo. Without arguments it makes anew, from
+config/wall.yaml, what is in the package's gazebo/ and wall_gazebo.launch shows.
+"""
+import argparse
+import os
+import sys
+
+from aruco_ar import InputError
+from aruco_ar.files import own_folder, package_folder, write_whole
+from aruco_ar.gazebo import wall_files
+from aruco_ar.wall import load_wall
+
+
+def parse(argv):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument('--wall', metavar='FILE.yaml', help="default: the package's config/wall.yaml")
+    parser.add_argument('--output', metavar='FOLDER', help="default: the package's gazebo/, or ./gazebo")
+    return parser.parse_args(argv)
+
+
+def main(argv):
+    # roslaunch adds arguments of its own, such as __name:=...
+    args = parse([arg for arg in argv if ':=' not in arg])
+    try:
+        files = wall_files(load_wall(args.wall or os.path.join(package_folder(), 'config', 'wall.yaml')))
+        folder = args.output or own_folder('gazebo')
+        for path, data in files.items():
+            write_whole(os.path.join(folder, path), data)
+            print('Wrote %s' % os.path.abspath(os.path.join(folder, path)))
+    except InputError as error:
+        sys.exit('gazebo_wall: %s' % error)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])
