@@ -28,7 +28,7 @@ export function choices(send, say) {
     const label = document.createElement('label');
     const input = Object.assign(document.createElement('input'), { type: 'radio', name: 'picture', value: name });
     const image = Object.assign(document.createElement('img'), { src: `/picture?name=${encodeURIComponent(name)}`, alt: '' });
-    label.append(input, image, name);
+    label.append(input, image, name.replace(/\.[^.]*$/, '').replaceAll('_', ' '));
     input.addEventListener('change', () => send({ picture: name }));
     return label;
   }

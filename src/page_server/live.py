@@ -119,7 +119,10 @@ class Live(WebSocketHandler):
             await self._show_frames(view)
 
     async def _show_frames(self, view):
-        while True:
+        # Until it is cancelled; but before Python 3.12 asyncio.wait_for may keep that to itself.
+        def looks():
+            return self._views.get(view.name) is view
+        while looks():
             try:
                 topic = await self.parts.topics.image(view.name)
             except (LookupError, InputError) as error:
@@ -128,10 +131,11 @@ class Live(WebSocketHandler):
                 continue
             with topic.watched():
                 number = topic.number
-                while await topic.newer(number, SILENT_S):
+                while looks() and await topic.newer(number, SILENT_S):
                     number = topic.number
                     await self._show_frame(view, topic)
-            self._send(json.dumps({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name}))
+            if looks():
+                self._send(json.dumps({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name}))
 
     async def _show_frame(self, view, topic):
         stamp, figures = topic.message.header.stamp, view.figures(topic)

@@ -9,8 +9,8 @@ import cv2
 import rospy
 import rostest
 from aruco_ar import Detector
-from aruco_ar.messages import frame_from_image
 from aruco_ar.files import package_folder
+from aruco_ar.messages import frame_from_image
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
