@@ -126,7 +126,7 @@ class Choices:
         except PillowImage.DecompressionBombError:
             pixels = float('inf')
         except Exception:  # Pillow raises many kinds
-            raise InputError('That is no picture; drop a JPEG or PNG.') from None
+            raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.' % FOLDER) from None
         if pixels > MAX_PIXELS:
             raise InputError('The picture is too large; drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
