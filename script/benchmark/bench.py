@@ -5,17 +5,18 @@ import os
 import sys
 
 import accuracy
+import browser
 import chart
 import nodes
 import speed
 import video
 from aruco_ar import InputError
 
-PARTS = ('sticking', 'speed', 'nodes', 'memory')
+PARTS = ('sticking', 'speed', 'nodes', 'memory', 'page')
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About seven minutes without arguments.')
+    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About eight minutes without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
     parser.add_argument('--dictionary', default='DICT_6X6_250', help="of the video's tags (default: DICT_6X6_250)")
@@ -36,12 +37,11 @@ def main():
         print('\nWrote %s' % args.chart)
     if args.only in (None, 'speed'):
         speed.run()
-    if args.only in (None, 'nodes', 'memory'):
+    if args.only in (None, 'nodes', 'memory', 'page'):
         with nodes.Master():
-            if args.only != 'memory':
-                nodes.run_load()
-            if args.only != 'nodes':
-                nodes.run_memory()
+            for part, work in (('nodes', nodes.run_load), ('memory', nodes.run_memory), ('page', browser.run)):
+                if args.only in (None, part):
+                    work()
 
 
 if __name__ == '__main__':

@@ -32,13 +32,25 @@ NODES = {
 }
 
 
+def free_port():
+    """A port of this machine that nobody has."""
+    with socket.socket() as probe:
+        probe.bind(('localhost', 0))
+        return probe.getsockname()[1]
+
+
+def processor_seconds(pid):
+    """The processor time that a process has taken up so far."""
+    with open('/proc/%d/stat' % pid) as file:
+        fields = file.read().rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
+
+
 class Master:
     """A roscore of its own, in which this process is the camera and the listener."""
 
     def __enter__(self):
-        with socket.socket() as probe:
-            probe.bind(('localhost', 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
         self._core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
         while not rosgraph.is_master_online():
@@ -97,9 +109,7 @@ class Node:
         raise RuntimeError('the node does not answer within %d s' % WAIT_S)
 
     def processor_seconds(self):
-        with open('/proc/%d/stat' % self._process.pid) as file:
-            fields = file.read().rpartition(')')[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
+        return processor_seconds(self._process.pid)
 
     def resident_bytes(self):
         with open('/proc/%d/statm' % self._process.pid) as file:

@@ -1,5 +1,6 @@
 """What an exercise's step takes besides the frame, for one area, and where a node gets it from."""
 import os
+import threading
 import time
 
 import rospy
@@ -25,6 +26,7 @@ class Inputs:
     def __init__(self, takes, settings, package):
         self.tags = []
         self._takes, self._settings, self._package = takes, settings, package
+        self._lock = threading.Lock()  # topics are followed in one thread, settings changed in another
         self._detector = Detector(settings.dictionary, settings.ids) if 'tags' in takes else None
         self._tracker = Tracker(settings.dictionary, settings.ids, settings.hold,
                                 settings.upright) if 'area' in takes else None
@@ -41,14 +43,17 @@ class Inputs:
         """
         if settings.picture != self._settings.picture:
             source = self._open(settings.picture)
-            self.follow(False)
-            self._source = source
+            with self._lock:
+                if isinstance(self._source, TopicPicture):
+                    self._source.follow(False)
+                self._source = source
         self._settings = settings
 
     def follow(self, wanted):
         """Listen to the picture's topic, if it is one, or leave it."""
-        if isinstance(self._source, TopicPicture):
-            self._source.follow(wanted)
+        with self._lock:
+            if isinstance(self._source, TopicPicture):
+                self._source.follow(wanted)
 
     def _tags(self, frame, stamp):
         self.tags = self._detector.detect(frame)

@@ -88,8 +88,7 @@ class Choices:
 
     async def choose(self, name):
         """Have the file of that name in images/ painted. Raises InputError if there is none."""
-        if name not in self.pictures():
-            raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
+        self._check(name)
         await self._in_worker(lambda: self._painter.set(picture='%s/%s' % (FOLDER, name)))
 
     async def drop(self, data):
@@ -102,12 +101,15 @@ class Choices:
             await self._in_worker(lambda: self._simulation.set(**{name: value}))
 
     async def thumbnail(self, name):
-        """The file of that name in images/ as a small JPEG, or None."""
-        if name not in self.pictures():
-            return None
+        """The file of that name in images/ as a small JPEG. Raises InputError if there is none."""
+        self._check(name)
         if name not in self._thumbnails:
             self._thumbnails[name] = await self._in_worker(self._shrink, name)
         return self._thumbnails[name]
+
+    def _check(self, name):
+        if name not in self.pictures():
+            raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
 
     def _in_worker(self, work, *arguments):
         return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)

@@ -195,9 +195,10 @@ class Picture(Handler):
             self._refuse_size()
 
     async def get(self):
-        jpeg = await self.parts.choices.thumbnail(self.get_query_argument('name', ''))
-        if jpeg is None:
-            self.refuse(404, 'There is no such picture in images/.')
+        try:
+            jpeg = await self.parts.choices.thumbnail(self.get_query_argument('name', ''))
+        except InputError as error:
+            self.refuse(404, str(error))
             return
         self.set_header('Content-Type', 'image/jpeg')
         self.finish(jpeg)

@@ -28,15 +28,15 @@ class View:
     def __init__(self, name, tags):
         self.name, self.tags = name, tags
         self.shown = asyncio.Event()
-        self.stamp, self.latencies, self.times = None, deque(maxlen=15), deque(maxlen=30)
+        self.stamp, self.latencies = None, deque(maxlen=15)
         self.task = None
 
     def figures(self, topic):
         """The JSON object that goes with the topic's newest frame."""
         ids = sorted(tag.id for tag in self.tags.message.tags) if self.tags and self.tags.message else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
-        return {'topic': self.name, 'rate': round(topic.rate, 1), 'tags': ids,
-                'latency': None if latency is None else round(1000 * latency)}
+        return {'topic': self.name, 'stamp': topic.message.header.stamp.to_sec(),
+                'rate': round(topic.rate, 1), 'tags': ids, 'latency': None if latency is None else round(1000 * latency)}
 
     def on_shown(self):
         """The browser shows the frame sent last."""

@@ -56,8 +56,8 @@ def test_an_install_space_has_it_all(package, tmp_path):
         assert done.returncode == 0, done.stdout
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
               ' && rosrun unit5 gazebo_wall.py --output wall'
-              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --ros-args unit5 '
-              'exercise5_6.launch && python3 -c "import aruco_ar.node; print(aruco_ar.__file__)"'
+              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 '
+              'exercise5_6.launch && python3 -c "import aruco_ar.node, page_server.server; print(aruco_ar.__file__)"'
               % (prefix, tmp_path))
     clean = {key: value for key, value in os.environ.items()
              if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}
@@ -67,7 +67,9 @@ def test_an_install_space_has_it_all(package, tmp_path):
     assert (tmp_path / 'made' / 'image_5.jpg').is_file()
     assert (tmp_path / 'wall' / 'worlds' / 'wall.world').is_file()
     assert os.path.isfile(prefix + '/share/unit5/gazebo/worlds/wall.world')
-    assert '/exercise5_6' in done.stdout and '/wall_camera' in done.stdout
+    for name in ('/exercise5_6', '/wall_camera', '/page'):
+        assert name in done.stdout.splitlines()
+    assert os.path.isfile(prefix + '/share/unit5/page/index.html')
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
     for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):

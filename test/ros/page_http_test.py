@@ -184,7 +184,7 @@ class PageServer(unittest.TestCase):
                 ('/stream?topic=/eye/image&type=h264', 400, 'no stream of type "h264"'),
                 ('/snapshot?topic=/eye/image', 503, 'Nothing has arrived on /eye/image'),
                 ('/elsewhere', 404, 'There is no such page'),
-                ('/picture?name=nothing.jpg', 404, 'There is no such picture')):
+                ('/picture?name=nothing.jpg', 404, 'There is no picture "nothing.jpg" in images/')):
             answered, headers, body = ask(self.port, path)
             self.assertEqual((answered, headers['Content-Type']), (status, 'text/plain; charset=utf-8'), path)
             self.assertIn(sentence, body.decode())
