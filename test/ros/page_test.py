@@ -1,100 +1,18 @@
 #!/usr/bin/env python3
-"""The page in a real browser: pictures that move, driving, choosing what is painted."""
-import os
-import shutil
-import signal
-import socket
-import sys
-import threading
-import unittest
-from xmlrpc.client import ServerProxy
-
+"""The page in a real browser: pictures that move, and choosing what is painted."""
 import cv2
 import numpy as np
 import rospy
 import rostest
 from aruco_ar import Area
-from aruco_ar.messages import frame_from_image
-from dynamic_reconfigure.msg import Config
+from browsing import BrowserTest
 from geometry_msgs.msg import PolygonStamped
-from nav_msgs.msg import Odometry
-from rosgraph import Master
-from sensor_msgs.msg import Image
-from started import WAIT_S, Started
+from started import WAIT_S
 
-BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
-WAIT_MS = 1000 * WAIT_S
-OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-           '--disable-component-update', '--disable-sync']
 PAINTED = '.tile[data-topic="/exercise5_6/image"]'
 
 
-class Robot:
-    """What /odom says."""
-
-    def __init__(self):
-        self._changed = threading.Condition()
-        self._message = None
-        rospy.Subscriber('/odom', Odometry, self._take)
-
-    def _take(self, message):
-        with self._changed:
-            self._message = message
-            self._changed.notify_all()
-
-    def wait(self, is_so):
-        """Wait until is_so(x, forward, left) is true; x."""
-        def true():
-            return self._message and is_so(*self._values())
-        with self._changed:
-            if not self._changed.wait_for(true, WAIT_S):
-                raise AssertionError('the robot is at %s' % (self._message and self._values(),))
-            return self._values()[0]
-
-    def _values(self):
-        twist = self._message.twist.twist
-        return self._message.pose.pose.position.x, twist.linear.x, twist.angular.z
-
-
-class Page(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        path = next(filter(None, map(shutil.which, BROWSERS)), None)
-        if path is None:
-            raise unittest.SkipTest('no Chromium here')
-        from playwright.sync_api import sync_playwright
-        with socket.socket() as probe:
-            probe.bind(('127.0.0.1', 0))
-            cls.port = probe.getsockname()[1]
-        cls.server = Started('roslaunch', 'unit5', 'page.launch', 'port:=%d' % cls.port)
-        cls.server.wait_for('The page is at')
-        cls.robot = Robot()
-        cls.playwright = sync_playwright().start()
-        sandbox = ['--no-sandbox'] if os.getuid() == 0 else []
-        cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox)
-
-    @classmethod
-    def tearDownClass(cls):
-        if hasattr(cls, 'browser'):
-            cls.browser.close()
-            cls.playwright.stop()
-            cls.server.stop()
-
-    def setUp(self):
-        self.page = self.browser.new_page(viewport={'width': 1400, 'height': 900})
-        self.page.set_default_timeout(WAIT_MS)
-        self.wrong, self.asked, self.expected = [], [], ''
-        self.page.on('pageerror', lambda error: self.wrong.append(str(error)))
-        self.page.on('console', lambda line: self.wrong.append(line.text) if line.type == 'error' else None)
-        self.page.on('request', lambda request: self.asked.append(request.url))
-        self.page.goto('http://localhost:%d/' % self.port)
-        self.page.wait_for_function("() => document.querySelectorAll('.tile .why[hidden]').length == 6 && "
-                                    "[...document.querySelectorAll('.latency')].every((text) => /^[0-9]/.test(text.textContent))")
-
-    def tearDown(self):
-        self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])
-        self.page.close()
-
+class Page(BrowserTest):
     def shot(self, selector):
         """A screenshot of an element, (h, w, 3) BGR."""
         png = self.page.locator(selector).screenshot()
@@ -187,83 +105,6 @@ class Page(unittest.TestCase):
             rate.sleep()
         self.fail('it never came true')
 
-    def test_an_arrow_key_drives_and_letting_go_stops(self):
-        start = self.robot.wait(lambda x, forward, left: forward == left == 0)
-        self.page.keyboard.down('ArrowUp')
-        self.robot.wait(lambda x, forward, left: forward > 0.2 and x > start + 0.1)
-        self.page.keyboard.up('ArrowUp')
-        x = self.robot.wait(lambda x, forward, left: forward == 0)
-        self.page.keyboard.down('ArrowDown')
-        self.page.keyboard.down('ArrowLeft')
-        self.robot.wait(lambda x, forward, left: forward < -0.2 and left > 0.5)
-        self.page.keyboard.up('ArrowLeft')
-        self.robot.wait(lambda now, forward, left: left == 0 and now < x - 0.05)
-        self.page.keyboard.up('ArrowDown')
-        self.robot.wait(lambda x, forward, left: forward == left == 0)
-        self.turn_back()
-
-    def turn_back(self):
-        """Toward the wall again, as far as it was turned away."""
-        heading = rospy.wait_for_message('/odom', Odometry, WAIT_S).pose.pose.orientation.z
-        key = 'ArrowRight' if heading > 0 else 'ArrowLeft'
-        self.page.keyboard.down(key)
-        done = threading.Event()
-
-        def look(message):
-            if abs(message.pose.pose.orientation.z) < 0.03 or message.pose.pose.orientation.z * heading < 0:
-                done.set()
-        subscriber = rospy.Subscriber('/odom', Odometry, look)
-        self.assertTrue(done.wait(WAIT_S))
-        subscriber.unregister()
-        self.page.keyboard.up(key)
-        self.robot.wait(lambda x, forward, left: left == 0)
-
-    def test_a_held_button_drives_by_mouse_and_by_keyboard(self):
-        button = self.page.get_by_role('button', name='Backward')
-        box = button.bounding_box()
-        self.page.mouse.move(box['x'] + 5, box['y'] + 5)
-        self.page.mouse.down()
-        self.robot.wait(lambda x, forward, left: forward < -0.2)
-        self.page.mouse.up()
-        self.robot.wait(lambda x, forward, left: forward == 0)
-        self.page.get_by_role('button', name='Forward').focus()
-        self.page.keyboard.down('Space')
-        self.robot.wait(lambda x, forward, left: forward > 0.2)
-        self.page.keyboard.up('Space')
-        self.robot.wait(lambda x, forward, left: forward == 0)
-
-    def test_the_robot_stops_when_the_page_loses_focus_or_is_gone(self):
-        def drive():
-            self.page.keyboard.down('ArrowDown')
-            self.robot.wait(lambda x, forward, left: forward < -0.2)
-        drive()
-        self.page.evaluate("window.dispatchEvent(new Event('blur'))")
-        self.robot.wait(lambda x, forward, left: forward == 0)
-        self.page.keyboard.up('ArrowDown')
-        drive()
-        self.page.context.set_offline(True)  # holds back new connections; the old one is cut by going elsewhere
-        self.page.goto('about:blank')
-        self.robot.wait(lambda x, forward, left: forward == 0)
-
-    def test_arrow_keys_on_a_slider_do_not_drive_but_change_the_noise(self):
-        settings = []
-        arrived = threading.Condition()
-
-        def take(config):
-            with arrived:
-                settings.append({item.name: item.value for item in config.doubles}['noise'])
-                arrived.notify_all()
-        rospy.Subscriber('/wall_camera/parameter_updates', Config, take)
-        slider = self.page.get_by_role('slider', name='Noise')
-        before = float(slider.input_value())
-        slider.focus()
-        for _ in range(6):
-            self.page.keyboard.press('ArrowUp')
-        with arrived:
-            self.assertTrue(arrived.wait_for(lambda: settings and settings[-1] == before + 6, WAIT_S), settings)
-        self.robot.wait(lambda x, forward, left: forward == left == 0)
-        slider.fill(str(int(before)))
-
     def test_choosing_a_picture_changes_what_is_painted(self):
         self.page.get_by_text('turning earth').click()
         self.page.wait_for_function("() => document.querySelector('input[value=\"turning_earth.mp4\"]').checked")
@@ -297,21 +138,7 @@ class Page(unittest.TestCase):
         columns = {round(tile.bounding_box()['x']) for tile in self.page.locator('.tile').all()}
         self.assertEqual(len(columns), 2)
 
-    def test_z_killing_the_server_stops_the_robot_and_leaves_the_nodes_alive(self):
-        self.expected = 'ERR_CONNECTION'  # the browser tells its console of every attempt
-        self.page.keyboard.down('ArrowDown')
-        self.robot.wait(lambda x, forward, left: forward < -0.2)
-        code, _, pid = ServerProxy(Master('/page_test').lookupNode('/page')).getPid('/page_test')
-        self.assertEqual(code, 1)
-        os.kill(pid, signal.SIGKILL)
-        self.robot.wait(lambda x, forward, left: forward == 0)
-        self.page.wait_for_function("() => document.getElementById('status').textContent.includes('does not answer')")
-        for number in range(2, 7):
-            image = rospy.wait_for_message('/exercise5_%d/image' % number, Image, WAIT_S)
-            self.assertGreater(frame_from_image(image).std(), 20)
-
 
 if __name__ == '__main__':
-    sys.stdout.reconfigure(line_buffering=True)
     rospy.init_node('page_test')
     rostest.rosrun('unit5', 'page_test', Page)

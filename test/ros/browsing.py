@@ -1,0 +1,51 @@
+"""What the rostests in a browser share: the page, open in Chromium."""
+import os
+import shutil
+import unittest
+
+from serving import free_port
+from started import WAIT_S, Started
+
+BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
+WAIT_MS = 1000 * WAIT_S
+OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+           '--disable-component-update', '--disable-sync']
+
+
+class BrowserTest(unittest.TestCase):
+    """Has the page open as ``page``; what is wrong on its console fails the test, unless ``expected``."""
+
+    @classmethod
+    def setUpClass(cls):
+        path = next(filter(None, map(shutil.which, BROWSERS)), None)
+        if path is None:
+            raise unittest.SkipTest('no Chromium here')
+        from playwright.sync_api import sync_playwright
+        cls.port = free_port()
+        cls.server = Started('roslaunch', 'unit5', 'page.launch', 'port:=%d' % cls.port)
+        cls.server.wait_for('The page is at')
+        cls.playwright = sync_playwright().start()
+        sandbox = ['--no-sandbox'] if os.getuid() == 0 else []
+        cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox)
+
+    @classmethod
+    def tearDownClass(cls):
+        if hasattr(cls, 'browser'):
+            cls.browser.close()
+            cls.playwright.stop()
+            cls.server.stop()
+
+    def setUp(self):
+        self.page = self.browser.new_page(viewport={'width': 1400, 'height': 900})
+        self.page.set_default_timeout(WAIT_MS)
+        self.wrong, self.asked, self.expected = [], [], ''
+        self.page.on('pageerror', lambda error: self.wrong.append(str(error)))
+        self.page.on('console', lambda line: self.wrong.append(line.text) if line.type == 'error' else None)
+        self.page.on('request', lambda request: self.asked.append(request.url))
+        self.page.goto('http://localhost:%d/' % self.port)
+        self.page.wait_for_function("() => document.querySelectorAll('.tile .why[hidden]').length == 6 && "
+                                    "[...document.querySelectorAll('.latency')].every((text) => /^[0-9]/.test(text.textContent))")
+
+    def tearDown(self):
+        self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])
+        self.page.close()
