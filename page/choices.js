@@ -51,6 +51,13 @@ export function choices(send, say) {
   document.addEventListener('dragleave', dragging(false));
   document.addEventListener('drop', (event) => { dragging(false)(event); upload(event.dataTransfer.files[0]); });
 
+  // Who has chosen by mouse or finger wants the arrow keys to drive again.
+  for (const part of [section, simulation]) {
+    part.addEventListener('click', ({ pointerType }) => {
+      if (pointerType) setTimeout(() => document.activeElement.blur());
+    });
+  }
+
   function write(label) {
     label.querySelector('.value').textContent = label.querySelector('input').value;
   }

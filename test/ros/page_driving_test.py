@@ -107,7 +107,7 @@ class PageDriving(BrowserTest):
         self.page.goto('about:blank')
         self.robot.wait(lambda x, forward, left: forward == 0)
 
-    def test_arrow_keys_on_a_slider_do_not_drive_but_change_the_noise(self):
+    def test_arrow_keys_on_a_slider_do_not_drive_but_change_the_noise_until_it_is_left(self):
         settings = []
         arrived = threading.Condition()
 
@@ -125,6 +125,13 @@ class PageDriving(BrowserTest):
             self.assertTrue(arrived.wait_for(lambda: settings and settings[-1] == before + 6, WAIT_S), settings)
         self.robot.wait(lambda x, forward, left: forward == left == 0)
         slider.fill(str(int(before)))
+        self.assertEqual(slider.evaluate('slider => slider === document.activeElement'), True)
+        self.page.get_by_text('earth', exact=True).click()  # by mouse: from then on arrow keys drive
+        self.page.wait_for_function('() => document.activeElement === document.body')
+        self.page.keyboard.down('ArrowDown')
+        self.robot.wait(lambda x, forward, left: forward < 0)
+        self.page.keyboard.up('ArrowDown')
+        self.robot.wait(lambda x, forward, left: forward == 0)
 
     def test_z_killing_the_server_stops_the_robot_and_leaves_the_nodes_alive(self):
         self.expected = 'ERR_CONNECTION'  # the browser tells its console of every attempt
