@@ -38,7 +38,7 @@ export function choices(send, say) {
     say(`Sending ${picture.name} …`);
     try {
       const answer = await fetch('/picture', { method: 'POST', body: picture });
-      if (answer.ok) say(`${picture.name} is painted.`);
+      if (answer.ok) say(`${picture.name} is the picture now.`);
       else say((await answer.text()).trim(), true);
     } catch {
       say(`${picture.name} could not be sent; is it too large?`, true);

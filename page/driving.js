@@ -37,6 +37,7 @@ export function driving(send) {
   }
 
   document.addEventListener('keydown', (event) => {
+    if (event.metaKey) stop();  // while it is held, macOS tells of no key that is let go
     if (section.hidden || !KEYS[event.key] || event.target.closest(OWN_KEYS)
         || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();  // no scrolling

@@ -9,6 +9,7 @@ from unit5.cfg import WallCameraConfig
 
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
+from aruco_ar.memory import keep_memory
 from aruco_ar.node import CAMERA, ImagePublisher, parameter, run_node
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path,
@@ -17,8 +18,15 @@ from aruco_ar.settings import number
 from aruco_ar.wall import load_wall
 from aruco_ar.wall_messages import fixed_transforms, observe, robot_transform
 
+LOOK = {'noise': (2.0, 100), 'blur': (0.0, 20), 'light': (0.3, 1)}  # default and most
 COMMAND_S = 0.5  # a robot that hears no command for this long stops
 START = Pose(-2.2, 0.0, 0.0)
+
+
+def check_look(get):
+    """Check the parameters of LOOK; ``get(name, default)`` looks one up. Raises InputError."""
+    for name, (default, most) in LOOK.items():
+        number(get, name, default, 0, most)
 
 
 class Driver:
@@ -65,8 +73,7 @@ class WallCamera:
                              'p2, k3.' % (distortion,))
         self._camera = Camera(distortion=distortion)
         self._wall = load_wall(parameter('wall', package_folder() + '/config/wall.yaml'))
-        for name, default, high in (('noise', 2.0, 100), ('blur', 0.0, 20), ('light', 0.3, 1)):
-            number(parameter, name, default, 0, high)  # what is too large, the server would cut without a word
+        check_look(parameter)  # what is too large, the server would cut without a word
         self._seed = int(number(parameter, 'seed', 0, 0, 2**31))
         Server(WallCameraConfig, self._reconfigure)
         self._rate = number(parameter, 'rate', 30.0, 0.1, 1000)
@@ -81,6 +88,12 @@ class WallCamera:
 
     def _reconfigure(self, config, level):
         """What dynamic_reconfigure calls, first with the node's parameters; returns what it becomes."""
+        try:
+            check_look(config.get)
+        except InputError as error:
+            rospy.logerr('%s Nothing is changed.', error)
+            return self._config
+        self._config = config
         self._renderer = WallRenderer(self._wall, self._camera, noise=config['noise'], blur=config['blur'],
                                       light=config['light'], seed=self._seed)
         return config
@@ -115,4 +128,5 @@ class WallCamera:
 
 
 if __name__ == '__main__':
+    keep_memory()
     run_node('wall_camera', lambda: WallCamera().spin())

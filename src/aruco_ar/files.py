@@ -74,7 +74,7 @@ def yaml_entries(path):
             data = yaml.safe_load(file)
     except OSError as error:
         raise InputError('The file "%s" cannot be read: %s.' % (path, error.strerror)) from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise InputError('The file "%s" is not YAML: %s.'
                          % (path, ' '.join(str(error).split()))) from None
     try:

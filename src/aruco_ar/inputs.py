@@ -4,6 +4,7 @@ import threading
 import time
 
 import rospy
+from rosgraph.names import is_legal_name
 
 from .detector import Detector
 from .errors import InputError
@@ -36,18 +37,20 @@ class Inputs:
         """What the step takes, in order, for a frame and its time, seconds."""
         return [getattr(self, '_' + name)(frame, stamp) for name in self._takes]
 
-    def change(self, settings):
-        """Use the picture, fit and opacity of other Settings from the next frame on.
+    def prepare(self, settings):
+        """Open the picture of other Settings; returns what uses it, fit and opacity from the next frame on.
 
-        Raises InputError, and changes nothing, if there is no such picture.
+        Raises InputError if there is no such picture.
         """
-        if settings.picture != self._settings.picture:
-            source = self._open(settings.picture)
+        same = settings.picture == self._settings.picture
+        source = self._source if same else self._open(settings.picture)
+
+        def change():
             with self._lock:
-                if isinstance(self._source, TopicPicture):
+                if not same and isinstance(self._source, TopicPicture):
                     self._source.follow(False)
-                self._source = source
-        self._settings = settings
+                self._settings, self._source = settings, source
+        return change
 
     def follow(self, wanted):
         """Listen to the picture's topic, if it is one, or leave it."""
@@ -84,12 +87,18 @@ class TopicPicture:
     """The newest image on a topic; while nothing new comes, the last one stays."""
 
     def __init__(self, topic):
+        """Raises InputError if there can be no such topic, or if it is one of the node's own."""
+        if not is_legal_name(topic):
+            raise InputError('The parameter ~picture is "%s%s"; that is no name of a topic.' % (TOPIC, topic))
         self._topic = rospy.resolve_name(topic)
+        if self._topic.startswith(rospy.get_name() + '/'):
+            raise InputError('The parameter ~picture is "%s%s", which this node publishes itself; give '
+                             'another topic.' % (TOPIC, topic))
         compressed = self._topic.endswith(SUFFIX)
         _, self._kind, to_frame = TRANSPORTS['compressed' if compressed else 'raw']
         self._to_picture = to_frame if compressed else picture_from_image
         self._subscriber = None
-        self._arrived = False
+        self._silent = self._broken = False  # whether that has been said, or need not be
         self._message = None  # not yet made a picture: most are never shown
         self._picture = None
 
@@ -102,8 +111,10 @@ class TopicPicture:
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
-        elif wanted and not self._arrived and time.monotonic() - self._since > SILENCE_S:
-            rospy.logwarn_once('Nothing has arrived on %s, so nothing is painted yet. Is it published?', self._topic)
+        elif wanted and not self._silent and time.monotonic() - self._since > SILENCE_S:
+            self._silent = True
+            rospy.logwarn('Nothing has arrived on %s, so nothing is painted yet. Is it published?',
+                          self._topic)
 
     def at(self, stamp):
         """The picture, (h, w, 3 or 4) uint8, or None before the first has come."""
@@ -112,8 +123,10 @@ class TopicPicture:
             try:
                 self._picture = shrink_to_warp(self._to_picture(message))
             except InputError as error:
-                rospy.logerr_once('A picture on %s is passed over: %s', self._topic, error)
+                if not self._broken:
+                    self._broken = True
+                    rospy.logerr('A picture on %s is passed over: %s', self._topic, error)
         return self._picture
 
     def _on_message(self, message):
-        self._message, self._arrived = message, True
+        self._message, self._silent = message, True

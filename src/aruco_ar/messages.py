@@ -44,8 +44,8 @@ class FrameMessage(Image):
 def frame_from_image(message):
     """The frame in a sensor_msgs/Image of any color, gray, Bayer or yuv422 encoding.
 
-    It shares no memory with the message. Raises InputError if the encoding is no color or gray one, or if the data
-    is not what width, height and step promise.
+    It shares no memory with the message. Raises InputError if the encoding is
+    no color or gray one, or if the data is not what width, height and step promise.
     """
     if message.width == 0 or message.height == 0:
         raise InputError('A frame of %d x %d pixels is empty; check the camera driver.'
@@ -127,13 +127,28 @@ def image_from_frame(frame, header, encoding='bgr8'):
         frame = cv2.cvtColor(frame, cv2.COLOR_BGR2RGB)
     height, width, channels = frame.shape
     return FrameMessage(header=header, height=height, width=width, is_bigendian=0,
-                        encoding='bgra8' if channels == 4 else encoding, step=channels * width, data=memoryview(np.ascontiguousarray(frame).reshape(-1)))
+                        encoding='bgra8' if channels == 4 else encoding, step=channels * width,
+                        data=memoryview(np.ascontiguousarray(frame).reshape(-1)))
 
 
 def compressed_from_frame(frame, header):
     """The frame as a JPEG sensor_msgs/CompressedImage with that header."""
-    _, data = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
-    return CompressedImage(header=header, format='bgr8; jpeg compressed bgr8', data=data.tobytes())
+    return CompressedImage(header=header, format='bgr8; jpeg compressed bgr8', data=jpeg_from_frame(frame))
+
+
+def jpeg_from_frame(frame, quality=JPEG_QUALITY):
+    """The frame as the bytes of a JPEG of that quality, 1 to 100.
+
+    Raises InputError if it is larger than a JPEG can be, 65500 pixels to a side.
+    """
+    try:
+        done, data = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    except cv2.error:  # OpenCV before 4.11
+        done = False
+    if not done:
+        raise InputError('A frame of %d x %d pixels is too large for a JPEG.' % frame.shape[1::-1],
+                         kind='frame too large for a JPEG')
+    return data.tobytes()
 
 
 # How a camera topic's message becomes a frame, for each ~transport: the suffix

@@ -33,10 +33,12 @@ def run(name, step, takes=('tags',), topics=('image',)):
     before it show, or None (see Tracker); ``picture``, what the parameter
     ~picture shows at that time, or None; ``fit``, ``opacity``, the parameters
     of these names. Where ~areas names several, ``step`` is called for one
-    after the other, each time with the image it returned. It returns the image to publish as ~image or, with several
-    ``topics``, one for each of them in that order. ``step`` is called only
-    while somebody listens, and only with the newest frame.
+    after the other, each time with the image it returned. It returns the image
+    to publish as ~image or, with several ``topics``, one for each of them in
+    that order. ``step`` is called only while somebody listens, and only with
+    the newest frame.
     """
+    keep_memory()
     run_node(name, lambda: _ImageNode(step, takes, topics).spin())
 
 
@@ -46,7 +48,6 @@ def run_node(name, work):
     Where ``work`` raises InputError, its sentence is logged and the exit code is 1.
     """
     sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
-    keep_memory()
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)
@@ -153,11 +154,12 @@ class _ImageNode:
     def _reconfigure(self, config, level):
         """What dynamic_reconfigure calls with what somebody wishes; returns what it becomes."""
         try:
-            for inputs, settings in zip(self._inputs, self._read(config)):
-                inputs.change(settings)
+            changes = [inputs.prepare(settings) for inputs, settings in zip(self._inputs, self._read(config))]
         except InputError as error:
             rospy.logerr('%s Nothing is changed.', error)
             return self._reconfigurer.config
+        for change in changes:
+            change()
         self._wake.set()
         return config
 
@@ -217,20 +219,23 @@ class _ImageNode:
             images = frame
             for given in [inputs.at(frame, stamp) for inputs in self._inputs]:
                 images = self._step(images, *given)
+            self._publish(images, message.header)
         except InputError as error:
             self._say_once(error.kind, str(error))
             return
         except Exception:  # a fault of ours: one frame is lost, not the node
             fault = traceback.format_exc()
             self._say_once(fault, 'A frame is passed over, by a fault of this node: ' + fault)
-            return
+
+    def _publish(self, images, header):
+        """Publish what the step returned, and the tags that were seen for it."""
         if len(self._outputs) == 1:
             images = [images]
         for output, image in zip(self._outputs, images):
-            output.publish(image, message.header)
+            output.publish(image, header)
         if self._tags.get_num_connections():
             tags = {tag.id: tag.corners for inputs in self._inputs for tag in inputs.tags}
-            self._tags.publish(tags_from_pixels(tags.items(), message.header))
+            self._tags.publish(tags_from_pixels(tags.items(), header))
 
     def _say_once(self, kind, sentence):
         if kind not in self._said:

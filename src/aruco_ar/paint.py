@@ -20,6 +20,8 @@ PURPLE = (255, 0, 150)  # the course's
 # OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
 SHIFT = 4
 
+MIN_AREA_PX = 0.1  # of less, nobody sees anything
+
 STEP, STRIP_PX = 8, 1 << 16  # pixels, see _remap
 
 
@@ -137,6 +139,8 @@ def overlay(frame, picture, area, out=None, fit='stretch', opacity=1.0):
     if area is None or picture is None:
         return out
     picture, area = fit_picture(picture, area, fit)
+    if cv2.contourArea(np.float32(area.corners)) < MIN_AREA_PX:
+        return out
     low = np.maximum(np.floor(area.corners.min(axis=0)) - 1, 0).astype(int)
     high = np.minimum(np.ceil(area.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
     if np.any(low >= high):

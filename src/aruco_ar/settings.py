@@ -22,7 +22,8 @@ class Settings:
     ``ids``: the four tags that count, or empty for any. ``scale``: what each
     frame's size is multiplied by before anything else. ``transport``: raw or
     compressed. ``hold``, ``upright``: see Tracker. ``picture``: the path of a
-    file, which may be within the package, or topic: and the name of an image topic. ``fit``, ``opacity``: see overlay.
+    file, which may be within the package, or topic: and the name of an image
+    topic. ``fit``, ``opacity``: see overlay.
     """
 
     dictionary: str = 'DICT_6X6_250'
@@ -66,7 +67,7 @@ def load_areas(path):
             unknown = set(entry) - set(AREA_ENTRIES)
             if unknown:
                 raise ValueError('"%s" is none of %s' % (unknown.pop(), ', '.join(AREA_ENTRIES)))
-            if entry['ids'] in ('', 'any', [], None):
+            if not entry['ids'] or not read_settings(entry.get).ids:
                 raise ValueError('an area needs the ids of its four tags')
     if not entries:
         raise InputError('The file "%s" has no areas; give at least one.' % path)

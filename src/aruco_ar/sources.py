@@ -1,5 +1,6 @@
 """Where a picture comes from over time: a still, or a video or GIF that plays over and over."""
 import os
+import time
 import warnings
 
 import cv2
@@ -11,6 +12,7 @@ from .picture import load_picture, shrink_to_warp
 
 ANIMATED = 'GIF', 'PNG', 'WEBP'  # formats of Pillow that may hold more than one picture
 USUAL_S = 0.04       # for which a picture of a clip is shown that does not say
+CATCH_UP_S = 0.05    # the longest for which frames wait for a clip that is behind
 MAX_BEHIND_S = 2.0   # a clip that nobody looked at for longer goes on where it was
 
 
@@ -61,15 +63,19 @@ class Clip:
         """The picture, (h, w, 3 or 4) uint8, that is shown at that time, seconds.
 
         The clip begins at the first of these times; it goes on where it was
-        when time goes back, or when nobody asked for long.
+        when time goes back, or when nobody asked for long. One that cannot be
+        read as fast as it plays is slower.
         """
         if self._stamp is None or not 0 <= stamp - self._stamp <= MAX_BEHIND_S:
             left = self._shown if self._stamp is None else max(self._until - self._stamp, 0)
             self._until = stamp + left
         self._stamp = stamp
+        began = time.monotonic()
         while stamp >= self._until:
             self._advance()
             self._until += self._shown
+            if time.monotonic() - began > CATCH_UP_S:
+                self._until = stamp + self._shown
         return self._picture
 
     def _advance(self):

@@ -82,7 +82,7 @@ def load_wall(path):
                              within(entry['side'], 0.001, 10), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
         wall = Wall(within(data['wall']['width'], 0.1, 100), within(data['wall']['height'], 0.1, 100),
-                    tuple(within(value, 0, 255) for value in reversed(data['wall']['color'])),
+                    _color(data['wall']['color']),
                     str(data['dictionary']), within(data.get('quiet', 1), 0, 10), tags,
                     tuple(_id(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
     ids = [tag.id for tag in wall.tags]
@@ -94,7 +94,12 @@ def load_wall(path):
     return wall
 
 
+def _color(value):
+    red, green, blue = (within(part, 0, 255) for part in value)
+    return blue, green, red
+
+
 def _id(value):
-    if not isinstance(value, int):
+    if not isinstance(value, int) or isinstance(value, bool):
         raise ValueError('%s is no id' % (value,))
     return value

@@ -2,13 +2,13 @@
 import asyncio
 import io
 import os
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
-import cv2
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_ar.messages import image_from_frame
+from aruco_ar.messages import image_from_frame, jpeg_from_frame
 from aruco_ar.picture import decode_picture, resize
 from aruco_ar.settings import TOPIC
 from aruco_ar.sources import open_source
@@ -25,6 +25,7 @@ FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PIXELS = 32 * 1000 * 1000
 THUMBNAIL_PX = 160
+ANSWER_S = 5.0
 
 
 class Node:
@@ -34,22 +35,44 @@ class Node:
         self.name = rospy.resolve_name(name)
         self._values, self._on_change = {}, on_change
         self._updates = rospy.Subscriber(self.name + '/parameter_updates', Config, self._on_update)
-        self._set = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
+        self._service = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
+        self._worker = ThreadPoolExecutor(1, name)  # its own: a node that hangs holds up no other
+        self._lock, self._wanted, self._job = threading.Lock(), {}, None
 
     @property
     def values(self):
         """{parameter: value}, empty while the node is not running."""
         return dict(self._values) if self._updates.get_num_connections() else {}
 
-    def set(self, **values):
-        """Set parameters, texts or numbers; blocks. Raises InputError if the node does not take them."""
-        config = Config(strs=[StrParameter(name, value) for name, value in values.items() if isinstance(value, str)],
-                        doubles=[DoubleParameter(name, float(value)) for name, value in values.items()
-                                 if not isinstance(value, str)])
+    async def set(self, **values):
+        """Set parameters, texts or numbers. Raises InputError if the node does not take them.
+
+        What is wished for while the node is at the wish before goes to it at once.
+        """
+        with self._lock:
+            waiting = bool(self._wanted)
+            self._wanted.update(values)
+        if not waiting:
+            self._job = asyncio.get_event_loop().run_in_executor(self._worker, self._set_wanted)
         try:
-            taken = values_of(self._set(config).config)
-        except rospy.ServiceException:
-            raise InputError('%s is not running, so nothing is changed.' % self.name) from None
+            await asyncio.wait_for(asyncio.shield(self._job), ANSWER_S)
+        except asyncio.TimeoutError:
+            raise InputError('%s does not answer.' % self.name) from None
+
+    def _set_wanted(self):
+        with self._lock:
+            values, self._wanted = self._wanted, {}
+        config = Config()
+        for name, value in values.items():
+            if isinstance(value, str):
+                config.strs.append(StrParameter(name, value))
+            else:
+                config.doubles.append(DoubleParameter(name, float(value)))
+        try:
+            taken = values_of(self._service(config).config)
+        except rospy.ServiceException as error:
+            why = error if self._updates.get_num_connections() else 'it is not running'
+            raise InputError('%s does not answer: %s.' % (self.name, why)) from None
         for name, value in values.items():
             if isinstance(value, str) and taken.get(name) != value:
                 raise InputError('%s does not take "%s"; its log says why.' % (self.name, value))
@@ -65,11 +88,11 @@ def values_of(config):
 
 
 class Choices:
-    """Blocking work is done in a thread of its own, one thing after the other."""
+    """What there is to choose, for all browsers."""
 
     def __init__(self, on_change):
         """``on_change`` is called, from any thread, when something has been chosen, here or elsewhere."""
-        self._worker = ThreadPoolExecutor(1, 'choices')
+        self._worker = ThreadPoolExecutor(1, 'pictures')
         self._painter, self._simulation = Node(PAINTER, on_change), Node(SIMULATION, on_change)
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
@@ -83,22 +106,27 @@ class Choices:
 
     def pictures(self):
         """The sorted names of the files in images/."""
-        return sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
-                      if entry.is_file() and not entry.name.startswith('.'))
+        try:
+            return sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
+                          if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.'))
+        except OSError:  # the page is good for other things as well
+            return []
 
     async def choose(self, name):
         """Have the file of that name in images/ painted. Raises InputError if there is none."""
         self._check(name)
-        await self._in_worker(lambda: self._painter.set(picture='%s/%s' % (FOLDER, name)))
+        await self._painter.set(picture='%s/%s' % (FOLDER, name))
 
     async def drop(self, data):
         """Have the picture with these bytes painted. Raises InputError if they are none that can be taken."""
-        await self._in_worker(self._drop, data)
+        picture = await self._in_worker(self._decode, data)
+        self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
+        await self._painter.set(picture=TOPIC + self._dropped.resolved_name)
 
     async def slide(self, name, value):
         """Set one of SLIDERS. Raises InputError if there is no simulation."""
-        if name in SLIDERS and isinstance(value, (int, float)):
-            await self._in_worker(lambda: self._simulation.set(**{name: value}))
+        if name in SLIDERS and isinstance(value, (int, float)) and abs(value) < 1e6:
+            await self._simulation.set(**{name: value})
 
     async def thumbnail(self, name):
         """The file of that name in images/ as a small JPEG. Raises InputError if there is none."""
@@ -115,28 +143,25 @@ class Choices:
         return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)
 
     def _name_of(self, picture):
-        """What the page calls a picture that exercise 5.6 paints: a file in images/, or dropped, or other."""
-        if picture == TOPIC + self._dropped.resolved_name:
-            return 'dropped'
-        folder, name = os.path.split(picture)
-        return name if os.path.join(package_folder(), folder) == os.path.join(package_folder(), FOLDER) else 'other'
+        """The name of the file in images/ that exercise 5.6 paints, or '' if it is something else."""
+        folder, name = os.path.split(os.path.join(package_folder(), picture))
+        return name if folder == os.path.join(package_folder(), FOLDER) else ''
 
-    def _drop(self, data):
+    def _decode(self, data):
         try:  # the header alone, before memory is taken for the pixels
             with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
                 pixels = image.width * image.height
         except PillowImage.DecompressionBombError:
             pixels = float('inf')
         except Exception:  # Pillow raises many kinds
-            raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.' % FOLDER) from None
+            raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.'
+                             % FOLDER) from None
         if pixels > MAX_PIXELS:
             raise InputError('The picture is too large; drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
-        picture = decode_picture(data, 'dropped')
-        self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
-        self._painter.set(picture=TOPIC + self._dropped.resolved_name)
+        return decode_picture(data, 'dropped')
 
     def _shrink(self, name):
         picture = open_source(os.path.join(package_folder(), FOLDER, name)).at(0)
         picture = resize(picture[..., :3], min(1, THUMBNAIL_PX / max(picture.shape[:2])))
-        return cv2.imencode('.jpg', picture)[1].tobytes()
+        return jpeg_from_frame(picture)

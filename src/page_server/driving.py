@@ -1,6 +1,7 @@
 """Driving by hand, with a dead man's handle."""
 import asyncio
 import math
+import threading
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -16,7 +17,8 @@ class Driver:
         self._speeds = linear, angular
         self._publisher = rospy.Publisher('cmd_vel', Twist, queue_size=1)
         self._who, self._timer = None, None
-        rospy.on_shutdown(self._halt)
+        self._lock, self._closed = threading.Lock(), False
+        rospy.on_shutdown(self._close)
 
     def command(self, who, forward, left):
         """Drive: each -1 to 1, in parts of the speeds; 0, 0 stops. What is no number is passed over."""
@@ -47,7 +49,16 @@ class Driver:
             self._timer.cancel()
             self._timer = None
 
+    def _close(self):
+        """Stop, and publish nothing more: in another thread, while commands may come in still."""
+        with self._lock:
+            self._closed = True
+            if self._who is not None:
+                self._publisher.publish(Twist())
+
     def _publish(self, linear, angular):
         command = Twist()
         command.linear.x, command.angular.z = linear, angular
-        self._publisher.publish(command)
+        with self._lock:
+            if not self._closed:
+                self._publisher.publish(command)

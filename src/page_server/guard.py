@@ -1,6 +1,7 @@
 """Whom the server answers: who asks it by its own name, and no other site's page in between."""
 import ipaddress
 import socket
+from functools import lru_cache
 from urllib.parse import urlsplit
 
 from aruco_ar.errors import InputError
@@ -11,8 +12,15 @@ def is_loopback(address):
     try:
         return ipaddress.ip_address('127.0.0.1' if address == 'localhost' else address).is_loopback
     except ValueError:
-        raise InputError('The parameter ~address is "%s"; it must be an IP address of this machine: 127.0.0.1 for '
-                         'this machine alone, 0.0.0.0 for its network.' % address) from None
+        raise InputError('The parameter ~address is "%s"; it must be an IP address of this machine: '
+                         '127.0.0.1 for this machine alone, 0.0.0.0 for its network.' % address) from None
+
+
+@lru_cache(maxsize=None)
+def own_names():
+    """The names by which this machine may be asked for."""
+    name = socket.gethostname().lower()  # not the full name, for which a name server would be asked
+    return {'localhost', name, name + '.local'}
 
 
 def is_own_name(host):
@@ -21,13 +29,9 @@ def is_own_name(host):
     Any other name may belong to a site whose owner lets it point here, so
     that their page counts as ours (DNS rebinding).
     """
-    name = urlsplit('//' + host).hostname or ''
-    own = socket.gethostname().lower()
-    if name in ('localhost', own, own + '.local', socket.getfqdn().lower()):
-        return True
     try:
-        ipaddress.ip_address(name)
-        return True
+        name = urlsplit('//' + host).hostname or ''
+        return name in own_names() or ipaddress.ip_address(name) is not None
     except ValueError:
         return False
 
@@ -38,4 +42,7 @@ def is_same_site(origin, host):
     Browsers give an origin with every POST and every websocket; what is no
     browser gives none, and no site's page can make it ask.
     """
-    return origin is None or urlsplit(origin).netloc.lower() == host.lower() != ''
+    try:
+        return origin is None or urlsplit(origin).netloc.lower() == host.lower() != ''
+    except ValueError:
+        return False

@@ -11,10 +11,11 @@ from .guard import is_own_name, is_same_site
 from .topics import MAX_SIDE_PX
 
 BOUNDARY = 'boundarydonotcross'  # web_video_server's
+MAX_UPLOADS = 2                  # at a time
 STALLED_S = 30.0                 # a browser that takes nothing for so long is given up
 SILENT_S = 5.0                   # for so long a snapshot waits for a frame
 POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
-          "connect-src 'self' ws://%s; base-uri 'none'; form-action 'self'; frame-ancestors 'self'")
+          "connect-src 'self' ws://%s wss://%s; base-uri 'none'; form-action 'self'; frame-ancestors 'self'")
 
 
 def refusal_of(request):
@@ -22,9 +23,10 @@ def refusal_of(request):
     if not is_own_name(request.host):
         return ('This server does not go by the name "%s"; open it by its IP address or as localhost.'
                 % request.host)
-    if request.method not in ('GET', 'HEAD') or 'Upgrade' in request.headers:
+    if request.method != 'GET' or 'Upgrade' in request.headers:
         if not is_same_site(request.headers.get('Origin'), request.host):
-            return 'Only the page of this server itself may do that, not one of "%s".' % request.headers['Origin']
+            return ('Only the page of this server itself may do that, not one of "%s".'
+                    % request.headers['Origin'])
     return None
 
 
@@ -62,7 +64,7 @@ class Handler(RequestHandler):
         text = self.get_query_argument(name, '')
         if not text:
             return None
-        if not text.isdecimal() or not 1 <= int(text[:9]) <= high:
+        if not (text.isascii() and text.isdecimal() and len(text) < 9 and 1 <= int(text) <= high):
             raise InputError('%s is "%s"; it must be a whole number from 1 to %d.' % (name, text, high))
         return int(text)
 
@@ -105,7 +107,7 @@ class Page(Handler):
             topics = await self.parts.topics.images()
         except InputError:
             topics = []
-        self.set_header('Content-Security-Policy', POLICY % self.request.host)
+        self.set_header('Content-Security-Policy', POLICY % (self.request.host, self.request.host))
         self.set_header('Referrer-Policy', 'no-referrer')
         self.render('index.html', tiles=self.parts.tiles, topics=topics, quote=quote)
 
@@ -137,8 +139,10 @@ class Stream(Handler):
                     if await topic.newer(number, 1.0):
                         number = topic.number
                         await self._send(topic, options)
-            except (StreamClosedError, asyncio.TimeoutError):
+            except StreamClosedError:
                 pass
+            except asyncio.TimeoutError:
+                self.request.connection.stream.close()
 
     async def _send(self, topic, options):
         stamp = topic.message.header.stamp
@@ -183,9 +187,23 @@ class Picture(Handler):
         self._body, self._bytes = [], 0
         self.request.connection.set_max_body_size(1 << 62)  # else tornado refuses without a word
         super().prepare()
-        self._announced = self.request.headers.get('Content-Length', '0')
-        if not self._finished and self._announced.isdecimal() and int(self._announced) > MAX_BYTES:
+        announced = self.request.headers.get('Content-Length', '0')
+        if not self._finished and announced.isdecimal() and int(announced) > MAX_BYTES:
             self._refuse_size()
+        if not self._finished and self.request.method == 'POST':
+            if len(self.parts.uploads) >= MAX_UPLOADS:
+                self.set_header('Connection', 'close')
+                self.refuse(503, 'Other pictures are just being sent; try again.')
+            else:
+                self.parts.uploads.add(self)
+
+    def on_finish(self):
+        self.parts.uploads.discard(self)
+
+    def on_connection_close(self):
+        super().on_connection_close()
+        self._body = []
+        self.parts.uploads.discard(self)
 
     def data_received(self, chunk):
         self._bytes += len(chunk)

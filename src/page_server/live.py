@@ -9,17 +9,20 @@ import asyncio
 import json
 import struct
 from collections import deque
+from contextlib import nullcontext
 
 import rospy
 from aruco_ar.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from .handlers import refusal_of
+from .handlers import STALLED_S, refusal_of
 
 SHOWN_S = 5.0       # for so long the browser may take to show a frame before it is sent another
 SILENT_S = 3.0      # without a frame for so long, the page says so
+STALE_S = 1.0       # which tags were in sight longer ago, nobody wants to know
 MAX_LATENCY_S = 60  # more than that: the stamps are of another clock
 MAX_LOOKS = 16
+MAX_BROWSERS = 64
 
 
 class View:
@@ -33,7 +36,8 @@ class View:
 
     def figures(self, topic):
         """The JSON object that goes with the topic's newest frame."""
-        ids = sorted(tag.id for tag in self.tags.message.tags) if self.tags and self.tags.message else None
+        known = self.tags is not None and self.tags.age < STALE_S
+        ids = sorted(tag.id for tag in self.tags.message.tags) if known else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
         return {'topic': self.name, 'stamp': topic.message.header.stamp.to_sec(),
                 'rate': round(topic.rate, 1), 'tags': ids, 'latency': None if latency is None else round(1000 * latency)}
@@ -65,6 +69,9 @@ class Live(WebSocketHandler):
         return True  # prepare has refused what is not of this site
 
     def open(self):
+        if len(self.parts.browsers) >= MAX_BROWSERS:
+            self.close(1013, 'too many pages are open')
+            return
         self.set_nodelay(True)
         self.parts.browsers.add(self)
         self.send_state()
@@ -77,7 +84,7 @@ class Live(WebSocketHandler):
 
     def send_state(self):
         """Tell the page what there is to choose and what is chosen."""
-        self._send(json.dumps({'state': dict(self.parts.choices.state(), drive=self.parts.driver is not None)}))
+        self._tell({'state': dict(self.parts.choices.state(), drive=self.parts.driver is not None)})
 
     def on_message(self, message):
         try:
@@ -92,7 +99,7 @@ class Live(WebSocketHandler):
                 asyncio.ensure_future(self._choose(self.parts.choices.choose(said['picture'])))
             elif 'slide' in said:
                 asyncio.ensure_future(self._choose(self.parts.choices.slide(*said['slide'])))
-        except (ValueError, TypeError):
+        except (ValueError, TypeError, OverflowError, RecursionError):
             self.close(1003, 'not the language of this page')
 
     async def _choose(self, choosing):
@@ -100,7 +107,7 @@ class Live(WebSocketHandler):
         try:
             await choosing
         except InputError as error:
-            self._send(json.dumps({'problem': str(error)}))
+            self._tell({'problem': str(error)})
 
     def _look(self, names):
         """Send frames of these topics and no others."""
@@ -112,10 +119,7 @@ class Live(WebSocketHandler):
 
     async def _show(self, view):
         """Send frames of a topic, the next when the browser shows the one before, as long as it looks."""
-        if view.tags is None:
-            await self._show_frames(view)
-            return
-        with view.tags.watched():
+        with view.tags.watched() if view.tags else nullcontext():
             await self._show_frames(view)
 
     async def _show_frames(self, view):
@@ -126,7 +130,7 @@ class Live(WebSocketHandler):
             try:
                 topic = await self.parts.topics.image(view.name)
             except (LookupError, InputError) as error:
-                self._send(json.dumps({'without': view.name, 'why': error.args[0]}))
+                self._tell({'without': view.name, 'why': error.args[0]})
                 await asyncio.sleep(SILENT_S)
                 continue
             with topic.watched():
@@ -135,26 +139,32 @@ class Live(WebSocketHandler):
                     number = topic.number
                     await self._show_frame(view, topic)
             if looks():
-                self._send(json.dumps({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name}))
+                self._tell({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name})
 
     async def _show_frame(self, view, topic):
         stamp, figures = topic.message.header.stamp, view.figures(topic)
         try:
             jpeg = await topic.jpeg()
         except InputError as error:
-            self._send(json.dumps({'without': view.name, 'why': str(error)}))
+            self._tell({'without': view.name, 'why': str(error)})
             return
         head = json.dumps(figures).encode()
         view.shown.clear()
         view.stamp = stamp
-        self._send(struct.pack('>I', len(head)) + head + jpeg)
+        await self._send(struct.pack('>I', len(head)) + head + jpeg)
         try:
             await asyncio.wait_for(view.shown.wait(), SHOWN_S)
         except asyncio.TimeoutError:
             pass
 
-    def _send(self, message):
+    def _tell(self, message):
+        asyncio.ensure_future(self._send(json.dumps(message)))
+
+    async def _send(self, message):
+        """Send text or bytes; a browser that does not take them for long is given up."""
         try:
-            self.write_message(message, binary=isinstance(message, bytes))
+            await asyncio.wait_for(self.write_message(message, binary=isinstance(message, bytes)), STALLED_S)
         except WebSocketClosedError:
             pass
+        except asyncio.TimeoutError:
+            self.ws_connection.stream.close()

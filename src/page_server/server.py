@@ -25,6 +25,7 @@ from .topics import Topics
 PORT = 8080
 SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
 IDLE_S = 60
+MAX_CONNECTIONS = 256
 PING_S = 5
 
 
@@ -54,6 +55,7 @@ class Parts:
     driver: Optional[Driver]
     tiles: List[Tile]
     browsers: Any = field(default_factory=set)
+    uploads: Any = field(default_factory=set)
 
     def tags_beside(self, name):
         """The Watched topic with the tags that are in sight on an image topic, or None."""
@@ -64,6 +66,23 @@ class Parts:
         """Send the state to all."""
         for browser in list(self.browsers):
             browser.send_state()
+
+
+class Server(HTTPServer):
+    """Takes so many connections at a time and no more, so that it never runs out of file descriptors."""
+
+    count = 0
+
+    def handle_stream(self, stream, address):
+        if self.count >= MAX_CONNECTIONS:
+            stream.close()
+            return
+        self.count += 1
+        super().handle_stream(stream, address)
+
+    def on_close(self, server_conn):
+        self.count -= 1
+        super().on_close(server_conn)
 
 
 class Files(StaticFileHandler):
@@ -94,7 +113,8 @@ def serve():
     parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
     server = _listen(application(parts), address, port)
     rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
-    name = 'localhost' if is_loopback(address) else socket.gethostname() if address == '0.0.0.0' else address
+    name = 'localhost' if is_loopback(address) else socket.gethostname() if address in ('0.0.0.0', '::') else \
+        '[%s]' % address if ':' in address else address
     rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port, 'on' if driver else 'off')
     loop.run_forever()
     server.stop()
@@ -123,7 +143,7 @@ def _may_drive(wish, address):
 
 
 def _listen(app, address, port):
-    server = HTTPServer(app, idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, max_header_size=16 * 1024,
+    server = Server(app, idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, max_header_size=16 * 1024,
                         max_body_size=16 * 1024)
     try:
         listening = bind_sockets(port, address)

@@ -8,12 +8,13 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.errors import InputError
-from aruco_ar.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS
+from aruco_ar.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, jpeg_from_frame
 from aruco_ar.waiting import IMAGE_TYPES, SUFFIX
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
 
 LISTING_S = 1.0   # for which the master's list of topics is believed
+MASTER_S = 5.0    # for which the master may think about it
 RATE_S = 2.0      # over which a frame rate is measured
 MAX_SIDE_PX = 4096
 JPEG_START = b'\xff\xd8'
@@ -39,6 +40,8 @@ class Watched:
             yield
         finally:
             self._watchers -= 1
+            if not self._watchers:
+                self.message = None  # what it shows is soon of long ago
             self._registrar.submit(self._follow_watchers)
 
     async def newer(self, number, seconds):
@@ -48,21 +51,29 @@ class Watched:
         return self.number != number
 
     @property
+    def age(self):
+        """Seconds since the newest message came."""
+        return time.monotonic() - self._times[-1] if self.message is not None and self._times else float('inf')
+
+    @property
     def rate(self):
         """Messages a second, just now."""
         now = time.monotonic()
-        while self._times and now - self._times[0] > RATE_S:
+        while len(self._times) > 1 and now - self._times[0] > RATE_S:
             self._times.popleft()
-        span = self._times[-1] - self._times[0] if len(self._times) > 1 else 0
+        span = self._times[-1] - self._times[0] if self._times else 0
         return (len(self._times) - 1) / span if span > 0 else 0.0
 
     def _follow_watchers(self):
-        if self._watchers and self._subscriber is None:
-            self._subscriber = rospy.Subscriber(self.name, self._kind, self._on_message, queue_size=1,
-                                                buff_size=BUFFER_BYTES)
-        elif not self._watchers and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
+        try:
+            if self._watchers and self._subscriber is None:
+                self._subscriber = rospy.Subscriber(self.name, self._kind, self._on_message, queue_size=1,
+                                                    buff_size=BUFFER_BYTES)
+            elif not self._watchers and self._subscriber is not None:
+                self._subscriber.unregister()
+                self._subscriber = None
+        except Exception as error:  # the master is away; whatever its client raises
+            rospy.logwarn('%s cannot be subscribed to, or left: %s', self.name, error)
 
     def _on_message(self, message):
         self._loop.call_soon_threadsafe(self._take, message)
@@ -109,7 +120,13 @@ class ImageTopic(Watched):
                     height or round(frame.shape[0] * width / frame.shape[1]))
             size = [min(max(side, 1), MAX_SIDE_PX) for side in size]
             frame = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
-        return cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, quality or JPEG_QUALITY])[1].tobytes()
+        return jpeg_from_frame(frame, quality or JPEG_QUALITY)
+
+
+def transports_of(name, published):
+    """In which of TRANSPORTS an image topic is there, by {name: type} of all topics."""
+    return [transport for transport, (suffix, _, _) in TRANSPORTS.items()
+            if published.get(name + suffix) == IMAGE_TYPES[transport]]
 
 
 class Topics:
@@ -125,8 +142,10 @@ class Topics:
         """{name: type} of all topics. Raises InputError where the ROS master does not answer."""
         if time.monotonic() - self._listed > LISTING_S:
             try:
-                self._published = dict(await asyncio.get_event_loop().run_in_executor(
-                    self._registrar, rospy.get_published_topics))
+                self._published = dict(await asyncio.wait_for(asyncio.get_event_loop().run_in_executor(
+                    self._registrar, rospy.get_published_topics), MASTER_S))
+            except asyncio.TimeoutError:
+                raise InputError('The ROS master does not answer.') from None
             except Exception as error:  # whatever the master's client raises
                 raise InputError('The ROS master does not answer: %s.' % error) from None
             self._listed = time.monotonic()
@@ -134,9 +153,9 @@ class Topics:
 
     async def images(self):
         """The sorted names of all image topics; one that is only there compressed goes by its raw name."""
-        names = {name[:-len(SUFFIX)] if kind == IMAGE_TYPES['compressed'] and name.endswith(SUFFIX) else name
-                 for name, kind in (await self.published()).items() if kind in IMAGE_TYPES.values()}
-        return sorted(names)
+        published = await self.published()
+        names = set(published) | {name[:-len(SUFFIX)] for name in published if name.endswith(SUFFIX)}
+        return sorted(name for name in names if transports_of(name, published))
 
     async def image(self, name, exact=False):
         """The ImageTopic of that name: its compressed form, unless ``exact`` is wished for and it has another.
@@ -147,8 +166,7 @@ class Topics:
             raise LookupError('Give the name of an image topic: ?topic=/camera/rgb/image_raw. '
                               'The page / lists those there are.')
         name, published = rospy.resolve_name(name), await self.published()
-        there = [transport for transport, (suffix, _, _) in TRANSPORTS.items()
-                 if published.get(name + suffix) == IMAGE_TYPES[transport]]
+        there = transports_of(name, published)
         if not there:
             raise LookupError('There is no image topic %s%s. The page / lists those there are.' % (
                 name, ', only one of type ' + published[name] if name in published else ''))

@@ -188,7 +188,9 @@ def test_the_areas_of_a_file_are_read(package):
 @pytest.mark.parametrize('text, words', [
     ('areas: []', 'has no areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
     ('area: []', "lacks the entry 'areas'"), ('areas: [{picture: a.png}]', "lacks the entry 'ids'"),
-    ('areas: [{ids: any}]', 'needs the ids of its four tags'),
+    ('areas: [{ids: any}]', 'needs the ids of its four tags'), ('areas: [{ids: "[]"}]', 'needs the ids'),
+    ('areas: [{ids: {}}]', 'needs the ids'), ('areas: [{ids: [1, 2, 3, 4], fit: foo}]', '~fit is "foo"'),
+    ('[' * 5000, 'is not YAML'),
     ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
 ])
 def test_what_is_wrong_with_a_file_of_areas_is_said(tmp_path, text, words):

@@ -80,6 +80,9 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
      'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}', '4.7 is no id'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+     'tags:\n- {id: true, x: 0, y: 0, side: 1}', 'True is no id'),
+    ('wall: {width: 1, height: 1, color: [1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'wrong form'),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
      'tags:\n- {id: 1, x: 0, y: 0, side: 1}', 'four different'),
 ])
 def test_a_wrong_wall_file_is_named(tmp_path, text, words):

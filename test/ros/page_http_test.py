@@ -1,6 +1,9 @@
 #!/usr/bin/env python3
 """The page's server without a browser: web_video_server's addresses."""
+import asyncio
+import json
 import re
+import struct
 import urllib.request
 
 import cv2
@@ -13,6 +16,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from serving import PICTURE, ServerTest, ask
 from started import WAIT_S
 from std_msgs.msg import Header, String
+from tornado.websocket import websocket_connect
 
 
 class Stream:
@@ -137,6 +141,30 @@ class PageHttp(ServerTest):
             answered, headers, body = ask(self.port, path)
             self.assertEqual((answered, headers['Content-Type']), (status, 'text/plain; charset=utf-8'), path)
             self.assertIn(sentence, body.decode())
+
+    def test_a_frame_that_cannot_be_shown_is_explained_and_the_next_one_shown(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+
+        async def look():
+            live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
+            await live.write_message(json.dumps({'look': ['/eye/image']}))
+            connections.wait(1)
+            publish(np.zeros((1, 70000, 3), np.uint8))
+            said = ''
+            while 'without' not in said:
+                said = await asyncio.wait_for(live.read_message(), WAIT_S)
+            publish()
+            frame = ''
+            while isinstance(frame, str):
+                frame = await asyncio.wait_for(live.read_message(), WAIT_S)
+            live.close()
+            return json.loads(said), frame
+        said, frame = asyncio.run(look())
+        self.assertEqual(said, {'without': '/eye/image', 'why': 'A frame of 70000 x 1 pixels is too large for a JPEG.'})
+        length, = struct.unpack('>I', frame[:4])
+        self.assertEqual(json.loads(frame[4:4 + length])['topic'], '/eye/image')
+        self.assertEqual(cv2.imdecode(np.frombuffer(frame[4 + length:], np.uint8), 1).shape, (480, 640, 3))
 
     def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):
         publish, connections = self.camera()

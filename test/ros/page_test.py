@@ -115,7 +115,7 @@ class Page(BrowserTest):
         png = cv2.imencode('.png', np.full((20, 30, 3), (10, 200, 30), np.uint8))[1].tobytes()
         self.page.locator('#file').set_input_files({'name': 'green.png', 'mimeType': 'image/png', 'buffer': png})
         self.wait_for_color((10, 200, 30))
-        self.assertEqual(self.page.get_by_role('status').inner_text(), 'green.png is painted.')
+        self.assertEqual(self.page.get_by_role('status').inner_text(), 'green.png is the picture now.')
         blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
         self.page.evaluate(
             """(bytes) => {

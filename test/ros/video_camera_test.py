@@ -17,6 +17,7 @@ from aruco_ar.wall import load_wall
 from listening import Inbox
 from sensor_msgs.msg import Image
 from started import Started, node
+from unit5.msg import TagArray
 
 
 class VideoCamera(unittest.TestCase):
@@ -30,8 +31,11 @@ class VideoCamera(unittest.TestCase):
             video.write(renderer.render(*wall_to_camera(Pose(-2.2 + number / 30, 0, 0))))
         video.release()
         self.launch('source:=' + path)
+        self.assertEqual(self.look('/camera/rgb/image_raw'), {1, 2, 3, 4})
         self.start('exercise5_2.py')
-        self.assertEqual(self.look('/exercise5_2/image'), {1, 2, 3, 4})
+        tags = Inbox('/exercise5_2/tags', TagArray)
+        self.addCleanup(tags.subscriber.unregister)
+        self.assertEqual({tag.id for tag in tags.next().tags}, {1, 2, 3, 4})
 
         with socket.socket() as probe:
             probe.bind(('127.0.0.1', 0))

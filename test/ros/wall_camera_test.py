@@ -10,6 +10,7 @@ import rostest
 import tf2_ros
 from aruco_ar import Detector, find_area
 from aruco_ar.messages import frame_from_image
+from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PolygonStamped, Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, Image
@@ -63,6 +64,22 @@ class WallCamera(unittest.TestCase):
         pixel = np.reshape(info.K, (3, 3)) @ (rotation @ tag_1 + place)
         corner = area.polygon.points[0]
         np.testing.assert_allclose(pixel[:2] / pixel[2], [corner.x, corner.y], atol=0.01)
+
+    def test_noise_and_light_change_while_it_runs_and_what_is_no_number_is_refused(self):
+        client = Client('/wall_camera', timeout=TIMEOUT_S)
+        self.addCleanup(client.close)
+
+        def brightness():
+            frame = frame_from_image(rospy.wait_for_message('/camera/rgb/image_raw', Image, TIMEOUT_S)).astype(float)
+            return frame[100:300, 600:].mean(), np.abs(np.diff(frame[400:, :], axis=1)).mean()
+        light, noise = brightness()
+        client.update_configuration({'light': 0.9, 'noise': 20.0})
+        darker, noisier = brightness()
+        self.assertLess(darker, 0.8 * light)
+        self.assertGreater(noisier, 4 * noise)
+        self.assertEqual(client.update_configuration({'light': float('nan')})['light'], 0.9)
+        client.update_configuration({'light': 0.3, 'noise': 2.0})
+        np.testing.assert_allclose(brightness(), (light, noise), rtol=0.05)
 
     def test_it_drives_by_cmd_vel_and_stops_without(self):
         moved, stopped = threading.Event(), threading.Event()
