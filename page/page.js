@@ -4,20 +4,26 @@ import { choices } from './choices.js';
 import { driving } from './driving.js';
 import { tiles } from './tiles.js';
 
+const SAID_MS = 8000;
 const status = document.getElementById('status');
+let forget = null;
+let state = null;
 
-function say(sentence, problem = false) {
+// For a while, unless it is to last.
+function say(sentence, problem = false, lasts = false) {
   status.textContent = sentence;
   status.classList.toggle('problem', problem);
+  clearTimeout(forget);
+  if (!lasts) forget = setTimeout(() => say('Live', false, true), SAID_MS);
 }
 
 const connection = connect({
-  opened() { say('Live'); views.look(); },
-  closed() { say('The server does not answer; trying again …', true); drive.stop(); views.lost(); },
+  opened() { say('Live', false, true); views.look(); },
+  closed() { say('The server does not answer; trying again …', true, true); drive.allow(false); views.lost(); },
   frame(head, jpeg) { views.frame(head, jpeg); },
   said(message) {
-    if (message.state) { drive.allow(message.state.drive); choose.show(message.state); }
-    if (message.problem) say(message.problem, true);
+    if (message.state) { state = message.state; drive.allow(state.drive); choose.show(state); }
+    if (message.problem) { say(message.problem, true); choose.show(state); }
     if (message.without) views.without(message.without, message.why);
   },
 });

@@ -23,6 +23,7 @@ export function tiles(send) {
       tile.element.classList.toggle('large', tile === large);
       tile.element.classList.toggle('aside', large !== null && tile !== large);
       tile.element.style.order = tile === large ? -1 : 0;
+      if (large && tile !== large) clear(tile);
       tile.button.setAttribute('aria-expanded', tile === large);
       tile.button.setAttribute('aria-label', `${name}: ${tile === large ? 'make small' : 'enlarge'}`);
     }
@@ -62,6 +63,10 @@ export function tiles(send) {
     if (!tile) return;
     tile.why.textContent = why;
     tile.why.hidden = false;
+    clear(tile);
+  }
+
+  function clear(tile) {
     for (const figure of tile.element.querySelectorAll('.figures span')) figure.textContent = '–';
   }
 

@@ -93,6 +93,7 @@ class WallCamera:
         except InputError as error:
             rospy.logerr('%s Nothing is changed.', error)
             return self._config
+        config.update({name: float(config[name]) for name in LOOK})  # of noise:=5 a whole number came
         self._config = config
         self._renderer = WallRenderer(self._wall, self._camera, noise=config['noise'], blur=config['blur'],
                                       light=config['light'], seed=self._seed)

@@ -137,6 +137,7 @@ class _ImageNode:
         self._waiting = None
         self._wake = threading.Event()
         self._outputs = [ImagePublisher('~' + topic, self._wake.set) for topic in topics]
+        self._reconfigurer = None
         self._tags = rospy.Publisher('~tags', TagArray, _Listener(self._wake.set), queue_size=1)
         if 'picture' in takes:
             self._reconfigurer = Server(PictureConfig, self._reconfigure)
@@ -154,10 +155,14 @@ class _ImageNode:
     def _reconfigure(self, config, level):
         """What dynamic_reconfigure calls with what somebody wishes; returns what it becomes."""
         try:
+            if all('picture' in own for own in self._areas) and self._reconfigurer is not None \
+                    and config['picture'] != self._reconfigurer.config['picture']:
+                raise InputError('Each area has a picture of its own, in the file that ~areas names.')
             changes = [inputs.prepare(settings) for inputs, settings in zip(self._inputs, self._read(config))]
         except InputError as error:
             rospy.logerr('%s Nothing is changed.', error)
             return self._reconfigurer.config
+        config['opacity'] = float(config['opacity'])  # of opacity:=1 a whole number came
         for change in changes:
             change()
         self._wake.set()
@@ -195,8 +200,8 @@ class _ImageNode:
             return
         own = [output.name for output in self._outputs]
         if self._subscriber is None and published.get(self._topic) == self._kind._type:
-            sentence = ('Nobody listens to %s, so nothing is computed. To see it: rosrun image_view '
-                        'image_view image:=%s' % (', '.join(own), own[-1]))
+            sentence = ('Nobody listens to %s, so nothing is computed. To see it: open the page, or rosrun '
+                        'image_view image_view image:=%s' % (', '.join(own), own[-1]))
             log = rospy.loginfo
         else:
             sentence = explain_silence(self._camera, self._transport, published,

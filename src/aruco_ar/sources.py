@@ -29,7 +29,10 @@ def open_source(path, say=warnings.warn):
         moving = False
     if moving:
         return Clip(path, _animation, say)
-    if not os.path.isfile(path) or cv2.haveImageReader(path):
+    if not os.path.isfile(path):
+        raise InputError('The picture "%s" is not a file; give the full path of a picture or video, or '
+                         'topic: and the name of an image topic.' % path)
+    if cv2.haveImageReader(path):
         return Still(load_picture(path))
     return Clip(path, _video, say)
 

@@ -96,6 +96,7 @@ class Choices:
         self._painter, self._simulation = Node(PAINTER, on_change), Node(SIMULATION, on_change)
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
+        self._drops = 0  # of which the last can be chosen again
 
     def state(self):
         """What there is to choose, and what is chosen, for the page."""
@@ -105,23 +106,28 @@ class Choices:
                 'sliders': {name: simulation[name] for name in SLIDERS if name in simulation}}
 
     def pictures(self):
-        """The sorted names of the files in images/."""
+        """The sorted names of the files in images/, and of the picture that was dropped last."""
         try:
-            return sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
-                          if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.'))
+            files = sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
+                           if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.'))
         except OSError:  # the page is good for other things as well
-            return []
+            files = []
+        return files + [self._drop_name()] * (self._drops > 0)
 
     async def choose(self, name):
-        """Have the file of that name in images/ painted. Raises InputError if there is none."""
+        """Have the picture of that name painted. Raises InputError if there is none."""
         self._check(name)
-        await self._painter.set(picture='%s/%s' % (FOLDER, name))
+        dropped = self._drops and name == self._drop_name()
+        await self._painter.set(picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
 
     async def drop(self, data):
         """Have the picture with these bytes painted. Raises InputError if they are none that can be taken."""
         picture = await self._in_worker(self._decode, data)
         self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
-        await self._painter.set(picture=TOPIC + self._dropped.resolved_name)
+        self._thumbnails.pop(self._drop_name(), None)
+        self._drops += 1
+        self._thumbnails[self._drop_name()] = await self._in_worker(_shrink, picture)
+        await self._painter.set(picture=self._drop_topic())
 
     async def slide(self, name, value):
         """Set one of SLIDERS. Raises InputError if there is no simulation."""
@@ -129,11 +135,18 @@ class Choices:
             await self._simulation.set(**{name: value})
 
     async def thumbnail(self, name):
-        """The file of that name in images/ as a small JPEG. Raises InputError if there is none."""
+        """The picture of that name as a small JPEG. Raises InputError if there is none."""
         self._check(name)
         if name not in self._thumbnails:
-            self._thumbnails[name] = await self._in_worker(self._shrink, name)
+            path = os.path.join(package_folder(), FOLDER, name)
+            self._thumbnails[name] = await self._in_worker(lambda: _shrink(open_source(path).at(0)))
         return self._thumbnails[name]
+
+    def _drop_name(self):
+        return 'dropped %d' % self._drops
+
+    def _drop_topic(self):
+        return TOPIC + self._dropped.resolved_name
 
     def _check(self, name):
         if name not in self.pictures():
@@ -143,7 +156,9 @@ class Choices:
         return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)
 
     def _name_of(self, picture):
-        """The name of the file in images/ that exercise 5.6 paints, or '' if it is something else."""
+        """What the page calls the picture that exercise 5.6 paints, or '' if it has no name for it."""
+        if picture == self._drop_topic():
+            return self._drop_name()
         folder, name = os.path.split(os.path.join(package_folder(), picture))
         return name if folder == os.path.join(package_folder(), FOLDER) else ''
 
@@ -161,7 +176,6 @@ class Choices:
                              % (MAX_PIXELS // 10**6))
         return decode_picture(data, 'dropped')
 
-    def _shrink(self, name):
-        picture = open_source(os.path.join(package_folder(), FOLDER, name)).at(0)
-        picture = resize(picture[..., :3], min(1, THUMBNAIL_PX / max(picture.shape[:2])))
-        return jpeg_from_frame(picture)
+
+def _shrink(picture):
+    return jpeg_from_frame(resize(picture[..., :3], min(1, THUMBNAIL_PX / max(picture.shape[:2]))))

@@ -84,7 +84,7 @@ class Handler(RequestHandler):
             name = self.get_query_argument('topic', '')
             return await self.parts.topics.image(name, exact=options['quality'] is not None), options
         except LookupError as error:
-            self.refuse(404, error.args[0])
+            self.refuse(404, error.args[0] + ' The page / lists those there are.')
         except InputError as error:
             self.refuse(503, str(error))
         return None, None

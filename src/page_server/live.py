@@ -74,17 +74,13 @@ class Live(WebSocketHandler):
             return
         self.set_nodelay(True)
         self.parts.browsers.add(self)
-        self.send_state()
+        self.tell({'state': self.parts.state()})
 
     def on_close(self):
         self.parts.browsers.discard(self)
         self._look([])
         if self.parts.driver:
             self.parts.driver.leave(self)
-
-    def send_state(self):
-        """Tell the page what there is to choose and what is chosen."""
-        self._tell({'state': dict(self.parts.choices.state(), drive=self.parts.driver is not None)})
 
     def on_message(self, message):
         try:
@@ -107,7 +103,7 @@ class Live(WebSocketHandler):
         try:
             await choosing
         except InputError as error:
-            self._tell({'problem': str(error)})
+            self.tell({'problem': str(error)})
 
     def _look(self, names):
         """Send frames of these topics and no others."""
@@ -130,7 +126,7 @@ class Live(WebSocketHandler):
             try:
                 topic = await self.parts.topics.image(view.name)
             except (LookupError, InputError) as error:
-                self._tell({'without': view.name, 'why': error.args[0]})
+                self.tell({'without': view.name, 'why': error.args[0]})
                 await asyncio.sleep(SILENT_S)
                 continue
             with topic.watched():
@@ -139,14 +135,14 @@ class Live(WebSocketHandler):
                     number = topic.number
                     await self._show_frame(view, topic)
             if looks():
-                self._tell({'without': view.name, 'why': 'Nothing arrives on %s.' % topic.name})
+                self.tell({'without': view.name, 'why': 'Nothing arrives on %s.' % view.name})
 
     async def _show_frame(self, view, topic):
         stamp, figures = topic.message.header.stamp, view.figures(topic)
         try:
             jpeg = await topic.jpeg()
         except InputError as error:
-            self._tell({'without': view.name, 'why': str(error)})
+            self.tell({'without': view.name, 'why': str(error)})
             return
         head = json.dumps(figures).encode()
         view.shown.clear()
@@ -157,7 +153,8 @@ class Live(WebSocketHandler):
         except asyncio.TimeoutError:
             pass
 
-    def _tell(self, message):
+    def tell(self, message):
+        """Send the page a JSON object."""
         asyncio.ensure_future(self._send(json.dumps(message)))
 
     async def _send(self, message):

@@ -12,6 +12,7 @@ from aruco_ar.files import package_folder
 from aruco_ar.node import CAMERA, parameter
 from aruco_ar.settings import number as number_parameter
 from tornado.httpserver import HTTPServer
+from tornado.ioloop import PeriodicCallback
 from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 
@@ -27,6 +28,7 @@ SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows o
 IDLE_S = 60
 MAX_CONNECTIONS = 256
 PING_S = 5
+LOOK_MS = 2000
 
 
 class Tile(NamedTuple):
@@ -56,16 +58,24 @@ class Parts:
     tiles: List[Tile]
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
+    told: Any = None
 
     def tags_beside(self, name):
         """The Watched topic with the tags that are in sight on an image topic, or None."""
         beside = [tile.tags for tile in self.tiles if tile.topic == name]
         return self.topics.tags(beside[0]) if beside else None
 
+    def state(self):
+        """What there is to choose, what is chosen, and whether the page may drive."""
+        return dict(self.choices.state(), drive=self.driver is not None)
+
     def tell_browsers(self):
-        """Send the state to all."""
-        for browser in list(self.browsers):
-            browser.send_state()
+        """Send the state to all, if it is another than before."""
+        state = self.state()
+        if state != self.told:
+            self.told = state
+            for browser in list(self.browsers):
+                browser.tell({'state': state})
 
 
 class Server(HTTPServer):
@@ -111,6 +121,8 @@ def serve():
              for number, title, topic, tags in TILES]
     parts = Parts(Topics(), None, driver, tiles)
     parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
+    # What is chosen elsewhere tells of itself; a node that ends does not.
+    PeriodicCallback(parts.tell_browsers, LOOK_MS).start()
     server = _listen(application(parts), address, port)
     rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
     name = 'localhost' if is_loopback(address) else socket.gethostname() if address in ('0.0.0.0', '::') else \

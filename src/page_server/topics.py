@@ -163,12 +163,11 @@ class Topics:
         Raises LookupError, with a sentence, if there is none.
         """
         if not name or not is_legal_name(name):
-            raise LookupError('Give the name of an image topic: ?topic=/camera/rgb/image_raw. '
-                              'The page / lists those there are.')
+            raise LookupError('Give the name of an image topic: ?topic=/camera/rgb/image_raw.')
         name, published = rospy.resolve_name(name), await self.published()
         there = transports_of(name, published)
         if not there:
-            raise LookupError('There is no image topic %s%s. The page / lists those there are.' % (
+            raise LookupError('There is no image topic %s%s.' % (
                 name, ', only one of type ' + published[name] if name in published else ''))
         transport = there[0 if exact else -1]
         return self._get(name, ImageTopic, transport, self._registrar, self._encoder)

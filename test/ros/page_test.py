@@ -32,6 +32,9 @@ class Page(BrowserTest):
                  return Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue) < 60;
                }""", arg=[PAINTED + ' canvas', *self.middle(), list(color)])
 
+    def wait_for_chosen(self, name):
+        self.page.wait_for_function("(name) => document.querySelector(`input[value='${name}']`).checked", arg=name)
+
     def middle(self):
         return [int(value) for value in self.painted()[1].corners.mean(axis=0)]
 
@@ -107,7 +110,7 @@ class Page(BrowserTest):
 
     def test_choosing_a_picture_changes_what_is_painted(self):
         self.page.get_by_text('turning earth').click()
-        self.page.wait_for_function("() => document.querySelector('input[value=\"turning_earth.mp4\"]').checked")
+        self.wait_for_chosen('turning_earth.mp4')
         x, y = self.middle()
         turned = [self.shot(PAINTED + ' canvas')]
         self.until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
@@ -129,7 +132,11 @@ class Page(BrowserTest):
         self.page.wait_for_function("() => document.getElementById('status').textContent.includes('That is no picture')")
         self.wait_for_color((220, 30, 10))
         self.page.get_by_text('earth', exact=True).click()
-        self.page.wait_for_function("() => document.querySelector('input[value=\"earth.jpg\"]').checked")
+        self.wait_for_chosen('earth.jpg')
+        self.page.get_by_text('dropped 2').click()  # it is still there
+        self.wait_for_color((220, 30, 10))
+        self.page.get_by_text('earth', exact=True).click()
+        self.wait_for_chosen('earth.jpg')
 
     def test_on_a_phone_nothing_is_wider_than_the_screen(self):
         self.page.set_viewport_size({'width': 360, 'height': 740})

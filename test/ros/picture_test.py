@@ -174,10 +174,22 @@ class Picture(unittest.TestCase):
             seen.append(sorted(tag.id for tag in tags.next().tags))
         self.assertEqual(seen[-1], [1, 2, 3, 4])
 
-    def test_a_wrong_file_of_areas_ends_it_with_a_sentence(self):
-        for text, words in (('areas: [{ids: [1, 2, 3]}]', 'four different'), ('areas: 7', 'wrong form')):
-            path = self.file('areas.yaml', lambda path: open(path, 'w').write(text))
-            node = started.node('exercise5_6.py', '_areas:=' + path)
+    def test_where_all_areas_have_their_own_picture_another_is_refused(self):
+        red = self.file('red.png', lambda path: cv2.imwrite(path, plain(RED)))
+        areas = self.file('areas.yaml', lambda path: open(path, 'w').write(
+            'areas: [{ids: [1, 2, 3, 4], picture: %s}]' % red))
+        self.start('_areas:=' + areas)
+        client = Client('/exercise5_6', timeout=WAIT_S)
+        self.addCleanup(client.close)
+        self.assertEqual(client.update_configuration({'picture': red})['picture'], 'images/earth.jpg')
+        self.node.wait_for('Each area has a picture of its own')
+
+    def test_what_cannot_be_painted_ends_it_with_a_sentence(self):
+        few = self.file('few.yaml', lambda path: open(path, 'w').write('areas: [{ids: [1, 2, 3]}]'))
+        for argument, words in (('_picture:=topic:a b', 'no name of a topic'),
+                                ('_picture:=topic:/exercise5_6/image', 'publishes itself'),
+                                ('_areas:=' + few, 'four different')):
+            node = started.node('exercise5_6.py', argument)
             self.assertEqual(node.ends(), 1)
             node.wait_for(words)
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
