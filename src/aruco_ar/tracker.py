@@ -25,7 +25,7 @@ SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its pl
 UNLIKELY, SHAKEN_UNLIKELY = 9.0, 2.0
 # Of the area's longer side. A frame that shows the corners less exactly does not
 # renew the time for which the area is held ...
-MAX_DEVIATION = 0.025
+MAX_DEVIATION = 0.029
 # ... which is over at once when they are known less exactly than the first of
 # these, and at their speed have moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045

@@ -69,6 +69,15 @@ def test_a_sudden_start_is_followed_at_once():
     assert errors[28:].max() < 0.7
 
 
+def test_near_the_wall_a_lone_tag_brings_it_back_when_the_robot_stands_still():
+    # Up to the wall, away from it until one tag is left in the frame, and there it stops.
+    path = Path(Pose(-2.2, 0.05, 0), ((1.3, 0.6, 0), (2.1, 0, 0.3), (3, 0, 0)))
+    frames = list(drive(path, 190, **USUAL))
+    errors = follow(Tracker(), frames)
+    assert_never_wrong(errors, frames)
+    assert not np.isnan(errors[-30:]).any()
+
+
 @pytest.mark.parametrize('covered, px', [([3], 0.6), ([1, 2], 1.2), ([2, 4], 1.2), ([2, 3, 4], 5.0),
                                          ([1, 2, 3], 5.0)])
 def test_it_stays_while_tags_are_covered(covered, px):
