@@ -142,29 +142,56 @@ class PageHttp(ServerTest):
             self.assertEqual((answered, headers['Content-Type']), (status, 'text/plain; charset=utf-8'), path)
             self.assertIn(sentence, body.decode())
 
+    def test_the_page_is_sent_the_newest_frame_when_it_has_shown_the_last(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+
+        async def look():
+            live = await self.look(connections)
+            other = Stream(self.port, '/stream?topic=/eye/image')  # tells when a frame has arrived
+            for number in range(1, 11):
+                publish(number=number)
+                other.part()
+            other.close()
+            frames = [await self.frame(live)]
+            await live.write_message('{"shown": "/eye/image"}')
+            frames.append(await self.frame(live))
+            live.close()
+            return [head['stamp'] for head, _ in frames]
+        np.testing.assert_allclose(asyncio.run(look()), [1, 10], atol=0.01)
+
+    async def look(self, connections):
+        """A websocket that looks at /eye/image."""
+        live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
+        await live.write_message(json.dumps({'look': ['/eye/image']}))
+        connections.wait(1)
+        return live
+
+    async def frame(self, live):
+        """(head, picture) of the next frame that a websocket sends."""
+        message = ''
+        while isinstance(message, str):
+            message = await asyncio.wait_for(live.read_message(), WAIT_S)
+        length, = struct.unpack('>I', message[:4])
+        return json.loads(message[4:4 + length]), cv2.imdecode(np.frombuffer(message[4 + length:], np.uint8), 1)
+
     def test_a_frame_that_cannot_be_shown_is_explained_and_the_next_one_shown(self):
         publish, connections = self.camera()
         self.listed('/eye/image')
 
         async def look():
-            live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
-            await live.write_message(json.dumps({'look': ['/eye/image']}))
-            connections.wait(1)
+            live = await self.look(connections)
             publish(np.zeros((1, 70000, 3), np.uint8))
             said = ''
             while 'without' not in said:
                 said = await asyncio.wait_for(live.read_message(), WAIT_S)
             publish()
-            frame = ''
-            while isinstance(frame, str):
-                frame = await asyncio.wait_for(live.read_message(), WAIT_S)
+            head, picture = await self.frame(live)
             live.close()
-            return json.loads(said), frame
-        said, frame = asyncio.run(look())
+            return json.loads(said), head, picture
+        said, head, picture = asyncio.run(look())
         self.assertEqual(said, {'without': '/eye/image', 'why': 'A frame of 70000 x 1 pixels is too large for a JPEG.'})
-        length, = struct.unpack('>I', frame[:4])
-        self.assertEqual(json.loads(frame[4:4 + length])['topic'], '/eye/image')
-        self.assertEqual(cv2.imdecode(np.frombuffer(frame[4 + length:], np.uint8), 1).shape, (480, 640, 3))
+        self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
     def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):
         publish, connections = self.camera()
