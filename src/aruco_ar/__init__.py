@@ -2,8 +2,8 @@
 
 A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
 (overlay). A Tracker finds the area in a sequence of frames. The modules
-``node``, ``messages`` and ``wall_messages`` connect this to ROS, and are the
-only ones that need it.
+``node``, ``inputs``, ``messages`` and ``wall_messages`` connect this to ROS,
+and are the only ones that need it.
 """
 import os
 
