@@ -131,10 +131,10 @@ class Stream(Handler):
             return
         self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
         with topic.watched():
+            number = topic.number
             try:
                 self.write('--%s\r\n' % BOUNDARY)
                 await self.flush()
-                number = topic.number
                 while not self.gone:
                     if await topic.newer(number, 1.0):
                         number = topic.number
