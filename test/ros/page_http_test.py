@@ -48,6 +48,7 @@ class PageHttp(ServerTest):
         connections = Connections()
         publisher = rospy.Publisher(topic, kind, connections, queue_size=1)
         self.addCleanup(publisher.unregister)
+        self.addCleanup(connections.wait, 0)  # else the next test takes this one's listener for its own
         make = image_from_frame if kind is Image else compressed_from_frame
 
         def publish(picture=PICTURE, number=1):
