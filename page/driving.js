@@ -63,5 +63,5 @@ export function driving(send) {
     button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch
   }
 
-  return { stop, allow(drive) { section.hidden = !drive; if (!drive) stop(); } };
+  return { allow(drive) { section.hidden = !drive; if (!drive) stop(); } };
 }

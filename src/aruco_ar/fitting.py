@@ -18,10 +18,10 @@ def fit_picture(picture, area, fit):
     """
     if fit not in FITS:
         raise InputError('"%s" is no way to fit a picture; choose one of %s.' % (fit, ', '.join(FITS)))
+    if fit == 'stretch':
+        return picture, area
     height, width = picture.shape[:2]
     wider = width / height / (area.ratio or _ratio_in_the_frame(area))  # than the area, so many times
-    if fit == 'stretch' or wider == 1:
-        return picture, area
     if fit == 'cover':
         kept_width = max(1, round(width / max(wider, 1)))
         kept_height = max(1, round(height * min(wider, 1)))

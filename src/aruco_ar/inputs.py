@@ -20,18 +20,22 @@ class Inputs:
     """Gives a step what it takes, frame by frame.
 
     ``takes``: some of tags, area, picture, fit, opacity. ``package``: the
-    folder within which the path of a picture may be given. ``tags``: those
-    seen in the last frame.
+    folder within which the path of a picture may be given.
     """
 
     def __init__(self, takes, settings, package):
-        self.tags = []
+        self._detected = []
         self._takes, self._settings, self._package = takes, settings, package
         self._lock = threading.Lock()  # topics are followed in one thread, settings changed in another
         self._detector = Detector(settings.dictionary, settings.ids) if 'tags' in takes else None
         self._tracker = Tracker(settings.dictionary, settings.ids, settings.hold,
                                 settings.upright) if 'area' in takes else None
         self._source = self._open(settings.picture) if 'picture' in takes else None
+
+    @property
+    def tags(self):
+        """A list of Tag: those seen in the last frame."""
+        return self._tracker.tags if self._tracker else self._detected
 
     def at(self, frame, stamp):
         """What the step takes, in order, for a frame and its time, seconds."""
@@ -59,13 +63,11 @@ class Inputs:
                 self._source.follow(wanted)
 
     def _tags(self, frame, stamp):
-        self.tags = self._detector.detect(frame)
-        return self.tags
+        self._detected = self._detector.detect(frame)
+        return self._detected
 
     def _area(self, frame, stamp):
-        area = self._tracker.update(frame, stamp)
-        self.tags = self._tracker.tags
-        return area
+        return self._tracker.update(frame, stamp)
 
     def _picture(self, frame, stamp):
         return self._source.at(stamp)

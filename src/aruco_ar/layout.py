@@ -27,6 +27,7 @@ class Layout:
     ``ids``: those four, in the order of the area's corners. ``places``: {id:
     (4, 2) float64} of all tags. ``upright``: whether the order is that of the
     tags' own tops; if they disagree, each frame has to tell which side is up.
+    ``ratio``: how many times as wide as high the area is on the wall.
     """
 
     def __init__(self, tags, corners, upright):
@@ -40,6 +41,7 @@ class Layout:
         to_plane = np.linalg.inv(homography_to(np.roll(corners, -turn, axis=0)))
         self.places = {tag.id: transform(to_plane, np.float64(tag.corners)) for tag in tags}
         self._sights = {tag_id: 1 for tag_id in self.places}
+        self.ratio = ratio_of(self.quads(self.ids))
 
     @classmethod
     def from_tags(cls, tags, upright):
@@ -54,11 +56,6 @@ class Layout:
         """(n, 4, 2): the places of those tags."""
         return np.array([self.places[tag_id] for tag_id in ids])
 
-    @property
-    def ratio(self):
-        """How many times as wide as high the area is on the wall."""
-        return ratio_of(self.quads(self.ids))
-
     def learn(self, ids, places):
         """Take the mean of where tags were seen in the plane, now at places (n, 4, 2), and before."""
         for tag_id, place in zip(ids, places):
@@ -68,6 +65,7 @@ class Layout:
         # The area is where the centers are, whatever was learnt about the corners.
         drift = np.linalg.inv(homography_to([Tag(0, self.places[tag_id]).center for tag_id in self.ids]))
         self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
+        self.ratio = ratio_of(self.quads(self.ids))
 
     def forget(self, tag_id):
         """Forget a tag that is none of the four, if it is known."""

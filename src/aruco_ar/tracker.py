@@ -42,8 +42,6 @@ class Tracker:
     where it is, or none is in sight. ``upright``: the picture's top is where
     the tags' own tops are (``tags``) or where the frame's is (``image``).
     Raises InputError for any other.
-
-    Its attribute ``tags`` is a list of Tag, those seen in the last frame.
     """
 
     def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags'):
@@ -55,6 +53,11 @@ class Tracker:
         self._hold = hold + ROUNDING_S
         self._upright = upright
         self.reset()
+
+    @property
+    def tags(self):
+        """A list of Tag: those seen in the last frame."""
+        return [Tag(tag_id, np.float32(corners)) for tag_id, corners in self._seen.items()]
 
     def reset(self):
         """Forget everything seen so far."""
@@ -83,7 +86,7 @@ class Tracker:
 
     def _begin(self, tags):
         """Start afresh, with the area that these tags span, if they do."""
-        self.tags = list(tags or [])
+        self._seen = {tag.id: tag.corners for tag in tags or []}
         self._layout = Layout.from_tags(tags, self._upright) if tags else None
         self._motion = None
         self._displaced = set()  # tags seen where they do not belong, and not where they do since
@@ -112,7 +115,7 @@ class Tracker:
         seen, missing = ({}, True) if self._motion is None else self._follow(frame)
         due = self._now - self._searched >= SEARCH_S
         if not (missing or due or self._displaced):
-            self._saw(seen)
+            self._seen = seen
             self._believe(seen)
             return
         self._searched = self._now
@@ -121,7 +124,7 @@ class Tracker:
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
-        self._saw(seen)
+        self._seen = seen
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in self._layout.places}
         agreed, moved_on = self._believe(known)
         others = len(seen) - len(known)
@@ -137,9 +140,6 @@ class Tracker:
             self._consider_rearranged(tags)
         elif len(agreed) >= 3:
             self._learn(seen, agreed)
-
-    def _saw(self, seen):
-        self.tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in seen.items()]
 
     def _expected(self):
         """{id: (4, 2) pixels}: where the known tags should be, in the frame or out of it."""

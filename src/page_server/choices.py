@@ -47,7 +47,7 @@ class Node:
     async def set(self, **values):
         """Set parameters, texts or numbers. Raises InputError if the node does not take them.
 
-        What is wished for while the node is at the wish before goes to it at once.
+        What is wished for while the node is at the wish before goes to it together.
         """
         with self._lock:
             waiting = bool(self._wanted)

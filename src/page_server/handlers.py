@@ -19,7 +19,7 @@ POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'sel
 
 
 def refusal_of(request):
-    """The sentence with which a request is refused, or None; for HTTP and websockets alike."""
+    """The sentence with which a request is refused, or None."""
     if not is_own_name(request.host):
         return ('This server does not go by the name "%s"; open it by its IP address or as localhost.'
                 % request.host)
@@ -30,12 +30,8 @@ def refusal_of(request):
     return None
 
 
-class Handler(RequestHandler):
-    """What all have in common. A refusal is a sentence in plain text."""
-
-    def initialize(self, parts):
-        self.parts = parts
-        self.gone = False
+class Guarded(RequestHandler):
+    """What all have in common, HTTP and websockets alike. A refusal is a sentence in plain text."""
 
     def prepare(self):
         refusal = refusal_of(self.request)
@@ -47,14 +43,22 @@ class Handler(RequestHandler):
         self.set_header('X-Content-Type-Options', 'nosniff')
         self.set_header('Cache-Control', 'no-store')
 
-    def on_connection_close(self):
-        self.gone = True
-
     def refuse(self, status, sentence):
         """Answer with a status other than 200 and a sentence."""
         self.set_status(status)
         self.set_header('Content-Type', 'text/plain; charset=utf-8')
         self.finish(sentence + '\n')
+
+
+class Handler(Guarded):
+    """What those have in common that answer for themselves."""
+
+    def initialize(self, parts):
+        self.parts = parts
+        self.gone = False
+
+    def on_connection_close(self):
+        self.gone = True
 
     def write_error(self, status_code, **_):
         self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))

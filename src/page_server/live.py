@@ -15,7 +15,7 @@ import rospy
 from aruco_ar.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from .handlers import STALLED_S, refusal_of
+from .handlers import STALLED_S, Guarded
 
 SHOWN_S = 5.0       # for so long the browser may take to show a frame before it is sent another
 SILENT_S = 3.0      # without a frame for so long, the page says so
@@ -40,7 +40,8 @@ class View:
         ids = sorted(tag.id for tag in self.tags.message.tags) if known else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
         return {'topic': self.name, 'stamp': topic.message.header.stamp.to_sec(),
-                'rate': round(topic.rate, 1), 'tags': ids, 'latency': None if latency is None else round(1000 * latency)}
+                'rate': round(topic.rate, 1), 'tags': ids,
+                'latency': None if latency is None else round(1000 * latency)}
 
     def on_shown(self):
         """The browser shows the frame sent last."""
@@ -52,18 +53,12 @@ class View:
         self.shown.set()
 
 
-class Live(WebSocketHandler):
+class Live(Guarded, WebSocketHandler):
     """One browser's connection."""
 
     def initialize(self, parts):
         self.parts = parts
         self._views = {}
-
-    def prepare(self):
-        refusal = refusal_of(self.request)
-        if refusal:
-            self.set_status(403)
-            self.finish(refusal + '\n')
 
     def check_origin(self, origin):
         return True  # prepare has refused what is not of this site

@@ -19,7 +19,7 @@ from tornado.web import Application, StaticFileHandler
 from .choices import Choices
 from .driving import Driver
 from .guard import is_loopback
-from .handlers import Handler, Page, Picture, Snapshot, Stream, StreamViewer, Unknown, refusal_of
+from .handlers import Guarded, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
 from .live import Live
 from .topics import Topics
 
@@ -95,15 +95,8 @@ class Server(HTTPServer):
         super().on_close(server_conn)
 
 
-class Files(StaticFileHandler):
+class Files(Guarded, StaticFileHandler):
     """The files in page/."""
-
-    set_default_headers = Handler.set_default_headers
-
-    def prepare(self):
-        if refusal_of(self.request):
-            self.set_status(403)
-            self.finish()
 
 
 def serve():
@@ -113,8 +106,8 @@ def serve():
         logging.getLogger(name).parent = logging.getLogger('rosout')
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
-    driver = None
-    if _may_drive(parameter('drive', 'auto'), address):
+    local, driver = is_loopback(address), None
+    if _may_drive(parameter('drive', 'auto'), local):
         driver = Driver(number_parameter(parameter, 'linear', 0.3, 0, 2),
                         number_parameter(parameter, 'angular', 0.8, 0, 8))
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
@@ -125,7 +118,7 @@ def serve():
     PeriodicCallback(parts.tell_browsers, LOOK_MS).start()
     server = _listen(application(parts), address, port)
     rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
-    name = 'localhost' if is_loopback(address) else socket.gethostname() if address in ('0.0.0.0', '::') else \
+    name = 'localhost' if local else socket.gethostname() if address in ('0.0.0.0', '::') else \
         '[%s]' % address if ':' in address else address
     rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port, 'on' if driver else 'off')
     loop.run_forever()
@@ -145,12 +138,11 @@ def application(parts):
         websocket_max_message_size=64 * 1024)
 
 
-def _may_drive(wish, address):
+def _may_drive(wish, local):
     if wish == 'auto':
-        return is_loopback(address)
+        return local
     if not isinstance(wish, bool):
         raise InputError('The parameter ~drive is %s; it must be true, false or auto.' % wish)
-    is_loopback(address)
     return wish
 
 

@@ -3,8 +3,8 @@ import os
 import shutil
 import unittest
 
-from serving import free_port
-from started import WAIT_S, Started
+from serving import ServerTest
+from started import WAIT_S
 
 BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
 WAIT_MS = 1000 * WAIT_S
@@ -12,7 +12,7 @@ OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-backg
            '--disable-component-update', '--disable-sync']
 
 
-class BrowserTest(unittest.TestCase):
+class BrowserTest(ServerTest):
     """Has the page open as ``page``; what is wrong on its console fails the test, unless ``expected``."""
 
     @classmethod
@@ -21,19 +21,16 @@ class BrowserTest(unittest.TestCase):
         if path is None:
             raise unittest.SkipTest('no Chromium here')
         from playwright.sync_api import sync_playwright
-        cls.port = free_port()
-        cls.server = Started('roslaunch', 'unit5', 'page.launch', 'port:=%d' % cls.port)
-        cls.server.wait_for('The page is at')
+        super().setUpClass()
         cls.playwright = sync_playwright().start()
         sandbox = ['--no-sandbox'] if os.getuid() == 0 else []
         cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox)
 
     @classmethod
     def tearDownClass(cls):
-        if hasattr(cls, 'browser'):
-            cls.browser.close()
-            cls.playwright.stop()
-            cls.server.stop()
+        cls.browser.close()
+        cls.playwright.stop()
+        super().tearDownClass()
 
     def setUp(self):
         self.page = self.browser.new_page(viewport={'width': 1400, 'height': 900})

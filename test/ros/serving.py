@@ -35,9 +35,9 @@ class ServerTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.port = free_port()
-        cls.page = Started('roslaunch', 'unit5', 'page.launch', 'port:=%d' % cls.port)
-        cls.page.wait_for('The page is at http://localhost:%d (driving is on)' % cls.port)
+        cls.server = Started('roslaunch', 'unit5', 'page.launch', 'port:=%d' % cls.port)
+        cls.server.wait_for('The page is at http://localhost:%d (driving is on)' % cls.port)
 
     @classmethod
     def tearDownClass(cls):
-        cls.page.stop()
+        cls.server.stop()

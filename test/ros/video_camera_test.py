@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Any camera: a video file, and a stream from the network, before the exercises."""
 import os
-import socket
 import tempfile
 import unittest
 
@@ -16,6 +15,7 @@ from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
 from listening import Inbox
 from sensor_msgs.msg import Image
+from serving import free_port
 from started import Started, node
 from unit5.msg import TagArray
 
@@ -37,9 +37,7 @@ class VideoCamera(unittest.TestCase):
         self.addCleanup(tags.subscriber.unregister)
         self.assertEqual({tag.id for tag in tags.next().tags}, {1, 2, 3, 4})
 
-        with socket.socket() as probe:
-            probe.bind(('127.0.0.1', 0))
-            port = probe.getsockname()[1]
+        port = free_port()
         self.start('page.py', '_port:=%d' % port).wait_for('The page is at')
         self.launch('source:=http://127.0.0.1:%d/stream?topic=/camera/rgb/image_raw' % port, 'name:=phone',
                     'camera:=/phone/image_raw')
