@@ -5,7 +5,7 @@ A tag is a square with a pattern that holds a number, its id. For each tag the
 detector gives the id and four corners, clockwise from the tag's own top left.
 """
 from aruco_ar import mark_tags
-from aruco_ar.node import run
+from aruco_node import run
 
 
 def detect(frame, tags):

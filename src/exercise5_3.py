@@ -6,7 +6,7 @@ depends on the order of the points: in the order in which the tags were found
 it usually crosses itself.
 """
 from aruco_ar import fill_polygon, mark_centers
-from aruco_ar.node import run
+from aruco_node import run
 
 
 def extract_centers(frame, tags):

@@ -5,7 +5,7 @@ Top left, top right, bottom right, bottom left: in this order the polygon is a
 proper quadrilateral, whatever the order in which the tags were found.
 """
 from aruco_ar import fill_polygon, find_four_centers, mark_centers, order_coordinates
-from aruco_ar.node import run
+from aruco_node import run
 
 
 def order_centers(frame, tags):

@@ -9,7 +9,7 @@ is black, a frame minus black is the frame: subtracting the mask cuts the area
 out.
 """
 from aruco_ar import area_mask, subtract
-from aruco_ar.node import run
+from aruco_node import run
 
 
 def subtract_area(frame, area):

@@ -10,7 +10,7 @@ The area comes from aruco_ar.Tracker: it stays on the wall while tags are
 covered, and its top is where the tags' own tops are.
 """
 from aruco_ar import overlay
-from aruco_ar.node import run
+from aruco_node import run
 
 
 def paint_picture(frame, area, picture, fit, opacity):

@@ -3,20 +3,20 @@
 import numpy as np
 import rospy
 import tf2_ros
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+from aruco_ar.render import WallRenderer
+from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
+from aruco_ar.wall import load_wall
+from aruco_node.exercise import CAMERA
+from aruco_node.memory import keep_memory
+from aruco_node.node import parameter, run_node
+from aruco_node.publishing import ImagePublisher
+from aruco_node.settings import number
+from aruco_node.wall_messages import fixed_transforms, observe, robot_transform
 from dynamic_reconfigure.server import Server
 from geometry_msgs.msg import Twist
 from unit5.cfg import WallCameraConfig
-
-from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
-from aruco_ar.memory import keep_memory
-from aruco_ar.node import CAMERA, ImagePublisher, parameter, run_node
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import (MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path,
-                            wall_to_camera)
-from aruco_ar.settings import number
-from aruco_ar.wall import load_wall
-from aruco_ar.wall_messages import fixed_transforms, observe, robot_transform
 
 LOOK = {'noise': (2.0, 100), 'blur': (0.0, 20), 'light': (0.3, 1)}  # default and most
 COMMAND_S = 0.5  # a robot that hears no command for this long stops

@@ -1,9 +1,8 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
 A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
-(overlay). A Tracker finds the area in a sequence of frames. The modules
-``node``, ``inputs``, ``messages`` and ``wall_messages`` connect this to ROS,
-and are the only ones that need it.
+(overlay). A Tracker finds the area in a sequence of frames. What connects this
+to ROS is in ``aruco_node``.
 """
 import os
 

@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_ar.messages import image_from_frame, jpeg_from_frame
 from aruco_ar.picture import decode_picture, resize
-from aruco_ar.settings import TOPIC
 from aruco_ar.sources import open_source
+from aruco_node.messages import image_from_frame, jpeg_from_frame
+from aruco_node.settings import TOPIC
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from PIL import Image as PillowImage

@@ -9,8 +9,9 @@ from typing import Any, List, NamedTuple, Optional
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_ar.node import CAMERA, parameter
-from aruco_ar.settings import number as number_parameter
+from aruco_node.exercise import CAMERA
+from aruco_node.node import parameter
+from aruco_node.settings import number as number_parameter
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
 from tornado.netutil import bind_sockets

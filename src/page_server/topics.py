@@ -8,8 +8,8 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.errors import InputError
-from aruco_ar.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, jpeg_from_frame
-from aruco_ar.waiting import IMAGE_TYPES, SUFFIX
+from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, jpeg_from_frame
+from aruco_node.waiting import IMAGE_TYPES, SUFFIX
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
 

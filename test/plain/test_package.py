@@ -57,7 +57,7 @@ def test_an_install_space_has_it_all(package, tmp_path):
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 '
-              'exercise5_6.launch && python3 -c "import aruco_ar.node, page_server.server; print(aruco_ar.__file__)"'
+              'exercise5_6.launch && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__)"'
               % (prefix, tmp_path))
     clean = {key: value for key, value in os.environ.items()
              if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}

@@ -8,7 +8,7 @@ import rospy
 import rostest
 import started
 from aruco_ar import draw_tag
-from aruco_ar.messages import frame_from_compressed, frame_from_image
+from aruco_node.messages import frame_from_compressed, frame_from_image
 from cv_bridge import CvBridge
 from listening import Connections, Inbox
 from rosgraph import Master

@@ -4,15 +4,15 @@ import threading
 import time
 
 import rospy
+from aruco_ar.detector import Detector
+from aruco_ar.errors import InputError
+from aruco_ar.picture import shrink_to_warp
+from aruco_ar.sources import open_source
+from aruco_ar.tracker import Tracker
 from rosgraph.names import is_legal_name
 
-from .detector import Detector
-from .errors import InputError
 from .messages import BUFFER_BYTES, TRANSPORTS, picture_from_image
-from .picture import shrink_to_warp
 from .settings import TOPIC
-from .sources import open_source
-from .tracker import Tracker
 from .waiting import SILENCE_S, SUFFIX
 
 

@@ -2,11 +2,12 @@
 from dataclasses import dataclass
 from typing import Tuple
 
-from .errors import InputError
-from .files import yaml_entries
-from .fitting import FITS
-from .tags import DICTIONARIES
-from .tracker import HOLD_S, UPRIGHT
+from aruco_ar.errors import InputError
+from aruco_ar.files import yaml_entries
+from aruco_ar.fitting import FITS
+from aruco_ar.tags import DICTIONARIES
+from aruco_ar.tracker import HOLD_S, UPRIGHT
+
 from .waiting import IMAGE_TYPES
 
 MIN_SCALE, MAX_SCALE = 0.01, 4.0

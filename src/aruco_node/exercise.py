@@ -1,23 +1,21 @@
 """The ROS node around an exercise: parameters, topics, and everything that can go wrong."""
-import sys
 import threading
 import time
 import traceback
 
-import cv2
 import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+from aruco_ar.picture import resize
 from dynamic_reconfigure.server import Server
-from sensor_msgs.msg import CompressedImage, Image
 from unit5.cfg import PictureConfig
 from unit5.msg import TagArray
 
-from .errors import InputError
-from .files import package_folder
 from .inputs import Inputs
 from .memory import keep_memory
-from .messages import (BUFFER_BYTES, TRANSPORTS, compressed_from_frame, image_from_frame,
-                       tags_from_pixels)
-from .picture import resize
+from .messages import BUFFER_BYTES, TRANSPORTS, tags_from_pixels
+from .node import parameter, run_node
+from .publishing import ImagePublisher, Listener
 from .settings import load_areas, read_settings
 from .waiting import SILENCE_S, explain_silence
 
@@ -40,78 +38,6 @@ def run(name, step, takes=('tags',), topics=('image',)):
     """
     keep_memory()
     run_node(name, lambda: _ImageNode(step, takes, topics).spin())
-
-
-def run_node(name, work):
-    """Start a node, call ``work``, which goes on until ROS shuts down, and end the process.
-
-    Where ``work`` raises InputError, its sentence is logged and the exit code is 1.
-    """
-    sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
-    rospy.init_node(name)
-    # A frame takes a few milliseconds: threads would add more work than they save time.
-    cv2.setNumThreads(1)
-    errors = []
-
-    def guarded():
-        try:
-            work()
-        except InputError as error:
-            errors.append(error)
-            rospy.logfatal('%s', error)
-            rospy.signal_shutdown(str(error))
-        except Exception:
-            errors.append(traceback.format_exc())
-            rospy.logfatal('%s', errors[0])
-            rospy.signal_shutdown('a fault of this node')
-    # Not in the main thread: there rospy handles Ctrl-C by talking to the
-    # master, and if that thread is talking to it already, waits for itself.
-    worker = threading.Thread(target=guarded, daemon=True)
-    worker.start()
-    rospy.spin()
-    worker.join(2.0)
-    sys.exit(1 if errors else 0)
-
-
-def parameter(name, default):
-    """The value of a private parameter."""
-    return rospy.get_param('~' + name, default)
-
-
-class ImagePublisher:
-    """An image topic, raw and JPEG, each made only while somebody listens to it."""
-
-    def __init__(self, topic, on_listeners=None, encoding='bgr8'):
-        """``on_listeners`` is called, from any thread, when somebody comes or goes."""
-        self._encoding = encoding
-        listener = _Listener(on_listeners) if on_listeners else None
-        self.name = rospy.resolve_name(topic)
-        self._raw = rospy.Publisher(topic, Image, listener, queue_size=1)
-        self._compressed = rospy.Publisher(topic + '/compressed', CompressedImage, listener,
-                                           queue_size=1)
-
-    def has_listeners(self):
-        """Whether anybody listens to one of the two."""
-        return self._raw.get_num_connections() + self._compressed.get_num_connections() > 0
-
-    def publish(self, frame, header):
-        """Publish a frame, (h, w, 3) BGR uint8, to whom listens."""
-        if self._raw.get_num_connections():
-            self._raw.publish(image_from_frame(frame, header, self._encoding))
-        if self._compressed.get_num_connections():
-            self._compressed.publish(compressed_from_frame(frame, header))
-
-
-class _Listener(rospy.SubscribeListener):
-    def __init__(self, on_change):
-        super().__init__()
-        self._on_change = on_change
-
-    def peer_subscribe(self, topic_name, topic_publish, peer_publish):
-        self._on_change()
-
-    def peer_unsubscribe(self, topic_name, num_peers):
-        self._on_change()
 
 
 class _ImageNode:
@@ -138,7 +64,7 @@ class _ImageNode:
         self._wake = threading.Event()
         self._outputs = [ImagePublisher('~' + topic, self._wake.set) for topic in topics]
         self._reconfigurer = None
-        self._tags = rospy.Publisher('~tags', TagArray, _Listener(self._wake.set), queue_size=1)
+        self._tags = rospy.Publisher('~tags', TagArray, Listener(self._wake.set), queue_size=1)
         if 'picture' in takes:
             self._reconfigurer = Server(PictureConfig, self._reconfigure)
         rospy.on_shutdown(self._wake.set)

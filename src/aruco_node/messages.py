@@ -4,13 +4,12 @@ import struct
 
 import cv2
 import numpy as np
+from aruco_ar.errors import InputError
 from cv_bridge import CvBridge, CvBridgeError
 from geometry_msgs.msg import Point32, PolygonStamped
 from sensor_msgs.msg import CompressedImage, Image
 from unit5.msg import Tag as TagMessage
 from unit5.msg import TagArray
-
-from .errors import InputError
 
 JPEG_QUALITY = 80  # what compressed_image_transport uses
 

@@ -1,14 +1,14 @@
 """What the simulated camera publishes besides frames, as messages."""
 from math import cos, sin
 
+from aruco_ar.render import project
+from aruco_ar.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, wall_to_camera
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from .messages import polygon_from_pixels, tags_from_pixels
-from .render import project
-from .robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, wall_to_camera
 
 ODOMETRY_FRAME = 'odom'
 ROBOT_FRAME = 'base_link'

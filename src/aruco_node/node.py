@@ -1,0 +1,44 @@
+"""What every node of this package does when it starts and when it ends."""
+import sys
+import threading
+import traceback
+
+import cv2
+import rospy
+from aruco_ar.errors import InputError
+
+
+def run_node(name, work):
+    """Start a node, call ``work``, which goes on until ROS shuts down, and end the process.
+
+    Where ``work`` raises InputError, its sentence is logged and the exit code is 1.
+    """
+    sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
+    rospy.init_node(name)
+    # A frame takes a few milliseconds: threads would add more work than they save time.
+    cv2.setNumThreads(1)
+    errors = []
+
+    def guarded():
+        try:
+            work()
+        except InputError as error:
+            errors.append(error)
+            rospy.logfatal('%s', error)
+            rospy.signal_shutdown(str(error))
+        except Exception:
+            errors.append(traceback.format_exc())
+            rospy.logfatal('%s', errors[0])
+            rospy.signal_shutdown('a fault of this node')
+    # Not in the main thread: there rospy handles Ctrl-C by talking to the
+    # master, and if that thread is talking to it already, waits for itself.
+    worker = threading.Thread(target=guarded, daemon=True)
+    worker.start()
+    rospy.spin()
+    worker.join(2.0)
+    sys.exit(1 if errors else 0)
+
+
+def parameter(name, default):
+    """The value of a private parameter."""
+    return rospy.get_param('~' + name, default)
