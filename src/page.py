@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
 """A live page in the browser: what all exercises show, side by side, driving, and what is painted."""
+from aruco_node.manual import Manual
 from aruco_node.node import run_node
 
-from page_server.server import serve
+from page_server.server import Settings, serve
 
 if __name__ == '__main__':
-    run_node('page', serve)
+    run_node('page', serve, Manual(
+        [('', '', 'any image topic, while somebody looks at it')],
+        [('cmd_vel', 'geometry_msgs/Twist', 'where driving is on'),
+         ('~picture', 'sensor_msgs/Image', 'what was dropped onto the page')], [], Settings))

@@ -1,32 +1,70 @@
 #!/usr/bin/env python3
 """A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
+import os
+import time
+from collections import deque
+from dataclasses import dataclass
+from typing import Tuple
+
 import numpy as np
 import rospy
 import tf2_ros
-from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
-from aruco_node.exercise import CAMERA
+from aruco_node.camera_node import CAMERA
+from aruco_node.health import OK, WARN, WINDOW_S, Diagnostics
+from aruco_node.manual import Manual
 from aruco_node.memory import keep_memory
 from aruco_node.node import parameter, run_node
+from aruco_node.parameters import number, read, text
 from aruco_node.publishing import ImagePublisher
-from aruco_node.settings import number
+from aruco_node.reconfigure import Reconfigurer
 from aruco_node.wall_messages import fixed_transforms, observe, robot_transform
-from dynamic_reconfigure.server import Server
 from geometry_msgs.msg import Twist
-from unit5.cfg import WallCameraConfig
 
-LOOK = {'noise': (2.0, 100), 'blur': (0.0, 20), 'light': (0.3, 1)}  # default and most
 COMMAND_S = 0.5  # a robot that hears no command for this long stops
 START = Pose(-2.2, 0.0, 0.0)
 
 
-def check_look(get):
-    """Check the parameters of LOOK; ``get(name, default)`` looks one up. Raises InputError."""
-    for name, (default, most) in LOOK.items():
-        number(get, name, default, 0, most)
+MANUAL_TOPICS = [
+    (CAMERA, 'sensor_msgs/Image', 'what the camera sees: rgb8'),
+    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'the same as JPEG'),
+    ('camera/rgb/camera_info', 'sensor_msgs/CameraInfo', "the camera's calibration"),
+    ('odom', 'nav_msgs/Odometry', 'where the robot is: true'),
+    ('/tf', 'tf2_msgs/TFMessage', 'the same; odom -> base_link'),
+    ('/tf_static', 'tf2_msgs/TFMessage', 'base_link -> camera_rgb_optical_frame, odom -> wall'),
+    ('~tags', 'unit5/TagArray', 'true corners of all tags before the camera'),
+    ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
+
+
+def some_path(value):
+    if not isinstance(value, str) or not value:
+        raise ValueError
+    return value
+
+
+def coefficients(value):
+    k1, k2, p1, p2, k3 = (float(part) for part in value)
+    return k1, k2, p1, p2, k3
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The parameters."""
+
+    wall: str = text('config/wall.yaml', 'the path of a YAML file, which may be within the package',
+                     'the wall and its tags', some_path, live=False)
+    path: str = text('none', 'none, or the path of a YAML file', 'where to drive, until the first command comes',
+                     some_path, live=False)
+    rate: float = number(30.0, 0.1, 1000, 'frames a second', live=False)
+    seed: float = number(0.0, 0, 2**31, 'of the noise', live=False)
+    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens', coefficients,
+                                         list, live=False)
+    noise: float = number(2.0, 0, 100, 'standard deviation of the noise, gray levels')
+    blur: float = number(0.0, 0, 20, 'standard deviation of the blur, pixels')
+    light: float = number(0.3, 0, 1, "how much darker the wall's right end is than its left")
 
 
 class Driver:
@@ -66,19 +104,14 @@ class WallCamera:
     """Publishes what the robot sees, where it is, and the truth about both."""
 
     def __init__(self):
-        distortion = parameter('distortion', [0.0] * 5)
-        if not (isinstance(distortion, list) and len(distortion) == 5
-                and all(isinstance(value, (int, float)) for value in distortion)):
-            raise InputError('The parameter ~distortion is %s; it must be five numbers: k1, k2, p1, '
-                             'p2, k3.' % (distortion,))
-        self._camera = Camera(distortion=distortion)
-        self._wall = load_wall(parameter('wall', package_folder() + '/config/wall.yaml'))
-        check_look(parameter)  # what is too large, the server would cut without a word
-        self._seed = int(number(parameter, 'seed', 0, 0, 2**31))
-        Server(WallCameraConfig, self._reconfigure)
-        self._rate = number(parameter, 'rate', 30.0, 0.1, 1000)
-        path = parameter('path', '')
-        self._driver = Driver(load_path(path) if path not in ('', 'none') else None)
+        self._settings = read(Settings, parameter)
+        self._camera = Camera(distortion=list(self._settings.distortion))
+        self._wall = load_wall(os.path.join(package_folder(), self._settings.wall))
+        self._renderer = self._make_renderer(self._settings)
+        path = self._settings.path
+        self._driver = Driver(load_path(path) if path != 'none' else None)
+        Reconfigurer(self._settings, self._reconfigure)
+        self._diagnostics, self._shown, self._late = Diagnostics(self._report), deque(), 0
 
         self._image = ImagePublisher(CAMERA, encoding='rgb8')
         self._publishers = {}
@@ -86,28 +119,36 @@ class WallCamera:
         self._fixed = tf2_ros.StaticTransformBroadcaster()
         self._fixed.sendTransform(fixed_transforms(rospy.Time.now()))
 
-    def _reconfigure(self, config, level):
-        """What dynamic_reconfigure calls, first with the node's parameters; returns what it becomes."""
-        try:
-            check_look(config.get)
-        except InputError as error:
-            rospy.logerr('%s Nothing is changed.', error)
-            return self._config
-        config.update({name: float(config[name]) for name in LOOK})  # of noise:=5 a whole number came
-        self._config = config
-        self._renderer = WallRenderer(self._wall, self._camera, noise=config['noise'], blur=config['blur'],
-                                      light=config['light'], seed=self._seed)
-        return config
+    def _make_renderer(self, settings):
+        return WallRenderer(self._wall, self._camera, noise=settings.noise, blur=settings.blur,
+                            light=settings.light, seed=int(settings.seed))
+
+    def _reconfigure(self, settings):
+        self._renderer = self._make_renderer(settings)
+
+    def _report(self):
+        """How the camera is doing: see Diagnostics."""
+        now = time.monotonic()
+        while self._shown and now - self._shown[0] > WINDOW_S:
+            self._shown.popleft()
+        rate = len(self._shown) / WINDOW_S
+        values = {'frames a second': '%.1f' % rate, 'frames left out': self._late}
+        if self._image.has_listeners() and rate < 0.9 * self._settings.rate:
+            return WARN, 'Slow: %.1f frames a second, not %g.' % (rate, self._settings.rate), values
+        return OK, '%.1f frames a second' % rate, values
 
     def spin(self):
         """Publish until shutdown, each frame stamped with the very time at which it is due."""
+        rate = self._settings.rate
         start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
-            late = (rospy.Time.now() - start).to_sec() * self._rate
+            self._diagnostics.update()
+            late = (rospy.Time.now() - start).to_sec() * rate
             if late < count - 1:  # the clock was set back
                 start, count, late = rospy.Time.now(), 0, 0
-            count = max(count + 1, int(late))  # what cannot be rendered in time is left out
-            stamp = start + rospy.Duration(count / self._rate)
+            self._late += max(int(late) - count - 1, 0)  # what cannot be rendered in time is left out
+            count = max(count + 1, int(late))
+            stamp = start + rospy.Duration(count / rate)
             try:
                 rospy.sleep(stamp - rospy.Time.now())
             except rospy.ROSTimeMovedBackwardsException:
@@ -126,8 +167,11 @@ class WallCamera:
         self._transforms.sendTransform(robot_transform(pose, stamp))
         if self._image.has_listeners():
             self._image.publish(self._renderer.render(*wall_to_camera(pose)), header)
+            self._shown.append(time.monotonic())
 
 
 if __name__ == '__main__':
     keep_memory()
-    run_node('wall_camera', lambda: WallCamera().spin())
+    run_node('wall_camera', lambda: WallCamera().spin(), Manual(
+        [('cmd_vel', 'geometry_msgs/Twist', 'drives; without a command for half a second the robot stops')],
+        MANUAL_TOPICS, [], Settings))

@@ -5,6 +5,8 @@ import numpy as np
 from .edges import fit_tags
 from .tags import Tag, get_dictionary, tag_cells
 
+SEARCHES = 'fast', 'normal', 'thorough'
+LIKENESS = 0.8
 # A search for tags of a known size shrinks the frame until they are this wide.
 SEARCH_SIDE_PX = 24
 # What is between a tag's edges must be as like it as this (see fit_tags). That
@@ -22,7 +24,7 @@ class Detector:
     other ids are passed over. Raises InputError for an unknown dictionary.
     """
 
-    def __init__(self, dictionary='DICT_6X6_250', ids=()):
+    def __init__(self, dictionary='DICT_6X6_250', ids=(), **detection):
         self._dictionary = dictionary
         self._ids = frozenset(ids)
         self._cells = {}

@@ -12,6 +12,7 @@ from .fitting import fit_picture
 
 GREEN = (0, 255, 0)
 RED = (0, 0, 255)
+BLUE = (255, 0, 0)
 YELLOW = (0, 255, 255)
 BLACK = (0, 0, 0)
 WHITE = (255, 255, 255)
@@ -19,6 +20,8 @@ PURPLE = (255, 0, 150)  # the course's
 
 # OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
 SHIFT = 4
+
+AXIS = 0.75  # sides of a tag
 
 MIN_AREA_PX = 0.1  # of less, nobody sees anything
 
@@ -38,6 +41,22 @@ def mark_tags(frame, tags):
                    cv2.LINE_AA, SHIFT)
     for tag in tags:  # after all outlines, so that no line crosses a number
         _write(image, str(tag.id), tag.center)
+    return image
+
+
+def mark_poses(frame, poses, lens):
+    """Outline every tag of a list of TagPose, write its id, and draw its axes: x red, y green, z blue.
+
+    ``lens``: the Lens of the frame.
+    """
+    image = mark_tags(frame, poses)
+    for pose in poses:
+        ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
+        if np.any(ends[:, 2] <= 0):
+            continue
+        origin, *tips = (tuple(map(int, point)) for point in _fixed(lens.project(ends)))
+        for tip, color in zip(tips, (RED, GREEN, BLUE)):
+            cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
     return image
 
 

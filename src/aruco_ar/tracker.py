@@ -39,18 +39,18 @@ class Tracker:
     their corners are; from then on every tag in sight says where the area is.
     ``dictionary``, ``ids``: see Detector. ``hold``: seconds, 0 or more, for
     which the area stays at most when the tags in sight do not show well enough
-    where it is, or none is in sight. ``upright``: the picture's top is where
+    where it is, or none is in sight; also an attribute. ``upright``: the picture's top is where
     the tags' own tops are (``tags``) or where the frame's is (``image``).
     Raises InputError for any other.
     """
 
-    def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags'):
+    def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags', **detection):
         if not isinstance(hold, (int, float)) or not hold >= 0:
             raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
         if upright not in UPRIGHT:
             raise InputError('"%s" is no way to be upright; choose one of %s.' % (upright, ', '.join(UPRIGHT)))
-        self._detector = Detector(dictionary, ids)
-        self._hold = hold + ROUNDING_S
+        self._detector = Detector(dictionary, ids, **detection)
+        self.hold = hold
         self._upright = upright
         self.reset()
 
@@ -101,7 +101,7 @@ class Tracker:
         """Move on by that time, seconds; after too long, nobody knows where to."""
         if self._motion is not None:
             unseen = self._now - self._sighted
-            if passed > GAP_S or unseen > max(GAP_S, self._hold):
+            if passed > GAP_S or unseen > max(GAP_S, self.hold):
                 self._motion = None
             else:
                 self._motion.predict(passed, calm=unseen > passed)
@@ -265,7 +265,7 @@ class Tracker:
         if self._sighted == self._now and deviation < MAX_DEVIATION * longer:
             self._sure = self._now
         unsure = self._now - self._sure
-        if unsure > self._hold:
+        if unsure > self.hold + ROUNDING_S:
             return None
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
             self._sure = -np.inf

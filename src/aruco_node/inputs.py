@@ -15,6 +15,10 @@ from .messages import BUFFER_BYTES, TRANSPORTS, picture_from_image
 from .settings import TOPIC
 from .waiting import SILENCE_S, SUFFIX
 
+# Parameters of a Detector, and others after whose change all is learnt anew.
+FINDS = 'search', 'correction', 'likeness', 'min_side'
+BEGINS = 'dictionary', 'ids', 'upright'
+
 
 class Inputs:
     """Gives a step what it takes, frame by frame.
@@ -24,37 +28,53 @@ class Inputs:
     """
 
     def __init__(self, takes, settings, package):
-        self._detected = []
         self._takes, self._settings, self._package = takes, settings, package
         self._lock = threading.Lock()  # topics are followed in one thread, settings changed in another
-        self._detector = Detector(settings.dictionary, settings.ids) if 'tags' in takes else None
-        self._tracker = Tracker(settings.dictionary, settings.ids, settings.hold,
-                                settings.upright) if 'area' in takes else None
+        self._detected, self.has_area = [], False
+        self._detector, self._tracker = self._begin(settings)
         self._source = self._open(settings.picture) if 'picture' in takes else None
 
     @property
     def tags(self):
         """A list of Tag: those seen in the last frame."""
-        return self._tracker.tags if self._tracker else self._detected
+        return self._detected if 'tags' in self._takes else self._tracker.tags
 
     def at(self, frame, stamp):
         """What the step takes, in order, for a frame and its time, seconds."""
         return [getattr(self, '_' + name)(frame, stamp) for name in self._takes]
 
     def prepare(self, settings):
-        """Open the picture of other Settings; returns what uses it, fit and opacity from the next frame on.
+        """Open the picture of other Settings; returns what uses it, and all else, from the next frame on.
 
         Raises InputError if there is no such picture.
         """
-        same = settings.picture == self._settings.picture
+        before = self._settings
+        same = 'picture' not in self._takes or settings.picture == before.picture
         source = self._source if same else self._open(settings.picture)
+        begin = any(getattr(settings, name, None) != getattr(before, name, None) for name in (*FINDS, *BEGINS))
 
         def change():
             with self._lock:
                 if not same and isinstance(self._source, TopicPicture):
                     self._source.follow(False)
+                if begin:
+                    self._detector, self._tracker = self._begin(settings)
+                elif self._tracker is not None:
+                    self._tracker.hold = settings.hold
                 self._settings, self._source = settings, source
         return change
+
+    def reset(self):
+        """Forget what was learnt from frames."""
+        with self._lock:
+            self._detector, self._tracker = self._begin(self._settings)
+
+    def _begin(self, settings):
+        """What finds tags, and what follows the area, as far as they are needed."""
+        finds = {name: getattr(settings, name) for name in FINDS}
+        return (Detector(settings.dictionary, settings.ids, **finds) if 'tags' in self._takes else None,
+                Tracker(settings.dictionary, settings.ids, settings.hold, settings.upright, **finds)
+                if 'area' in self._takes else None)
 
     def follow(self, wanted):
         """Listen to the picture's topic, if it is one, or leave it."""
@@ -67,7 +87,9 @@ class Inputs:
         return self._detected
 
     def _area(self, frame, stamp):
-        return self._tracker.update(frame, stamp)
+        area = self._tracker.update(frame, stamp)
+        self.has_area = area is not None
+        return area
 
     def _picture(self, frame, stamp):
         return self._source.at(stamp)

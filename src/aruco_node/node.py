@@ -8,11 +8,15 @@ import rospy
 from aruco_ar.errors import InputError
 
 
-def run_node(name, work):
+def run_node(name, work, manual):
     """Start a node, call ``work``, which goes on until ROS shuts down, and end the process.
 
-    Where ``work`` raises InputError, its sentence is logged and the exit code is 1.
+    Where ``work`` raises InputError, its sentence is logged and the exit code
+    is 1. Asked for --help, print the Manual and the program's docstring instead.
     """
+    if any(argument in ('--help', '-h') for argument in sys.argv[1:]):
+        print(manual.text(name, sys.modules['__main__'].__doc__))
+        return
     sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.

@@ -1,59 +1,129 @@
-"""The parameters that all exercises share, checked."""
+"""The parameters of the nodes that look at a camera's frames, and of areas files."""
 from dataclasses import dataclass
 from typing import Tuple
 
+from aruco_ar.detector import LIKENESS, SEARCHES
 from aruco_ar.errors import InputError
 from aruco_ar.files import yaml_entries
 from aruco_ar.fitting import FITS
 from aruco_ar.tags import DICTIONARIES
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
+from .parameters import Number, choice, number, read, text
 from .waiting import IMAGE_TYPES
 
-MIN_SCALE, MAX_SCALE = 0.01, 4.0
-MAX_HOLD_S = 60.0
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
+ID = '{id}'  # in the name of a tag's frame
+AUTO, LEARN = 'auto', 'learn'
+RECTIFIED = AUTO, 'yes', 'no'
+MIN_SIZE_M, MAX_SIZE_M = 0.001, 10
+SIZE = Number(MIN_SIZE_M, MAX_SIZE_M)
+
+
+def _some(value):
+    """A text that is not empty."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError
+    return value
+
+
+def _ids(value):
+    """A list, or text such as "1, 2, 3, 4" or "any", as launch files give it."""
+    if value == 'any':
+        return ()
+    parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
+    ids = tuple(int(part) for part in parts if not isinstance(part, (bool, float)))
+    if parts and not len(ids) == len(parts) == len(set(ids)) == 4:
+        raise ValueError
+    return ids
+
+
+def _ids_as_text(ids):
+    return ','.join(map(str, ids)) or 'any'
+
+
+def _picture(value):
+    if value == TOPIC:
+        raise ValueError
+    return _some(value)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What the private parameters of an exercise's node say.
+    """What every node that looks at frames takes. ``ids``: the four that count, or empty for any."""
 
-    ``ids``: the four tags that count, or empty for any. ``scale``: what each
-    frame's size is multiplied by before anything else. ``transport``: raw or
-    compressed. ``hold``, ``upright``: see Tracker. ``picture``: the path of a
-    file, which may be within the package, or topic: and the name of an image
-    topic. ``fit``, ``opacity``: see overlay.
-    """
-
-    dictionary: str = 'DICT_6X6_250'
-    ids: Tuple[int, ...] = ()
-    scale: float = 1.0
-    transport: str = 'raw'
-    hold: float = HOLD_S
-    upright: str = 'tags'
-    picture: str = 'images/earth.jpg'
-    fit: str = 'stretch'
-    opacity: float = 1.0
+    transport: str = choice('raw', IMAGE_TYPES, 'compressed reads TOPIC/compressed', live=False)
+    dictionary: str = choice('DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name')
+    ids: Tuple[int, ...] = text((), '"any", or the ids of four different tags, such as 1,2,3,4',
+                                'the four tags that count', _ids, _ids_as_text)
+    scale: float = number(1.0, 0.01, 4.0, 'each frame is resized by this factor first')
+    search: str = choice('normal', SEARCHES, 'how hard to look for tags: fast for near ones, thorough for '
+                                             'small and slanted ones')
+    correction: float = number(1.0, 0, 1, 'how many of the wrong cells that the dictionary could correct are '
+                                          'corrected')
+    likeness: float = number(LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is taken for')
+    min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
+    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures', _some)
 
 
-def read_settings(get):
-    """Settings from parameters; ``get(name, default)`` looks one up.
+@dataclass(frozen=True)
+class AreaSettings(Settings):
+    """With the area. ``hold``, ``upright``: see Tracker."""
 
-    Raises InputError naming the parameter, its value and what is allowed.
-    """
-    defaults = Settings()
-    return Settings(
-        dictionary=_one_of(get, 'dictionary', DICTIONARIES, defaults.dictionary),
-        ids=_ids(get),
-        scale=number(get, 'scale', defaults.scale, MIN_SCALE, MAX_SCALE),
-        transport=_one_of(get, 'transport', IMAGE_TYPES, defaults.transport),
-        hold=number(get, 'hold', defaults.hold, 0, MAX_HOLD_S),
-        upright=_one_of(get, 'upright', UPRIGHT, defaults.upright),
-        picture=_picture(get('picture', defaults.picture)),
-        fit=_one_of(get, 'fit', FITS, defaults.fit),
-        opacity=number(get, 'opacity', defaults.opacity, 0, 1))
+    hold: float = number(HOLD_S, 0, 60, 'seconds for which the area stays at most without a tag in sight')
+    upright: str = choice('tags', UPRIGHT, "whose top is the picture's: that of the tags or of the image")
+
+
+@dataclass(frozen=True)
+class PictureSettings(AreaSettings):
+    """With the picture: a file, which may be within the package, or topic: and the name of an image topic."""
+
+    picture: str = text('images/earth.jpg',
+                        'the path of a picture or video, such as images/earth.jpg, or topic: and the name of '
+                        'an image topic, such as topic:/other/camera', 'what is painted', _picture)
+    fit: str = choice('stretch', FITS, 'how a picture of another shape goes into the area')
+    opacity: float = number(1.0, 0, 1, 'how much of the picture is in the mixture with the frame')
+    areas: str = text('none', 'none, or the path of a YAML file', 'several areas: see config/areas.yaml', _some,
+                      live=False)
+
+
+def _sizes(value):
+    """Pairs of id and meters, of a dict, or of text such as "7: 0.1, 8: 0.25", as launch files give it."""
+    if value in ('none', '', {}):
+        return ()
+    pairs = [part.split(':') for part in value.strip('{} ').split(',')] if isinstance(value, str) else value.items()
+    return tuple((int(tag_id), SIZE.read(float(size))) for tag_id, size in pairs)
+
+
+def _sizes_as_text(sizes):
+    return ', '.join('%d: %g' % pair for pair in sizes) or 'none'
+
+
+def _tag_frame(value):
+    if ID not in _some(value):
+        raise ValueError
+    return value
+
+
+@dataclass(frozen=True)
+class PoseSettings(AreaSettings):
+    """What tag_poses takes."""
+
+    tag_size: float = number(0.18, MIN_SIZE_M, MAX_SIZE_M, "side of the tags' black square, meters")
+    tag_sizes: Tuple[Tuple[int, float], ...] = text((), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
+                                       'tags of another size', _sizes, _sizes_as_text)
+    wall: str = text(LEARN, 'learn, or the path of a YAML file', "where the tags are on the wall: see "
+                     "config/wall.yaml", _some)
+    camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
+                            _some, live=False)
+    rectified: str = choice(AUTO, RECTIFIED, 'whether the lens is corrected in the frames already; auto: if '
+                                             'their topic is called image_rect...', live=False)
+    tag_frame: str = text('tag_' + ID, 'a name with {id} in it', "TF frame of a tag", _tag_frame, live=False)
+    wall_frame: str = text('wall', 'the name of a TF frame', "frame in which the camera's and the robot's poses "
+                           "are given", _some, live=False)
+    robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose', _some,
+                            live=False)
 
 
 def load_areas(path):
@@ -68,50 +138,8 @@ def load_areas(path):
             unknown = set(entry) - set(AREA_ENTRIES)
             if unknown:
                 raise ValueError('"%s" is none of %s' % (unknown.pop(), ', '.join(AREA_ENTRIES)))
-            if not entry['ids'] or not read_settings(entry.get).ids:
+            if not entry['ids'] or not read(PictureSettings, entry.get).ids:
                 raise ValueError('an area needs the ids of its four tags')
     if not entries:
         raise InputError('The file "%s" has no areas; give at least one.' % path)
     return entries
-
-
-def _picture(value):
-    if not isinstance(value, str) or value in ('', TOPIC):
-        raise _wrong('picture', value, 'the path of a picture or video, such as images/earth.jpg, or '
-                                       'topic: and the name of an image topic, such as topic:/other/camera')
-    return value
-
-
-def number(get, name, default, low, high):
-    """A number parameter within [low, high]. Raises InputError if it is none."""
-    value = get(name, default)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-        raise _wrong(name, value, 'a number from %g to %g' % (low, high))
-    return float(value)
-
-
-def _wrong(name, value, allowed):
-    return InputError('The parameter ~%s is %s; it must be %s.'
-                      % (name, '"%s"' % value if isinstance(value, str) else value, allowed))
-
-
-def _one_of(get, name, choices, default):
-    value = get(name, default)
-    if not isinstance(value, str) or value not in choices:
-        raise _wrong(name, value, 'one of ' + ', '.join(choices))
-    return value
-
-
-def _ids(get):
-    """The parameter ~ids: a list, or text such as "1, 2, 3, 4" or "any", as launch files give it."""
-    value = get('ids', '')
-    try:
-        if value == 'any':
-            return ()
-        parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
-        ids = tuple(int(part) for part in parts if not isinstance(part, (bool, float)))
-    except (TypeError, ValueError):
-        parts, ids = [value], ()
-    if parts and not (len(ids) == len(parts) == len(set(ids)) == 4):
-        raise _wrong('ids', value, '"any", or the ids of four different tags, such as 1,2,3,4')
-    return ids

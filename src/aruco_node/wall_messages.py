@@ -9,6 +9,7 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 from .messages import polygon_from_pixels, tags_from_pixels
+from .names import frame_name
 
 ODOMETRY_FRAME = 'odom'
 ROBOT_FRAME = 'base_link'
@@ -22,7 +23,7 @@ def observe(wall, camera, pose, linear, angular, stamp):
     Returns the frame's header and {topic: message}; ``~tags`` and ``~area``
     are the truth about the frame.
     """
-    header = Header(stamp=stamp, frame_id=CAMERA_FRAME)
+    header = Header(stamp=stamp, frame_id=frame_name(CAMERA_FRAME))
     view = wall_to_camera(pose)
     return header, {
         'odom': odometry(pose, linear, angular, stamp),
@@ -44,8 +45,8 @@ def camera_info(camera, header):
 
 def odometry(pose, linear, angular, stamp):
     """A Pose and its speed, m/s and rad/s, as nav_msgs/Odometry."""
-    message = Odometry(header=Header(stamp=stamp, frame_id=ODOMETRY_FRAME),
-                       child_frame_id=ROBOT_FRAME)
+    message = Odometry(header=Header(stamp=stamp, frame_id=frame_name(ODOMETRY_FRAME)),
+                       child_frame_id=frame_name(ROBOT_FRAME))
     message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
     message.pose.pose.orientation = _heading(pose.heading)
     message.twist.twist.linear.x, message.twist.twist.angular.z = linear, angular
@@ -89,7 +90,8 @@ def _heading(angle):
 
 
 def _transform(parent, child, place, turn, stamp):
-    message = TransformStamped(header=Header(stamp=stamp, frame_id=parent), child_frame_id=child)
+    message = TransformStamped(header=Header(stamp=stamp, frame_id=frame_name(parent)),
+                               child_frame_id=frame_name(child))
     message.transform.translation.x, message.transform.translation.y, \
         message.transform.translation.z = place
     message.transform.rotation = turn

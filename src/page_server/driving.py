@@ -12,13 +12,16 @@ DEAD_MAN_S = 0.4  # without a word from who drives, the robot is stopped
 class Driver:
     """Publishes /cmd_vel for who drives, and stops the robot when they go."""
 
-    def __init__(self, linear, angular):
-        """``linear``, ``angular``: the speeds to drive at, m/s and rad/s."""
-        self._speeds = linear, angular
+    def __init__(self):
+        self._speeds = 0.0, 0.0
         self._publisher = rospy.Publisher('cmd_vel', Twist, queue_size=1)
         self._who, self._timer = None, None
         self._lock, self._closed = threading.Lock(), False
         rospy.on_shutdown(self._close)
+
+    def set_speeds(self, settings):
+        """Drive at the settings' ``linear`` and ``angular``, m/s and rad/s, from the next command on."""
+        self._speeds = settings.linear, settings.angular
 
     def command(self, who, forward, left):
         """Drive: each -1 to 1, in parts of the speeds; 0, 0 stops. What is no number is passed over."""

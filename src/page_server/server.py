@@ -9,9 +9,11 @@ from typing import Any, List, NamedTuple, Optional
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_node.exercise import CAMERA
+from aruco_node.camera_node import CAMERA
+from aruco_node.health import OK, Diagnostics
 from aruco_node.node import parameter
-from aruco_node.settings import number as number_parameter
+from aruco_node.parameters import number, read, text
+from aruco_node.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
 from tornado.netutil import bind_sockets
@@ -24,12 +26,39 @@ from .handlers import Guarded, Page, Picture, Snapshot, Stream, StreamViewer, Un
 from .live import Live
 from .topics import Topics
 
-PORT = 8080
 SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
 IDLE_S = 60
 MAX_CONNECTIONS = 256
+AUTO = 'auto'
 PING_S = 5
 LOOK_MS = 2000
+DIAGNOSTICS_MS = 250
+
+
+def _address(value):
+    if not isinstance(value, str) or not value:
+        raise ValueError
+    return value
+
+
+def _wish(value):
+    if value != AUTO and not isinstance(value, bool):
+        raise ValueError
+    return value
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The parameters of the page."""
+
+    address: str = text('127.0.0.1', 'the address or the name of a host',
+                        'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
+                        _address, live=False)
+    port: float = number(8080, 1, 65535, "the page's port", live=False)
+    drive: Any = text(AUTO, 'true, false or auto', 'whether the page may drive the robot; auto: only where it is '
+                      'served to this machine alone', _wish, lambda value: value, live=False)
+    linear: float = number(0.3, 0, 2, 'speed to drive at, m/s')
+    angular: float = number(0.8, 0, 8, 'speed to turn at, rad/s')
 
 
 class Tile(NamedTuple):
@@ -102,15 +131,17 @@ class Files(Guarded, StaticFileHandler):
 
 def serve():
     """Serve the page until ROS shuts down. Raises InputError if that is not possible."""
-    address, port = str(parameter('address', '127.0.0.1')), int(number_parameter(parameter, 'port', PORT, 1, 65535))
+    settings = read(Settings, parameter)
+    address, port = settings.address, int(settings.port)
     for name in ('tornado.application', 'asyncio'):  # a fault of ours shows where the node's others do
         logging.getLogger(name).parent = logging.getLogger('rosout')
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     local, driver = is_loopback(address), None
-    if _may_drive(parameter('drive', 'auto'), local):
-        driver = Driver(number_parameter(parameter, 'linear', 0.3, 0, 2),
-                        number_parameter(parameter, 'angular', 0.8, 0, 8))
+    if local if settings.drive == AUTO else settings.drive:
+        driver = Driver()
+        driver.set_speeds(settings)
+    Reconfigurer(settings, driver.set_speeds if driver else lambda settings: None)
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
     parts = Parts(Topics(), None, driver, tiles)
@@ -118,6 +149,9 @@ def serve():
     # What is chosen elsewhere tells of itself; a node that ends does not.
     PeriodicCallback(parts.tell_browsers, LOOK_MS).start()
     server = _listen(application(parts), address, port)
+    diagnostics = Diagnostics(lambda: (OK, 'The page is served.', {
+        'connections': server.count, 'pages open': len(parts.browsers), 'driving': 'on' if driver else 'off'}))
+    PeriodicCallback(diagnostics.update, DIAGNOSTICS_MS).start()
     rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
     name = 'localhost' if local else socket.gethostname() if address in ('0.0.0.0', '::') else \
         '[%s]' % address if ':' in address else address
@@ -137,14 +171,6 @@ def application(parts):
     ], default_handler_class=Unknown, default_handler_args=shared, template_path=page,
         log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
         websocket_max_message_size=64 * 1024)
-
-
-def _may_drive(wish, local):
-    if wish == 'auto':
-        return local
-    if not isinstance(wish, bool):
-        raise InputError('The parameter ~drive is %s; it must be true, false or auto.' % wish)
-    return wish
 
 
 def _listen(app, address, port):

@@ -8,7 +8,8 @@ import pytest
 from aruco_ar import InputError
 from aruco_node.messages import (TRANSPORTS, compressed_from_frame, frame_from_compressed,
                                  frame_from_image, image_from_frame, picture_from_image)
-from aruco_node.settings import Settings, load_areas, read_settings
+from aruco_node.parameters import read
+from aruco_node.settings import PictureSettings, load_areas
 from aruco_node.waiting import IMAGE_TYPES, explain_silence
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
@@ -144,11 +145,11 @@ def test_compressed_data_that_cannot_be_decoded_is_explained(data):
 
 
 def settings(**parameters):
-    return read_settings(lambda name, default: parameters.get(name, default))
+    return read(PictureSettings, lambda name, default: parameters.get(name, default))
 
 
 def test_without_parameters_nothing_is_to_be_configured():
-    assert settings() == Settings('DICT_6X6_250', (), 1.0, 'raw', 0.3, 'tags')
+    assert settings() == PictureSettings()
 
 
 @pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])

@@ -34,6 +34,9 @@ class Node(unittest.TestCase):
     def tearDown(self):
         for item in self.running:
             item.stop() if isinstance(item, started.Started) else item.unregister()
+        self.forget_parameters()
+
+    def forget_parameters(self):
         for name in rospy.get_param_names():  # what _name:=value set outlives the node
             if name.startswith(('/exercise5_', '/wall_camera/')):
                 rospy.delete_param(name)
@@ -173,6 +176,7 @@ class Node(unittest.TestCase):
                 ('exercise5_6.py', '_picture:=/no/picture.jpg', ['/no/picture.jpg', 'not a file']),
                 ('wall_camera.py', '_noise:=much', ['~noise', 'much', 'a number from 0 to 100']),
                 ('wall_camera.py', '_wall:=/no/wall.yaml', ['/no/wall.yaml', 'cannot be read'])):
+            self.forget_parameters()
             node = self.start(name, argument)
             self.assertEqual(node.ends(), 1, name)
             node.wait_for(*words)

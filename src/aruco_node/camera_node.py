@@ -1,0 +1,198 @@
+"""A node that looks at a camera's frames: topics, parameters, services, and everything that can go wrong."""
+import threading
+import time
+import traceback
+
+import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+from aruco_ar.picture import resize
+from std_srvs.srv import Trigger, TriggerResponse
+from unit5.msg import TagArray
+
+from .health import ERROR, OK, Diagnostics, FrameCount
+from .inputs import Inputs
+from .messages import BUFFER_BYTES, TRANSPORTS, tags_from_pixels
+from .node import parameter
+from .parameters import plain, read
+from .publishing import ImagePublisher, Listener
+from .reconfigure import Reconfigurer
+from .settings import load_areas
+from .snapshot import Snapshot
+from .waiting import SILENCE_S, explain_silence
+
+CAMERA = 'camera/rgb/image_raw'
+
+
+class CameraNode:
+    """Answers the newest frame of the camera, while somebody listens.
+
+    A subclass says by ``answer`` what it makes of a frame. ``takes``: see
+    Inputs. ``topics``: of the images that it makes. ``kind_of_settings``: the
+    class of its parameters.
+    """
+
+    def __init__(self, takes, topics, kind_of_settings):
+        self.settings = read(kind_of_settings, parameter)
+        self._areas = [{}]  # of each area, the parameters that are its own
+        if getattr(self.settings, 'areas', 'none') != 'none':
+            self._areas = load_areas(self.settings.areas)
+        self._inputs = [Inputs(takes, of_area, package_folder()) for of_area in self._of_areas(self.settings)]
+
+        self.camera = rospy.resolve_name(CAMERA)
+        suffix, self._kind, self._to_frame = TRANSPORTS[self.settings.transport]
+        self._topic = self.camera + suffix
+        self._subscriber = None
+        self._last_sign = time.monotonic()  # of life from the camera
+        self._said = set()
+        self._waiting = None  # why nothing arrives, and whether that is all right
+        self.wake = threading.Event()
+        self._outputs = {topic: ImagePublisher('~' + topic, self.wake.set) for topic in topics}
+        self._tags = self.advertise('~tags', TagArray)
+        self._count = FrameCount()
+        self._diagnostics = Diagnostics(lambda: self.report())
+        self._snapshot = Snapshot(self.wake.set)
+        self._learns = 'area' in takes
+
+    def answer(self, frame, given, header, stamp):
+        """The images to publish, one for each topic.
+
+        ``frame``: (h, w, 3) BGR uint8, to write into. ``given``: for each
+        area, a list of what the node takes. ``header``: the frame's.
+        ``stamp``: its time, seconds.
+        """
+        raise NotImplementedError
+
+    def is_wanted(self):
+        """Whether anybody listens to anything that comes of a frame."""
+        return self._snapshot.wanted or self._tags.get_num_connections() > 0 or \
+            any(output.has_listeners() for output in self._outputs.values())
+
+    def follow(self, wanted):
+        """Listen to what is needed besides the camera, or leave it; called about once a second."""
+        for inputs in self._inputs:
+            inputs.follow(wanted)
+
+    def prepare(self, settings):
+        """Functions that change over to other settings. Raises InputError if they cannot be."""
+        return [inputs.prepare(of_area) for inputs, of_area in zip(self._inputs, self._of_areas(settings))]
+
+    def reset(self):
+        """Forget what was learnt from frames."""
+        for inputs in self._inputs:
+            inputs.reset()
+
+    def advertise(self, topic, kind):
+        """A Publisher of messages of that kind; the node takes note of who comes to listen, and goes."""
+        return rospy.Publisher(topic, kind, Listener(self.wake.set), queue_size=1)
+
+    def spin(self):
+        """Subscribe while somebody listens, and say so when nothing arrives, until shutdown."""
+        self._snapshot.serve(lambda: self.settings.folder, lambda: self._why_nothing_arrives()[0])
+        if self._learns:
+            rospy.Service('~reset', Trigger, self._on_reset)
+        Reconfigurer(self.settings, self._reconfigure)
+        rospy.on_shutdown(self.wake.set)
+        rospy.loginfo('Ready: %s -> %s', self._topic, ', '.join(output.name for output in self._outputs.values()))
+        while not rospy.is_shutdown():
+            self._follow_listeners()
+            if time.monotonic() - self._last_sign > SILENCE_S:
+                self._explain_silence()
+            self._diagnostics.update()
+            self.wake.wait(1.0)
+            self.wake.clear()
+
+    def say_once(self, kind, sentence, log=rospy.logerr):
+        """Log a sentence, unless one of that kind has been logged."""
+        if kind not in self._said:
+            self._said.add(kind)
+            log('%s', sentence)
+
+    def _of_areas(self, settings):
+        """The Settings of each area: its own before the node's."""
+        values = plain(settings)
+        return [read(type(settings), lambda name, default: own.get(name, values[name])) for own in self._areas]
+
+    def _reconfigure(self, settings):
+        if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
+            raise InputError('Each area has a picture of its own, in the file that ~areas names.')
+        for change in self.prepare(settings):
+            change()
+        self.settings = settings
+        self.wake.set()
+
+    def _on_reset(self, request):
+        self.reset()
+        return TriggerResponse(True, 'What was learnt about the wall is forgotten.')
+
+    def _follow_listeners(self):
+        wanted = self.is_wanted()
+        self.follow(wanted)
+        if wanted and self._subscriber is None:
+            self._last_sign = time.monotonic()
+            self._count.begin()
+            self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
+                                                queue_size=1, buff_size=BUFFER_BYTES)
+        elif not wanted and self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
+
+    def _why_nothing_arrives(self):
+        """A sentence, and whether that is all right."""
+        try:
+            published = dict(rospy.get_published_topics())
+        except Exception as error:  # the master is away; whatever its client raises
+            return 'The ROS master does not answer: %s' % error, False
+        own = [output.name for output in self._outputs.values()]
+        if self._subscriber is None and published.get(self._topic) == self._kind._type:
+            return 'Nobody listens to %s, so nothing is computed. To see it: open the page, or rosrun ' \
+                   'image_view image_view image:=%s' % (', '.join(own), own[-1]), True
+        return explain_silence(self.camera, self.settings.transport, published,
+                               own + [name + '/compressed' for name in own]), False
+
+    def _explain_silence(self):
+        """Say why nothing arrives, again only when the reason has become another."""
+        self._last_sign = time.monotonic()  # look again after another SILENCE_S
+        waiting = self._why_nothing_arrives()
+        if waiting != self._waiting:
+            self._waiting = waiting
+            sentence, is_right = waiting
+            (rospy.loginfo if is_right else rospy.logwarn)('%s', sentence)
+
+    def report(self):
+        """How the node is doing: see Diagnostics."""
+        level, sentence, values = self._count.report()
+        if self._waiting:
+            sentence, is_right = self._waiting
+            level = OK if is_right else ERROR
+        elif self._subscriber is None:
+            level, sentence = OK, 'Nobody listens, so nothing is computed.'
+        return level, sentence, values
+
+    def _on_message(self, message):
+        self._last_sign = began = time.monotonic()
+        if self._waiting:
+            self._waiting = None
+            rospy.loginfo('Frames arrive on %s.', self._topic)
+        missing = self._count.came(message.header.seq)
+        try:
+            frame = self._to_frame(message)
+            if self.settings.scale != 1.0:
+                frame = resize(frame, self.settings.scale)
+            self._snapshot.before(frame)
+            stamp = (message.header.stamp or rospy.Time.now()).to_sec()
+            given = [inputs.at(frame, stamp) for inputs in self._inputs]
+            images = dict(zip(self._outputs, self.answer(frame, given, message.header, stamp)))
+            self._snapshot.after(images)
+            for topic, image in images.items():
+                self._outputs[topic].publish(image, message.header)
+            tags = [tag for inputs in self._inputs for tag in inputs.tags]
+            if self._tags.get_num_connections():
+                self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in tags], message.header))
+            self._count.answered(began, message.header.stamp, missing, len(tags),
+                                 any(inputs.has_area for inputs in self._inputs))
+        except InputError as error:
+            self.say_once(error.kind, str(error))
+        except Exception:  # a fault of ours: one frame is lost, not the node
+            fault = traceback.format_exc()
+            self.say_once(fault, 'A frame is passed over, by a fault of this node: ' + fault)

@@ -1,0 +1,114 @@
+"""Parameters of nodes: each is a field of a dataclass, which says what it may be and what for.
+
+From that one place come the checks when a node starts, what dynamic_reconfigure
+shows and takes (see reconfigure), and what ``--help`` prints (see manual).
+"""
+from dataclasses import dataclass, field, fields
+from typing import Callable, Tuple
+
+from aruco_ar.errors import InputError
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number from ``low`` to ``high``."""
+
+    low: float
+    high: float
+
+    @property
+    def allowed(self):
+        return 'a number from %g to %g' % (self.low, self.high)
+
+    def read(self, value):
+        """The value as a float. Raises ValueError if it is none of those allowed."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not self.low <= value <= self.high:
+            raise ValueError
+        return float(value)
+
+    def plain(self, value):
+        """The value as a parameter server keeps it."""
+        return value
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of several texts."""
+
+    choices: Tuple[str, ...]
+
+    @property
+    def allowed(self):
+        return 'one of ' + ', '.join(self.choices)
+
+    def read(self, value):
+        if not isinstance(value, str) or value not in self.choices:
+            raise ValueError
+        return value
+
+    def plain(self, value):
+        return value
+
+
+@dataclass(frozen=True)
+class Text:
+    """Anything that a function makes a value of; where it cannot, it raises ValueError or TypeError."""
+
+    allowed: str
+    read: Callable
+    plain: Callable = str
+
+
+@dataclass(frozen=True)
+class About:
+    """What is known of a parameter: its kind, what it is for, and whether it can be changed in a running node."""
+
+    kind: object
+    what: str
+    live: bool
+
+
+def number(default, low, high, what, live=True):
+    """A dataclass's field for a number parameter within [low, high]."""
+    return _field(default, Number(low, high), what, live)
+
+
+def choice(default, choices, what, live=True):
+    """A dataclass's field for a parameter that is one of several texts."""
+    return _field(default, Choice(tuple(choices)), what, live)
+
+
+def text(default, allowed, what, read, plain=str, live=True):
+    """A dataclass's field for any other parameter: see Text."""
+    return _field(default, Text(allowed, read, plain), what, live)
+
+
+def _field(default, kind, what, live):
+    return field(default=default, metadata={'about': About(kind, what, live)})
+
+
+def abouts(settings):
+    """{name: About} of all parameters of a class of settings, or of an instance."""
+    return {item.name: item.metadata['about'] for item in fields(settings)}
+
+
+def read(kind_of_settings, get):
+    """Settings of that class from parameters; ``get(name, default)`` looks one up.
+
+    Raises InputError naming the parameter, its value and what is allowed.
+    """
+    values = {}
+    for item in fields(kind_of_settings):
+        kind = item.metadata['about'].kind
+        value = get(item.name, kind.plain(item.default))
+        try:
+            values[item.name] = kind.read(value)
+        except (TypeError, ValueError, AttributeError):
+            raise InputError('The parameter ~%s is %s; it must be %s.' % (
+                item.name, '"%s"' % value if isinstance(value, str) else value, kind.allowed)) from None
+    return kind_of_settings(**values)
+
+
+def plain(settings):
+    """{name: value}: the parameters as a parameter server keeps them."""
+    return {name: about.kind.plain(getattr(settings, name)) for name, about in abouts(settings).items()}

@@ -1,0 +1,70 @@
+"""Changing parameters while a node runs: dynamic_reconfigure, from a class of settings.
+
+The .cfg files that dynamic_reconfigure usually takes would say once more what
+the settings say (see parameters), once for each node.
+"""
+from types import SimpleNamespace
+
+import rospy
+from aruco_ar.errors import InputError
+from dynamic_reconfigure.server import Server
+
+from .parameters import Choice, Number, abouts, plain, read
+
+
+class Reconfigurer(Server):
+    """Serves the parameters of settings; what is not allowed is refused with a sentence.
+
+    ``on_change`` is called, from any thread, with other settings; it may raise
+    InputError, then all stays as it was.
+    """
+
+    def __init__(self, settings, on_change):
+        self._settings, self._on_change = settings, on_change
+        super().__init__(_describe(type(settings)), self._reconfigure)
+
+    def _copy_from_parameter_server(self):
+        """Begin with what has been read and checked, in place of what the parameter server holds."""
+        self.config.update(self._live(self._settings))
+
+    def _clamp(self, config):
+        """Leave a number that is too large as it is: it is refused, not cut without a word."""
+
+    def _live(self, settings):
+        values = plain(settings)
+        return {name: values[name] for name, about in abouts(settings).items() if about.live}
+
+    def _reconfigure(self, config, level):
+        """What the server calls with what somebody wishes; returns what it becomes."""
+        kept = plain(self._settings)
+        try:
+            settings = read(type(self._settings), lambda name, default: config.get(name, kept[name]))
+            if settings != self._settings:
+                self._on_change(settings)
+        except InputError as error:
+            rospy.logerr('%s Nothing is changed.', error)
+        else:
+            self._settings = settings
+        config.update(self._live(self._settings))
+        return config
+
+
+def _describe(kind_of_settings):
+    """What generate_dynamic_reconfigure_options makes of a .cfg file, as far as the server needs it."""
+    parameters = [_parameter(name, about, plain(kind_of_settings())[name])
+                  for name, about in abouts(kind_of_settings).items() if about.live]
+    described = {key: {each['name']: each[key] for each in parameters} for key in ('min', 'max', 'level')}
+    return SimpleNamespace(
+        defaults={each['name']: each['default'] for each in parameters}, **described,
+        config_description={'name': 'Default', 'type': '', 'state': True, 'id': 0, 'parent': 0,
+                            'parameters': parameters, 'groups': []})
+
+
+def _parameter(name, about, default):
+    is_number = isinstance(about.kind, Number)
+    choices = [{'name': value, 'value': value, 'type': 'str', 'description': value}
+               for value in about.kind.choices] if isinstance(about.kind, Choice) else []
+    return {'name': name, 'type': 'double' if is_number else 'str', 'default': default, 'level': 0,
+            'description': about.what, 'min': about.kind.low if is_number else '',
+            'max': about.kind.high if is_number else '',
+            'edit_method': repr({'enum': choices, 'enum_description': about.what}) if choices else ''}
