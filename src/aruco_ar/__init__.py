@@ -13,14 +13,17 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 from .area import Area, find_area, find_four_centers
 from .detector import Detector
 from .errors import InputError
+from .lens import Lens
 from .ordering import largest_quadrilateral, order_coordinates
 from .paint import area_mask, fill_polygon, mark_centers, mark_tags, overlay, subtract
 from .picture import load_picture
+from .poses import AreaPose, CameraPose, PoseEstimator, TagPose
 from .tags import DICTIONARIES, Tag, draw_tag, get_dictionary
 from .tracker import Tracker
 
 __all__ = [
-    'Area', 'DICTIONARIES', 'Detector', 'InputError', 'Tag', 'Tracker', 'area_mask', 'draw_tag',
-    'fill_polygon', 'find_area', 'find_four_centers', 'get_dictionary', 'largest_quadrilateral',
-    'load_picture', 'mark_centers', 'mark_tags', 'order_coordinates', 'overlay', 'subtract',
+    'Area', 'AreaPose', 'CameraPose', 'DICTIONARIES', 'Detector', 'InputError', 'Lens', 'PoseEstimator', 'Tag',
+    'TagPose', 'Tracker', 'area_mask', 'draw_tag', 'fill_polygon', 'find_area', 'find_four_centers',
+    'get_dictionary', 'largest_quadrilateral', 'load_picture', 'mark_centers', 'mark_tags', 'order_coordinates',
+    'overlay', 'subtract',
 ]

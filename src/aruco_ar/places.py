@@ -1,0 +1,78 @@
+"""Where on a wall its tags are: known from its file, or learnt.
+
+A tag's place is (x, y, turn): its center, meters, and its turn counterclockwise,
+radians, in wall coordinates. How places may be off is told together, by a
+matrix whose columns are independent deviations.
+"""
+from math import radians
+
+import numpy as np
+
+from .solving import square
+
+ANYWHERE = 1.0, 1.0, 1.0  # m, m, rad: how far off the place of a new tag may be, which is only a guess
+
+
+class Places:
+    """The tags known on one wall."""
+
+    def __init__(self, wall=None):
+        """Those of a wall.Wall, or none."""
+        tags = () if wall is None else wall.tags
+        self._index = {tag.id: number for number, tag in enumerate(tags)}
+        self._places = np.array([[tag.x, tag.y, -radians(tag.turn)] for tag in tags]).reshape(-1, 3)
+        self._sizes = np.array([tag.side for tag in tags])
+        self._deviation = np.zeros((3 * len(tags), 0))
+
+    def __contains__(self, tag_id):
+        return tag_id in self._index
+
+    def __len__(self):
+        return len(self._index)
+
+    def poses(self, ids):
+        """Of those tags in wall coordinates: rotations (n, 3, 3), centers (n, 3), and how both may be off, (n, 6, q)."""
+        number = [self._index[tag_id] for tag_id in ids]
+        x, y, turn = self._places[number].T
+        rotation = np.zeros((len(number), 3, 3))
+        rotation[:, 0, 0] = rotation[:, 1, 1] = np.cos(turn)
+        rotation[:, 1, 0] = np.sin(turn)
+        rotation[:, 0, 1] = -rotation[:, 1, 0]
+        rotation[:, 2, 2] = 1
+        off = np.zeros((len(number), 6, self._deviation.shape[1]))
+        off[:, [0, 1, 5]] = self._deviation.reshape(len(self._index), 3, -1)[number]
+        return rotation, np.stack([x, y, np.zeros(len(number))], axis=1), off
+
+    def points(self, ids):
+        """The corners of those tags, (n, 4, 3) wall meters, and how they may be off, (n, 4, 3, q) (see refine)."""
+        rotation, center, off = self.poses(ids)
+        arms = square(self._sizes[[self._index[tag_id] for tag_id in ids]]) @ rotation.transpose(0, 2, 1)
+        spread = np.repeat(off[:, None, :3], 4, axis=1)
+        spread[:, :, 0] -= arms[:, :, 1, None] * off[:, None, 5]
+        spread[:, :, 1] += arms[:, :, 0, None] * off[:, None, 5]
+        return arms + center[:, None], spread
+
+    def add(self, tag_id, place, size, exact=False):
+        """A tag that was seen at a place, (3,), which is exactly or only about its own."""
+        before = self._deviation.shape
+        self._index[tag_id] = len(self._index)
+        self._places = np.vstack([self._places, place])
+        self._sizes = np.append(self._sizes, size)
+        self._deviation = np.pad(self._deviation, ((0, 3), (0, 0 if exact else 3)))
+        if not exact:
+            self._deviation[before[0]:, before[1]:] = np.diag(ANYWHERE)
+
+    def learn(self, own, covariance):
+        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q)."""
+        self._places = self._places + (self._deviation @ own).reshape(-1, 3)
+        self._deviation = self._deviation @ np.linalg.cholesky(covariance)
+
+    def forget(self, tag_id):
+        """Forget a tag; what was learnt about the others stays."""
+        number = self._index.pop(tag_id)
+        self._index = {other: place - (place > number) for other, place in self._index.items()}
+        self._places = np.delete(self._places, number, axis=0)
+        self._sizes = np.delete(self._sizes, number)
+        rest = np.delete(self._deviation, slice(3 * number, 3 * number + 3), axis=0)
+        axes, lengths, _ = np.linalg.svd(rest, full_matrices=False)
+        self._deviation = (axes * lengths)[:, lengths > 0]

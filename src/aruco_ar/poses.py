@@ -1,0 +1,277 @@
+"""Poses: of tags, of the area on their wall, and of the camera before it."""
+from collections import Counter
+from dataclasses import dataclass
+from typing import Tuple
+
+import numpy as np
+
+from .belief import Belief, mixture
+from .edges import side_of
+from .errors import InputError
+from .ordering import is_quadrilateral
+from .solving import NEAR_M, angles_of, crossed, guesses, refine, square, turned
+from .wall_view import Sight, WallView
+
+SIZE_M = 0.001, 10.0     # what the side of a tag may be
+USUAL_S = 1 / 30         # between frames whose stamps do not tell
+# How far off a corner that the Detector finds is: a standard deviation; and where
+# a tag is seen from the side, by more than so much of its mean side being more
+# than its shortest, what is beside it bends its edges.
+CORNER_PX, SLANTED, SLANTED_PX, MAX_CORNER_PX = 0.03, 1.15, 1.5, 0.5
+# Where a tag's corners fit no pose that well, they are off by more, which is
+# remembered of about so many frames; so many are taken for granted at first.
+MEMORY_FRAMES, GRANTED_FRAMES = 20, 5
+FADE = 1 - 1 / MEMORY_FRAMES
+HOPELESS = 1e9           # the cost of a pose that cannot be
+AREA_PX = 0.1            # how far off a corner of the area may be
+
+
+@dataclass(frozen=True, eq=False)
+class TagPose:
+    """Where a tag is: point in the optical frame = rotation @ point in the tag's own axes + translation.
+
+    The tag's own axes: x right, y up, z out of it, from its center.
+    ``corners``: (4, 2) pixels, as they were given. ``size``: its side, meters.
+    ``rotation``: (3, 3), ``translation``: (3,), meters. ``covariance``: (6, 6),
+    m² and rad², in the order of ROS: x, y, z, and small turns about the X, Y, Z
+    axes of the optical frame. ``ambiguity``: the weight of another pose that
+    explains the corners as well, 0 (none) to 0.5 (nobody knows).
+    """
+
+    id: int
+    corners: np.ndarray
+    size: float
+    rotation: np.ndarray
+    translation: np.ndarray
+    covariance: np.ndarray
+    ambiguity: float
+
+
+@dataclass(frozen=True, eq=False)
+class CameraPose:
+    """Where the camera is: wall point = rotation @ point in the optical frame + translation.
+
+    ``rotation``: (3, 3), ``translation``: (3,), meters, ``covariance``: (6, 6),
+    m² and rad², as of a TagPose, about the wall's axes. ``ids``: of the tags
+    that say so.
+    """
+
+    rotation: np.ndarray
+    translation: np.ndarray
+    covariance: np.ndarray
+    ids: Tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class AreaPose:
+    """Where the area is: its axes are x from its top left to its top right, y up, z out of the wall.
+
+    Their origin is where its diagonals cross. ``corners``: (4, 2) pixels, as
+    they were given. ``rotation``, ``translation``, ``covariance``: as of a
+    TagPose. ``width`` and ``height``: meters, the means of opposite sides.
+    """
+
+    corners: np.ndarray
+    rotation: np.ndarray
+    translation: np.ndarray
+    covariance: np.ndarray
+    width: float
+    height: float
+
+
+class PoseEstimator:
+    """Finds the poses of tags, of the area, and of the camera through a sequence of frames.
+
+    ``tag_size``: meters, the side of a tag, and ``sizes``: {id: meters}, of
+    those that have another. ``wall``: a wall.Wall, which says where its tags
+    are and what size they have; without one, tags that are seen in one plane
+    again and again are learnt as a wall, in the axes of the one of them with
+    the lowest id. Raises InputError for a size that no tag has.
+    """
+
+    def __init__(self, tag_size=0.18, sizes=None, wall=None):
+        self._tag_size = _size(tag_size, 'a tag')
+        self._sizes = {tag_id: _size(size, 'tag %s' % (tag_id,)) for tag_id, size in dict(sizes or {}).items()}
+        if wall is not None:
+            self._sizes.update({tag.id: float(tag.side) for tag in wall.tags})
+        self._given = wall
+        self.reset()
+
+    def reset(self):
+        """Forget the learnt wall and all that was seen."""
+        self._stamp, self._now = None, 0.0
+        self._belief, self._wall = Belief(), WallView(self._given)
+        self._noise = {}  # of tags: their squared deviations, and of how many frames, lately
+
+    def update(self, tags, lens, stamp):
+        """The poses of tags in a frame, a list of TagPose in their order.
+
+        ``tags``: a list of Tag. ``lens``: the Lens that they were seen through.
+        ``stamp``: the frame's time in seconds; where it goes back, all that
+        was seen is forgotten. A tag whose corners are no square seen from
+        before it is left out. Of an id that is seen more than once, no tag
+        says where the wall is.
+        """
+        if self._stamp is not None and not stamp >= self._stamp:
+            self.reset()
+        self._now += USUAL_S if self._stamp in (None, stamp) else stamp - self._stamp
+        self._stamp = stamp
+        seen = self._sight(tags, lens)
+        often = Counter(seen.ids)
+        single = np.array([number for number, tag_id in enumerate(seen.ids) if often[tag_id] == 1], int)
+        alone = seen.some(single)
+        believed, weight = np.argmax(seen.likely, axis=1), seen.likely.min(axis=1)
+        if len(single):
+            believed[single], weight[single] = self._belief.weigh(alone.ids, alone.poses, alone.costs, self._now)
+            every = np.arange(len(single))
+            alone.likely[every, believed[single]] = 1 - weight[single]
+            alone.likely[every, 1 - believed[single]] = weight[single]
+        self._wall.update(alone, self._now)
+        together = self._wall.tag_poses()
+        poses = []
+        for number, tag in enumerate(seen.tags):
+            first = believed[number]
+            one, other = (tuple(part[number, which] for part in seen.poses) for which in (first, 1 - first))
+            of_two = weight[number]
+            if often[tag.id] == 1 and tag.id in together:
+                one, other, of_two = together[tag.id]
+            poses.append(TagPose(tag.id, tag.corners, float(seen.sizes[number]), one[0], one[1],
+                                 mixture(one, other, of_two), float(of_two)))
+        return poses
+
+    def camera(self):
+        """The CameraPose in the last update, or None if no tag of a wall was in sight that agrees with it."""
+        view = self._wall.view
+        if view is None:
+            return None
+        one, other = (_seen_from_the_wall(*pose) for pose in view.poses)
+        return CameraPose(one[0], one[1], mixture(one, other, view.weight), view.ids)
+
+    def area(self, area, lens):
+        """The AreaPose of an Area on the wall in the last update, or None if that was not in sight.
+
+        ``lens``: the Lens that it was seen through.
+        """
+        view = self._wall.view
+        pixels = np.asarray(area.corners, np.float64)
+        rays = lens.rays(pixels)
+        if view is None or not (np.isfinite(rays).all() and is_quadrilateral(pixels)):
+            return None
+        rotation, translation, covariance = view.poses[0]
+        slopes = np.linalg.inv(lens.look(rays)[1]) * AREA_PX                  # (4, 2, 2)
+        # The pose, and how it changes by each number that it depends on: the wall's six and the corners' eight.
+        changes = np.zeros((29, 14))
+        steps = np.concatenate([np.full(6, 1e-6), np.full(8, 1e-3)])
+        changes[1:15], changes[15:] = np.diag(steps), -np.diag(steps)
+        moved = rays + np.einsum('kij,mkj->mki', slopes, changes[:, 6:].reshape(-1, 4, 2))
+        found = area_on(turned(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
+        if found is None:
+            return None
+        axes, center, width, height = found
+        turns = np.array([angles_of(other @ axes[0].T) for other in axes])
+        off = np.concatenate([center - center[0], turns], axis=1)
+        slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
+        spread = np.eye(14)
+        spread[:6, :6] = covariance
+        one = axes[0], center[0], slope @ spread @ slope.T
+        found = area_on(view.rotation[1:], view.translation[1:], rays[None])
+        if found is None:
+            return None
+        other = found[0][0], found[1][0], one[2]
+        return AreaPose(pixels, one[0], one[1], mixture(one, other, view.weight), float(width[0]), float(height[0]))
+
+    def _sight(self, tags, lens):
+        """The Sight of those tags that can be real ones."""
+        quads = np.array([tag.corners for tag in tags], np.float64).reshape(-1, 4, 2)
+        rays = lens.corner_rays(quads)
+        across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
+        good = np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
+        good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise: not seen from behind
+        sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
+        starts = [guesses(points, ray) if fine else None for points, ray, fine in zip(square(sizes), rays, good)]
+        keep = [number for number, start in enumerate(starts) if start is not None]
+        rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
+        deviation = corner_deviation(quads)
+        weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None] \
+            if keep else np.zeros((0, 4, 2, 2))
+        rotation, translation, _, squares, covariance = refine(
+            np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
+            np.array([starts[number][0] for number in keep]).reshape(-1, 3, 3),
+            np.array([starts[number][1] for number in keep]).reshape(-1, 3))
+        rotation, translation = rotation.reshape(-1, 2, 3, 3), translation.reshape(-1, 2, 3)
+        costs = squares.sum(axis=1).reshape(-1, 2)
+        # A tag shows its face.
+        faces = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)
+        costs = np.where(faces & np.isfinite(costs), costs, HOPELESS)
+        scale = self._scales([tags[number].id for number in keep], costs.min(axis=1))
+        costs = costs / scale[:, None]
+        likely = np.exp(-(costs - costs.min(axis=1, keepdims=True)) / 2)
+        sight = Sight(
+            tuple(tags[number] for number in keep), quads, sizes, rays,
+            weights / np.sqrt(scale)[:, None, None, None], deviation * np.sqrt(scale),
+            (rotation, translation, covariance.reshape(-1, 2, 6, 6) * scale[:, None, None, None]),
+            costs, likely / likely.sum(axis=1, keepdims=True))
+        return sight.some(np.flatnonzero(faces.any(axis=1)))
+
+    def _scales(self, ids, costs):
+        """(n,): by how much the variance of tags' corners is greater than usual, to the costs of their poses.
+
+        Eight numbers that six others are fitted to leave a cost of about 2.
+        """
+        scales = []
+        for tag_id, cost in zip(ids, costs):
+            total, frames = self._noise.get(tag_id, (0.0, 0.0))
+            self._noise[tag_id] = total, frames = total * FADE + cost, frames * FADE + 1
+            scales.append(max(1.0, (2 * GRANTED_FRAMES + total) / (2 * GRANTED_FRAMES + 2 * frames)))
+        return np.array(scales)
+
+
+def corner_deviation(quads):
+    """(n,) pixels: how far off the corners of tags, (n, 4, 2), found by the Detector, may be."""
+    lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
+    sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
+    slanted = sides.mean(axis=1) / np.maximum(sides.min(axis=1), 1e-9) - SLANTED
+    return np.minimum(CORNER_PX + SLANTED_PX * np.maximum(slanted, 0), MAX_CORNER_PX)
+
+
+def area_on(rotation, translation, rays):
+    """Axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
+
+    The walls are at rotations (m, 3, 3), translations (m, 3); along rays,
+    (m, 4, 2), the area's corners are seen on them.
+    """
+    normal = rotation[..., 2]
+    lines = np.concatenate([rays, np.ones(rays.shape[:2] + (1,))], axis=2)
+    far = np.einsum('mi,mi->m', normal, translation)[:, None] / np.einsum('mi,mki->mk', normal, lines)
+    if not np.all((far > NEAR_M) & np.isfinite(far)):
+        return None
+    corners = far[..., None] * lines
+    sides = np.roll(corners, -1, axis=1) - corners
+    lengths = np.linalg.norm(sides, axis=2)
+    right = sides[:, 0] / lengths[:, :1]
+    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    upon = np.cross(first, second)
+    part = np.einsum('mi,mi->m', np.cross(sides[:, 0], second), upon) / np.einsum('mi,mi->m', upon, upon)
+    center = corners[:, 0] + part[:, None] * first
+    axes = np.stack([right, np.cross(normal, right), normal], axis=2)
+    return axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2
+
+
+def _seen_from_the_wall(rotation, translation, covariance):
+    """The camera's pose in wall coordinates from the wall's in the camera's, each with its covariance."""
+    moves = np.zeros((6, 6))
+    moves[:3, :3] = moves[3:, 3:] = -rotation.T
+    moves[:3, 3:] = -rotation.T @ crossed(translation)
+    return rotation.T, -rotation.T @ translation, moves @ covariance @ moves.T
+
+
+def _size(value, name):
+    """The side of a tag as a float; InputError if none has it."""
+    try:
+        size = float(value)
+    except (TypeError, ValueError):
+        size = np.nan
+    if not SIZE_M[0] <= size <= SIZE_M[1]:
+        raise InputError('The size of %s cannot be %s; give its side in meters, from %g to %g.'
+                         % ((name, value) + SIZE_M))
+    return size

@@ -1,0 +1,127 @@
+"""The pose of flat things by the rays to their points: both solutions, exactly, and how exactly.
+
+A pose is (R, t): point in the camera = R @ point of the thing + t, meters.
+How it may be off is told by six numbers in the order of ROS: a shift of t, then a
+turn by small angles about the camera's axes, R being multiplied from the left.
+"""
+import cv2
+import numpy as np
+
+STEPS = 12                 # of Levenberg and Marquardt's method, at most
+DAMPING = 1e-3             # at first
+LESSER, GREATER = 0.1, 8.0  # times as much after a step that helped, and after one that did not
+ENOUGH = 1e-4              # squared deviations: steps that promise less are not worth it
+NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
+UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
+
+
+def square(sizes):
+    """(n, 4, 3) meters: the corners of tags of sizes (n,) in their own axes, from their own top left."""
+    return np.multiply.outer(np.asarray(sizes, np.float64) / 2, [[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]])
+
+
+def turned(angles):
+    """(n, 3, 3): the rotations by (n, 3) rad about the axes that these point along (O. Rodrigues, 1840)."""
+    angle = np.linalg.norm(angles, axis=1)
+    x, y, z = (angles / np.maximum(angle, 1e-12)[:, None]).T
+    cross = np.zeros((len(angles), 3, 3))
+    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = x, y, z
+    cross -= cross.transpose(0, 2, 1)
+    sine, rest = np.sin(angle)[:, None, None], (1 - np.cos(angle))[:, None, None]
+    return np.eye(3) + sine * cross + rest * (cross @ cross)
+
+
+def angles_of(rotation):
+    """(3,) rad: the inverse of ``turned``, for one rotation (3, 3)."""
+    return cv2.Rodrigues(rotation)[0].ravel()
+
+
+def crossed(vectors):
+    """(..., 3, 3): the matrices that take the cross product of (..., 3) vectors with what follows."""
+    matrix = np.zeros(vectors.shape + (3,))
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vectors, -1, 0)
+    return matrix - np.swapaxes(matrix, -1, -2)
+
+
+def guesses(points, rays):
+    """Both poses, (2, 3, 3) and (2, 3), of flat (k, 3) points with z = 0 seen along (k, 2) rays.
+
+    None where there are none. T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
+    """
+    try:
+        _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
+    except cv2.error:
+        return None
+    rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles])
+    shifts = np.array(shifts).reshape(-1, 3)
+    good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1) & (shifts[:, 2] > NEAR_M)
+    if not good.any():
+        return None
+    keep = np.resize(np.flatnonzero(good), 2)
+    return rotations[keep], shifts[keep]
+
+
+def refine(points, rays, weights, rotation, translation, spread=None):
+    """The poses near those given at which points are best seen along rays, m of them at once.
+
+    ``points``: (m, k, 3) or (k, 3) meters. ``rays``: (m, k, 2) or (k, 2).
+    ``weights``: (..., 2, 2), what makes of a ray's deviation one in standard
+    deviations. ``spread``: (k, 3, q) meters, how the points may deviate
+    together for each of q numbers whose standard deviation is 1.
+
+    Returns rotations (m, 3, 3), translations (m, 3), those numbers (m, q), the
+    squared deviations of all points (m, k), and the covariance (m, 6 + q, 6 + q).
+    """
+    count = 0 if spread is None else spread.shape[-1]
+    own = np.zeros((len(rotation), count))
+    here = _look(points, rays, weights, rotation, translation, own, spread)
+    damping = np.full(len(rotation), DAMPING)
+    for _ in range(STEPS):
+        cost, _, slope, curve = here
+        damped = curve + damping[:, None, None] * curve * np.eye(6 + count)
+        step = np.linalg.solve(damped, slope[..., None])[..., 0]
+        if np.all(np.einsum('mi,mi->m', step, slope) < ENOUGH):
+            break
+        other = (turned(step[:, 3:6]) @ rotation, translation + step[:, :3], own + step[:, 6:])
+        there = _look(points, rays, weights, *other, spread)
+        better = there[0] < cost
+        damping *= np.where(better, LESSER, GREATER)
+        rotation, translation, own = (_chosen(better, *pair)
+                                      for pair in zip(other, (rotation, translation, own)))
+        here = tuple(_chosen(better, *pair) for pair in zip(there, here))
+    curve = here[3].copy()
+    curve[:, np.arange(6), np.arange(6)] += UNKNOWN ** -2
+    return rotation, translation, own, here[1], np.linalg.inv(curve)
+
+
+def _chosen(first, one, other):
+    return np.where(first.reshape((-1,) + (1,) * (one.ndim - 1)), one, other)
+
+
+def _look(points, rays, weights, rotation, translation, own, spread):
+    """Costs (m,), squared deviations (m, k), and what Gauss and Newton need: slopes (m, 6 + q) and curves."""
+    if own.shape[1]:
+        points = points + np.einsum('kaq,mq->mka', spread, own)
+    arms = points @ rotation.transpose(0, 2, 1)              # (m, k, 3)
+    places = arms + translation[:, None]
+    depth = np.maximum(places[..., 2], NEAR_M)
+    seen = places[..., :2] / depth[..., None]
+    off = np.einsum('...ij,...j->...i', weights, rays - seen)  # (m, k, 2) standard deviations
+    toward = np.zeros(seen.shape + (3,))
+    toward[..., 0, 0] = toward[..., 1, 1] = 1 / depth
+    toward[..., 2] = -seen / depth[..., None]
+    toward = weights @ toward                                # how they change with a point's place
+    slopes = np.zeros(seen.shape + (6 + own.shape[1],))
+    slopes[..., :3] = toward
+    slopes[..., 3:6] = np.cross(arms[:, :, None], toward)
+    if own.shape[1]:
+        slopes[..., 6:] = np.einsum('mkij,mjl,klq->mkiq', toward, rotation, spread, optimize=True)
+    slopes = slopes.reshape(len(slopes), -1, slopes.shape[-1])
+    flat = off.reshape(len(off), -1)
+    slope, curve = np.einsum('mni,mn->mi', slopes, flat), slopes.transpose(0, 2, 1) @ slopes
+    number = np.arange(6, 6 + own.shape[1])
+    curve[:, number, number] += 1
+    slope[:, 6:] -= own
+    squares = np.einsum('mki,mki->mk', off, off)
+    hidden = np.where(places[..., 2] < NEAR_M, 1e9, 0.0).sum(axis=1)
+    return squares.sum(axis=1) + np.einsum('mq,mq->m', own, own) + hidden, squares, slope, curve
