@@ -10,8 +10,9 @@ import os
 import numpy as np
 import rospy
 import tf2_ros
-from aruco_ar import InputError, PoseEstimator, mark_poses, mark_tags
+from aruco_ar import InputError, PoseEstimator, mark_tags
 from aruco_ar.files import package_folder
+from aruco_ar.paint import mark_axes
 from aruco_ar.wall import load_wall
 from aruco_node import pose_messages
 from aruco_node.calibration import Calibration
@@ -43,18 +44,22 @@ class TagPoses(CameraNode):
         self._fault = None
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._frames = None  # the TF of others, once somebody wants the robot's pose
+        self._frames, self._listener = tf2_ros.Buffer(), None  # the TF of others, while the robot's pose is wanted
 
     def is_wanted(self):
-        return super().is_wanted() or self._transforms.pub_tf.get_num_connections() > 0 or \
+        others = self._transforms.pub_tf.get_num_connections() - (self._listener is not None)
+        return super().is_wanted() or others > 0 or \
             any(publisher.get_num_connections() for publisher in self._publishers.values())
 
     def follow(self, wanted):
         super().follow(wanted)
         self._calibration.follow(wanted)
-        if self._frames is None and self._publishers['robot_pose'].get_num_connections():
-            self._frames = tf2_ros.Buffer()
+        placed = self._publishers['robot_pose'].get_num_connections() > 0
+        if placed and self._listener is None:
             self._listener = tf2_ros.TransformListener(self._frames)
+        elif not placed and self._listener is not None:
+            self._listener.unregister()
+            self._listener = None
 
     def prepare(self, settings):
         estimator = self._make_estimator(settings)
@@ -75,8 +80,8 @@ class TagPoses(CameraNode):
         estimator = self._estimator
         poses = estimator.update(tags, lens, stamp)
         area = None if area is None else estimator.area(area, lens)
-        self._publish(poses, area, estimator.camera(), header)
-        return [mark_poses(frame, poses, lens)]
+        self._publish(poses, area, estimator.camera(), lens, header)
+        return [mark_axes(mark_tags(frame, tags), poses, lens)]
 
     def report(self):
         level, sentence, values = super().report()
@@ -107,15 +112,15 @@ class TagPoses(CameraNode):
         self._fault = None
         return lens
 
-    def _publish(self, poses, area, camera, header):
+    def _publish(self, poses, area, camera, lens, header):
         publish = {name: publisher.publish for name, publisher in self._publishers.items()
                    if publisher.get_num_connections()}
         if 'poses' in publish:
-            publish['poses'](pose_messages.tag_poses(poses, header))
+            publish['poses'](pose_messages.tag_poses(poses, lens, header))
         if 'area' in publish:
-            publish['area'](pose_messages.area_pose(area, header))
+            publish['area'](pose_messages.area_pose(area, lens, header))
         if 'markers' in publish:
-            publish['markers'](pose_messages.markers(poses, area, header))
+            publish['markers'](pose_messages.markers(poses, area, lens, header))
         ids = [pose.id for pose in poses]
         # Of two tags with one id nobody could say which the frame is of.
         self._transforms.sendTransform([
@@ -126,7 +131,7 @@ class TagPoses(CameraNode):
         wall = frame_name(self.settings.wall_frame)
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(camera, header.stamp, wall))
-        if 'robot_pose' in publish and self._frames is not None:
+        if 'robot_pose' in publish:
             robot = self._robot(camera, header)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
@@ -140,7 +145,7 @@ class TagPoses(CameraNode):
             self.say_once('no robot', 'The pose of the robot is not known: no transform from %s to %s (%s). Is '
                           'robot_frame right?' % (frame, header.frame_id, error), rospy.logwarn)
             return None
-        return camera.of(*pose_messages.from_transform(found))
+        return camera.carry(*pose_messages.from_transform(found))
 
 
 if __name__ == '__main__':

@@ -44,12 +44,9 @@ def mark_tags(frame, tags):
     return image
 
 
-def mark_poses(frame, poses, lens):
-    """Outline every tag of a list of TagPose, write its id, and draw its axes: x red, y green, z blue.
-
-    ``lens``: the Lens of the frame.
-    """
-    image = mark_tags(frame, poses)
+def mark_axes(frame, poses, lens):
+    """Draw the axes of every TagPose: x red, y green, z blue. ``lens``: the Lens of the frame."""
+    image = frame.copy()
     for pose in poses:
         ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
         if np.any(ends[:, 2] <= 0):

@@ -61,6 +61,14 @@ class CameraPose:
     covariance: np.ndarray
     ids: Tuple[int, ...]
 
+    def carry(self, rotation, translation):
+        """The pose of what is at ``rotation``, ``translation`` in the optical frame, such as the robot."""
+        arm = self.rotation @ translation
+        moves = np.eye(6)
+        moves[:3, 3:] = -crossed(arm)  # the farther away it is, the more a turn of the camera moves it
+        return CameraPose(self.rotation @ rotation, self.translation + arm, moves @ self.covariance @ moves.T,
+                          self.ids)
+
 
 @dataclass(frozen=True, eq=False)
 class AreaPose:

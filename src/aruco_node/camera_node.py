@@ -46,6 +46,7 @@ class CameraNode:
         self._last_sign = time.monotonic()  # of life from the camera
         self._said = set()
         self._waiting = None  # why nothing arrives, and whether that is all right
+        self._unusable = None  # what is wrong with the last frame
         self.wake = threading.Event()
         self._outputs = {topic: ImagePublisher('~' + topic, self.wake.set) for topic in topics}
         self._tags = self.advertise('~tags', TagArray)
@@ -139,6 +140,8 @@ class CameraNode:
 
     def _why_nothing_arrives(self):
         """A sentence, and whether that is all right."""
+        if self._unusable:
+            return self._unusable, False
         try:
             published = dict(rospy.get_published_topics())
         except Exception as error:  # the master is away; whatever its client raises
@@ -167,6 +170,8 @@ class CameraNode:
             level = OK if is_right else ERROR
         elif self._subscriber is None:
             level, sentence = OK, 'Nobody listens, so nothing is computed.'
+        elif self._unusable:
+            level, sentence = ERROR, self._unusable
         return level, sentence, values
 
     def _on_message(self, message):
@@ -191,8 +196,11 @@ class CameraNode:
                 self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in tags], message.header))
             self._count.answered(began, message.header.stamp, missing, len(tags),
                                  any(inputs.has_area for inputs in self._inputs))
+            self._unusable = None
         except InputError as error:
-            self.say_once(error.kind, str(error))
+            self._unusable = str(error)
+            self.say_once(error.kind, self._unusable)
         except Exception:  # a fault of ours: one frame is lost, not the node
             fault = traceback.format_exc()
-            self.say_once(fault, 'A frame is passed over, by a fault of this node: ' + fault)
+            self._unusable = 'A frame is passed over, by a fault of this node: ' + fault
+            self.say_once(fault, self._unusable)

@@ -8,7 +8,7 @@ from std_msgs.msg import ColorRGBA, Header
 from unit5.msg import AreaPose as AreaPoseMessage
 from unit5.msg import TagPose as TagPoseMessage
 from unit5.msg import TagPoseArray
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 from .messages import points_from_pixels
 
@@ -41,19 +41,23 @@ def stamped(pose, stamp, frame):
     return PoseWithCovarianceStamped(Header(stamp=stamp, frame_id=frame), pose_with_covariance(pose))
 
 
-def tag_poses(poses, header):
-    """A list of aruco_ar.TagPose as a unit5/TagPoseArray."""
+def tag_poses(poses, lens, header):
+    """A list of aruco_ar.TagPose as a unit5/TagPoseArray. ``lens``: the Lens of the frame."""
     return TagPoseArray(header, [TagPoseMessage(
-        id=pose.id, corners=points_from_pixels(pose.corners), center=points_from_pixels([pose.center])[0],
-        size=pose.size, pose=pose_with_covariance(pose), ambiguity=pose.ambiguity) for pose in poses])
+        id=pose.id, corners=points_from_pixels(pose.corners), center=_center(pose, lens), size=pose.size,
+        pose=pose_with_covariance(pose), ambiguity=pose.ambiguity) for pose in poses])
 
 
-def area_pose(pose, header):
-    """An aruco_ar.AreaPose, or None, as a unit5/AreaPose."""
+def area_pose(pose, lens, header):
+    """An aruco_ar.AreaPose, or None, as a unit5/AreaPose. ``lens``: the Lens of the frame."""
     if pose is None:
         return AreaPoseMessage(header=header)
-    return AreaPoseMessage(header, points_from_pixels(pose.corners), points_from_pixels([pose.center])[0],
-                           pose.width, pose.height, pose_with_covariance(pose))
+    return AreaPoseMessage(header, points_from_pixels(pose.corners), _center(pose, lens), pose.width, pose.height,
+                           pose_with_covariance(pose))
+
+
+def _center(pose, lens):
+    return points_from_pixels(lens.project(pose.translation[None]))[0]
 
 
 def transform(pose, header, child):
@@ -73,8 +77,11 @@ def from_transform(message):
     return cv2.Rodrigues(turn)[0], np.array([place.x, place.y, place.z])
 
 
-def markers(poses, area, header):
-    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, if there is one."""
+def markers(poses, area, lens, header):
+    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, if there is one.
+
+    ``lens``: the Lens of the frame.
+    """
     shown = []
     for number, pose in enumerate(poses):
         plate = _marker(header, 'tags', number, Marker.CUBE, TAG_COLOR, pose)
@@ -83,13 +90,18 @@ def markers(poses, area, header):
         label.text, label.scale.z = str(pose.id), pose.size / 2
         shown += [plate, label]
     if area is not None:
-        outline = _marker(header, 'area', 0, Marker.LINE_STRIP, AREA_COLOR, area)
+        outline = _marker(header, 'area', 0, Marker.LINE_STRIP, AREA_COLOR)
         outline.scale.x = LINE_M
-        outline.points = [Point(*point) for point in area.outline]
+        # The corners' rays, (x, y, 1), as far as the area's plane.
+        rays = np.column_stack([lens.rays(area.corners), np.ones(4)])
+        normal = area.rotation[:, 2]
+        points = rays * (normal @ area.translation / (rays @ normal))[:, None]
+        outline.points = [Point(*point) for point in points[[0, 1, 2, 3, 0]]]
         shown.append(outline)
-    return shown
+    return MarkerArray(shown)
 
 
-def _marker(header, kind, number, shape, color, pose):
-    return Marker(header=header, ns=kind, id=number, type=shape, action=Marker.ADD, pose=pose_message(pose),
-                  color=ColorRGBA(*color), lifetime=Duration(MARKER_S))
+def _marker(header, kind, number, shape, color, pose=None):
+    return Marker(header=header, ns=kind, id=number, type=shape, action=Marker.ADD, color=ColorRGBA(*color),
+                  pose=Pose(orientation=Quaternion(w=1.0)) if pose is None else pose_message(pose),
+                  lifetime=Duration(MARKER_S))
