@@ -15,6 +15,7 @@ from .messages import points_from_pixels
 MARKER_S = 0.5    # a marker that is not renewed for so long goes
 THICKNESS_M = 0.002
 LINE_M = 0.01
+LABEL = 0.85      # sides of a tag that its number is above its center
 TAG_COLOR, TEXT_COLOR, AREA_COLOR = (1, 1, 1, 0.8), (1, 0.8, 0, 1), (0.6, 0, 1, 1)
 
 
@@ -88,6 +89,7 @@ def markers(poses, area, lens, header):
         plate.scale = Vector3(pose.size, pose.size, THICKNESS_M)
         label = _marker(header, 'ids', number, Marker.TEXT_VIEW_FACING, TEXT_COLOR, pose)
         label.text, label.scale.z = str(pose.id), pose.size / 2
+        label.pose.position = Point(*(pose.translation + LABEL * pose.size * pose.rotation[:, 1]))
         shown += [plate, label]
     if area is not None:
         outline = _marker(header, 'area', 0, Marker.LINE_STRIP, AREA_COLOR)
