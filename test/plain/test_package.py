@@ -29,7 +29,7 @@ def test_catkin_lint_is_clean(package, tmp_path):
 
 
 def test_every_launch_argument_is_documented(package):
-    for name in os.listdir(os.path.join(package, 'launch')):
+    for name in (name for name in os.listdir(os.path.join(package, 'launch')) if name.endswith('.launch')):
         for key, arg in launch_args(package, name).items():
             assert arg.get('doc'), '%s: %s' % (name, key)
 
