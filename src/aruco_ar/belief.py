@@ -16,6 +16,7 @@ MEMORY_S = 0.5       # evidence fades within about this time, since errors repea
 EVIDENCE = 0.5       # and counts as so much of what independent errors would say
 SURE = 0.9           # the other pose has to be as likely as that to become the one that is believed
 GAP_S = 0.5          # after as long without a sight all begins anew
+SAME = 0.1           # of the variance of a pose: one that is no farther off is the same
 IMPOSSIBLE = -60.0   # natural logarithm of a likelihood of which nothing is left
 
 
@@ -68,9 +69,12 @@ class Belief:
 
 
 def mixture(one, other, weight):
-    """(6, 6): how far off the first of two poses is if with that weight the other one is right.
+    """How far off the first of two poses may be, (6, 6), if with that weight the other one is right.
 
-    Each is (rotation, translation, covariance); the result is about the first.
+    Each is (rotation, translation, covariance). Returned with the weight, which
+    is none if the two are the same as far as anybody can tell.
     """
     leap = np.concatenate([other[1] - one[1], angles_of(other[0] @ one[0].T)])
-    return (1 - weight) * one[2] + weight * (other[2] + np.outer(leap, leap))
+    if leap[3:] @ leap[3:] < SAME * np.trace(one[2][3:, 3:]):
+        return one[2], 0.0
+    return (1 - weight) * one[2] + weight * (other[2] + np.outer(leap, leap)), float(weight)

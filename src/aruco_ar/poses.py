@@ -144,7 +144,7 @@ class PoseEstimator:
             if often[tag.id] == 1 and tag.id in together:
                 one, other, of_two = together[tag.id]
             poses.append(TagPose(tag.id, tag.corners, float(seen.sizes[number]), one[0], one[1],
-                                 mixture(one, other, of_two), float(of_two)))
+                                 *mixture(one, other, of_two)))
         return poses
 
     def camera(self):
@@ -153,7 +153,7 @@ class PoseEstimator:
         if view is None:
             return None
         one, other = (_seen_from_the_wall(*pose) for pose in view.poses)
-        return CameraPose(one[0], one[1], mixture(one, other, view.weight), view.ids)
+        return CameraPose(one[0], one[1], mixture(one, other, view.weight)[0], view.ids)
 
     def area(self, area, lens):
         """The AreaPose of an Area on the wall in the last update, or None if that was not in sight.
@@ -186,7 +186,8 @@ class PoseEstimator:
         if found is None:
             return None
         other = found[0][0], found[1][0], one[2]
-        return AreaPose(pixels, one[0], one[1], mixture(one, other, view.weight), float(width[0]), float(height[0]))
+        return AreaPose(area.corners, one[0], one[1], mixture(one, other, view.weight)[0], float(width[0]),
+                        float(height[0]))
 
     def _sight(self, tags, lens):
         """The Sight of those tags that can be real ones."""

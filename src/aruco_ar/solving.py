@@ -10,7 +10,7 @@ import numpy as np
 STEPS = 12                 # of Levenberg and Marquardt's method, at most
 DAMPING = 1e-3             # at first
 LESSER, GREATER = 0.1, 8.0  # times as much after a step that helped, and after one that did not
-ENOUGH = 1e-4              # squared deviations: steps that promise less are not worth it
+ENOUGH = 1e-3              # steps that promise to better squared deviations by less, of 1 + all, are not worth it
 NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
 
@@ -22,13 +22,9 @@ def square(sizes):
 
 def turned(angles):
     """(n, 3, 3): the rotations by (n, 3) rad about the axes that these point along (O. Rodrigues, 1840)."""
-    angle = np.linalg.norm(angles, axis=1)
-    x, y, z = (angles / np.maximum(angle, 1e-12)[:, None]).T
-    cross = np.zeros((len(angles), 3, 3))
-    cross[:, 2, 1], cross[:, 0, 2], cross[:, 1, 0] = x, y, z
-    cross -= cross.transpose(0, 2, 1)
-    sine, rest = np.sin(angle)[:, None, None], (1 - np.cos(angle))[:, None, None]
-    return np.eye(3) + sine * cross + rest * (cross @ cross)
+    angle = np.sqrt((angles * angles).sum(axis=1))[:, None, None]
+    cross = crossed(angles)
+    return np.eye(3) + np.sinc(angle / np.pi) * cross + np.sinc(angle / (2 * np.pi))**2 / 2 * (cross @ cross)
 
 
 def angles_of(rotation):
@@ -39,8 +35,10 @@ def angles_of(rotation):
 def crossed(vectors):
     """(..., 3, 3): the matrices that take the cross product of (..., 3) vectors with what follows."""
     matrix = np.zeros(vectors.shape + (3,))
-    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = np.moveaxis(vectors, -1, 0)
-    return matrix - np.swapaxes(matrix, -1, -2)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
+    matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = x, y, z
+    matrix[..., 1, 2], matrix[..., 2, 0], matrix[..., 0, 1] = -x, -y, -z
+    return matrix
 
 
 def guesses(points, rays):
@@ -80,7 +78,7 @@ def refine(points, rays, weights, rotation, translation, spread=None):
         cost, _, slope, curve = here
         damped = curve + damping[:, None, None] * curve * np.eye(6 + count)
         step = np.linalg.solve(damped, slope[..., None])[..., 0]
-        if np.all(np.einsum('mi,mi->m', step, slope) < ENOUGH):
+        if np.all((step * slope).sum(axis=1) < ENOUGH * (1 + cost)):
             break
         other = (turned(step[:, 3:6]) @ rotation, translation + step[:, :3], own + step[:, 6:])
         there = _look(points, rays, weights, *other, spread)
@@ -101,27 +99,28 @@ def _chosen(first, one, other):
 def _look(points, rays, weights, rotation, translation, own, spread):
     """Costs (m,), squared deviations (m, k), and what Gauss and Newton need: slopes (m, 6 + q) and curves."""
     if own.shape[1]:
-        points = points + np.einsum('kaq,mq->mka', spread, own)
+        points = points + (spread @ own[:, None, :, None])[..., 0]
     arms = points @ rotation.transpose(0, 2, 1)              # (m, k, 3)
     places = arms + translation[:, None]
     depth = np.maximum(places[..., 2], NEAR_M)
     seen = places[..., :2] / depth[..., None]
-    off = np.einsum('...ij,...j->...i', weights, rays - seen)  # (m, k, 2) standard deviations
+    off = (weights @ (rays - seen)[..., None])[..., 0]  # (m, k, 2) standard deviations
     toward = np.zeros(seen.shape + (3,))
     toward[..., 0, 0] = toward[..., 1, 1] = 1 / depth
     toward[..., 2] = -seen / depth[..., None]
     toward = weights @ toward                                # how they change with a point's place
     slopes = np.zeros(seen.shape + (6 + own.shape[1],))
     slopes[..., :3] = toward
-    slopes[..., 3:6] = np.cross(arms[:, :, None], toward)
+    slopes[..., 3:6] = -toward @ crossed(arms)
     if own.shape[1]:
-        slopes[..., 6:] = np.einsum('mkij,mjl,klq->mkiq', toward, rotation, spread, optimize=True)
+        slopes[..., 6:] = toward @ rotation[:, None] @ spread
     slopes = slopes.reshape(len(slopes), -1, slopes.shape[-1])
     flat = off.reshape(len(off), -1)
-    slope, curve = np.einsum('mni,mn->mi', slopes, flat), slopes.transpose(0, 2, 1) @ slopes
+    back = slopes.transpose(0, 2, 1)
+    slope, curve = (back @ flat[..., None])[..., 0], back @ slopes
     number = np.arange(6, 6 + own.shape[1])
     curve[:, number, number] += 1
     slope[:, 6:] -= own
-    squares = np.einsum('mki,mki->mk', off, off)
+    squares = (off * off).sum(axis=2)
     hidden = np.where(places[..., 2] < NEAR_M, 1e9, 0.0).sum(axis=1)
-    return squares.sum(axis=1) + np.einsum('mq,mq->m', own, own) + hidden, squares, slope, curve
+    return squares.sum(axis=1) + (own * own).sum(axis=1) + hidden, squares, slope, curve
