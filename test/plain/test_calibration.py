@@ -1,0 +1,77 @@
+"""What a CameraInfo says of the camera, and what may be wrong with it."""
+import numpy as np
+import pytest
+from aruco_ar import InputError
+from aruco_ar.robot import Camera
+from aruco_node.calibration import Calibration, lens_from_info
+from aruco_node.parameters import read
+from aruco_node.settings import PoseSettings
+from aruco_node.wall_messages import camera_info
+from sensor_msgs.msg import CameraInfo
+
+CAMERA = Camera(distortion=[-0.3, 0.1, 0.001, -0.001, 0.0])
+SIZE = (640, 480)
+
+
+def info(**changes):
+    message = camera_info(CAMERA, None)
+    for name, value in changes.items():
+        setattr(message, name, value)
+    return message
+
+
+def test_the_lens_is_the_calibrated_one():
+    lens = lens_from_info(info(), SIZE)
+    assert (lens.width, lens.height, lens.fisheye) == (640, 480, False)
+    np.testing.assert_allclose(lens.matrix, CAMERA.matrix)
+    np.testing.assert_allclose(lens.distortion, CAMERA.distortion)
+
+
+def test_a_rectified_image_has_another_matrix_and_no_distortion():
+    lens = lens_from_info(info(P=[500.0, 0, 310, 0, 0, 510, 240, 0, 0, 0, 1, 0]), SIZE, rectified=True)
+    np.testing.assert_allclose(lens.matrix, [[500, 0, 310], [0, 510, 240], [0, 0, 1]])
+    assert not np.any(lens.distortion)
+
+
+@pytest.mark.parametrize('changes', [{}, {'distortion_model': 'equidistant', 'D': [0.1, 0.01, 0.0, 0.0]},
+                                     {'distortion_model': 'rational_polynomial', 'D': [0.1] * 8}, {'D': []}])
+def test_all_models_of_the_camera_info(changes):
+    lens = lens_from_info(info(**changes), SIZE)
+    assert lens.fisheye == (changes.get('distortion_model') == 'equidistant')
+    assert len(lens.distortion) == len(changes.get('D', CAMERA.distortion))
+
+
+def test_a_resized_frame_sees_along_the_same_rays():
+    points = np.array([[0.1, 0.2, 1.0], [-0.3, 0.1, 2.0]])
+    whole, half = lens_from_info(info(), SIZE), lens_from_info(info(), (320, 240), scale=0.5)
+    # The middle of the first pixel is (0, 0), its corner (-0.5, -0.5).
+    np.testing.assert_allclose(half.project(points) + 0.5, (whole.project(points) + 0.5) / 2)
+
+
+def test_binning_and_a_region_are_in_the_frame_already():
+    message = info(binning_x=2, binning_y=2)
+    message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height = 100, 80, 400, 320
+    lens = lens_from_info(message, (200, 160))
+    fx, cx, cy = CAMERA.matrix[0, 0], CAMERA.matrix[0, 2], CAMERA.matrix[1, 2]
+    np.testing.assert_allclose(lens.matrix, [[fx / 2, 0, (cx - 100) / 2], [0, fx / 2, (cy - 80) / 2], [0, 0, 1]])
+
+
+@pytest.mark.parametrize('message, words', [
+    (CameraInfo(), '0 x 0 pixels'), (info(K=[0.0] * 9), 'K has no focal length'),
+    (info(K=[float('nan')] * 9), 'K has no focal length'), (info(width=1280, height=960), 'for frames of 1280 x 960'),
+    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
+    (info(distortion_model='mirror ball'), '"mirror ball"')])
+def test_what_is_wrong_with_a_camera_info_is_said(message, words):
+    with pytest.raises(InputError, match=words) as error:
+        lens_from_info(message, SIZE)
+    assert error.value.kind
+
+
+@pytest.mark.parametrize('topic, wish, rectified', [
+    ('/camera/rgb/image_raw', 'auto', False), ('/camera/rgb/image_rect_color', 'auto', True),
+    ('/camera/image_rect', 'auto', True), ('/camera/image_rect', 'no', False), ('/usb/image', 'yes', True)])
+def test_a_rectified_topic_is_known_by_its_name(topic, wish, rectified):
+    settings = read(PoseSettings, lambda name, default: {'rectified': wish}.get(name, default))
+    calibration = Calibration(settings, topic)
+    assert calibration.rectified == rectified
+    assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'

@@ -1,0 +1,171 @@
+#!/usr/bin/env python3
+"""The poses that tag_poses publishes, against the truth of the simulated camera's drive past its wall."""
+import threading
+import unittest
+
+import numpy as np
+import rospy
+import rostest
+import tf2_ros
+from aruco_ar.files import package_folder
+from aruco_ar.render import project
+from aruco_ar.robot import Camera, Pose, wall_to_camera
+from aruco_ar.wall import load_wall
+from aruco_node.messages import frame_from_image
+from aruco_node.pose_messages import from_transform
+from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
+from listening import Inbox
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import Image
+from unit5.msg import AreaPose, TagPoseArray
+from visualization_msgs.msg import MarkerArray
+
+TOPICS = {'/odom': Odometry, '/tag_poses/poses': TagPoseArray, '/tag_poses/area': AreaPose,
+          '/tag_poses/camera_pose': PoseWithCovarianceStamped, '/tag_poses/robot_pose': PoseWithCovarianceStamped}
+COUNT = 150
+WALL = load_wall(package_folder() + '/config/wall.yaml')
+TAGS = {tag.id: tag for tag in WALL.tags}
+
+
+def placed(pose):
+    """(rotation, translation) of a geometry_msgs/Pose."""
+    return from_transform(Transform(translation=pose.position, rotation=pose.orientation))
+
+
+def turn(one, other):
+    """Degrees between two rotations."""
+    return np.degrees(np.arccos(np.clip((np.trace(one.T @ other) - 1) / 2, -1, 1)))
+
+
+class TagPoses(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        parts, ready = {}, threading.Condition()
+
+        def listen(topic, kind):
+            def take(message):
+                with ready:
+                    parts.setdefault(message.header.stamp, {})[topic] = message
+                    ready.notify_all()
+            return rospy.Subscriber(topic, kind, take, queue_size=10)
+        cls.tf = tf2_ros.Buffer(rospy.Duration(60))
+        cls.listener = tf2_ros.TransformListener(cls.tf)
+        subscribers = [listen(topic, kind) for topic, kind in TOPICS.items()]
+
+        def whole():
+            return [each for each in parts.values() if len(each) == len(TOPICS)]
+        with ready:
+            assert ready.wait_for(lambda: len(whole()) >= COUNT, 60), 'only %d frames' % len(whole())
+            cls.moments = whole()
+        for subscriber in subscribers:
+            subscriber.unregister()
+
+    def truth(self, moment):
+        """(R, t) of the wall in the camera's optical frame, where the robot was then."""
+        pose = moment['/odom'].pose.pose
+        heading = 2 * np.arctan2(pose.orientation.z, pose.orientation.w)
+        return wall_to_camera(Pose(pose.position.x, pose.position.y, heading))
+
+    def test_every_tag_is_where_it_is(self):
+        count = 0
+        for moment in self.moments:
+            rotation, translation = self.truth(moment)
+            message = moment['/tag_poses/poses']
+            self.assertEqual(message.header.frame_id, 'camera_rgb_optical_frame')
+            for tag in message.tags:
+                found = placed(tag.pose.pose)
+                true = rotation @ np.array([TAGS[tag.id].x, TAGS[tag.id].y, 0]) + translation
+                far = np.linalg.norm(true)
+                self.assertLess(np.linalg.norm(found[1] - true), 0.002 + 0.01 * far)
+                self.assertLess(turn(found[0], rotation), 2.0)  # the tags are upright: their axes are the wall's
+                self.assertEqual(tag.size, 0.18)
+                corners = np.array([(corner.x, corner.y) for corner in tag.corners])
+                expected, _ = project(TAGS[tag.id].corners, rotation, translation, Camera())
+                self.assertLess(np.abs(corners - expected).max(), 1.5)
+                center, _ = project(TAGS[tag.id].on_wall([0], [0]), rotation, translation, Camera())
+                self.assertLess(np.abs([tag.center.x, tag.center.y] - center[0]).max(), 0.5)
+                covariance = np.array(tag.pose.covariance).reshape(6, 6)
+                self.assertTrue(np.all(np.linalg.eigvalsh((covariance + covariance.T) / 2) > 0))
+                self.assertTrue(0 <= tag.ambiguity <= 0.5)
+                count += 1
+        self.assertGreater(count, COUNT)
+
+    def test_the_camera_and_the_robot_are_where_they_are(self):
+        for moment in self.moments:
+            rotation, translation = self.truth(moment)
+            message = moment['/tag_poses/camera_pose']
+            self.assertEqual(message.header.frame_id, 'wall')
+            found = placed(message.pose.pose)
+            self.assertLess(np.linalg.norm(found[1] + rotation.T @ translation), 0.03)
+            self.assertLess(turn(found[0], rotation.T), 1.0)
+            # The wall's x is odometry's -y, its z odometry's -x.
+            robot, odometry = placed(moment['/tag_poses/robot_pose'].pose.pose)[1], moment['/odom'].pose.pose.position
+            self.assertLess(np.abs(robot - [-odometry.y, 0, -odometry.x]).max(), 0.03)
+
+    def test_the_area_is_where_it_is_and_as_large(self):
+        count = 0
+        for moment in self.moments:
+            rotation, translation = self.truth(moment)
+            area = moment['/tag_poses/area']
+            if not area.corners:
+                continue
+            found = placed(area.pose.pose)
+            true = rotation @ WALL.area_corners.mean(axis=0) + translation
+            self.assertLess(np.linalg.norm(found[1] - true), 0.01 + 0.02 * np.linalg.norm(true))
+            self.assertLess(turn(found[0], rotation), 2.0)
+            self.assertLess(abs(area.width - 0.9) + abs(area.height - 0.6), 0.05)
+            count += 1
+        self.assertGreater(count, COUNT / 3)
+
+    def test_tf_says_the_same(self):
+        count = 0
+        for moment in self.moments[:-5]:
+            message = moment['/tag_poses/poses']
+            for tag in message.tags:
+                found = self.tf.lookup_transform('camera_rgb_optical_frame', 'tag_%d' % tag.id, message.header.stamp)
+                there = found.transform.translation
+                position = tag.pose.pose.position
+                np.testing.assert_allclose([there.x, there.y, there.z], [position.x, position.y, position.z], atol=1e-9)
+                count += 1
+        self.assertGreater(count, COUNT)
+
+    def test_rviz_is_shown_a_plate_for_every_tag_and_the_area(self):
+        inbox = Inbox('/tag_poses/markers', MarkerArray)
+        ids = set()
+        while ids < {'1', '2', '3', '4'} or 'area' not in ids:
+            shown = inbox.next().markers
+            ids |= {marker.text for marker in shown if marker.ns == 'ids'}
+            ids |= {marker.ns for marker in shown if marker.ns == 'area' and len(marker.points) == 5}
+            plates = [marker for marker in shown if marker.ns == 'tags']
+            self.assertTrue(all(marker.scale.x == 0.18 for marker in plates))
+        inbox.subscriber.unregister()
+
+    def test_the_axes_are_drawn_on_the_frame(self):
+        pair = {}
+        frames, images = Inbox('/camera/rgb/image_raw', Image), Inbox('/tag_poses/image', Image)
+        poses = Inbox('/tag_poses/poses', TagPoseArray)
+        while True:
+            for inbox in frames, images, poses:
+                message = inbox.next()
+                pair.setdefault(message.header.stamp, []).append(message)
+            together = [each for each in pair.values() if len(each) == 3 and each[-1].tags]
+            if together:
+                break
+        for inbox in frames, images, poses:
+            inbox.subscriber.unregister()
+        image = next(message for message in together[0] if getattr(message, 'encoding', '') == 'bgr8')
+        seen = frame_from_image(image)
+        tags = next(message for message in together[0] if isinstance(message, TagPoseArray)).tags
+        for tag in tags:
+            rotation, translation = placed(tag.pose.pose)
+            for axis, color in ((0, (0, 0, 255)), (1, (0, 255, 0))):
+                point, _ = project((rotation[:, axis] * 0.12 + translation)[None], np.eye(3), np.zeros(3), Camera())
+                x, y = np.round(point[0]).astype(int)
+                if 3 < x < 636 and 3 < y < 476:
+                    near = seen[y - 2:y + 3, x - 2:x + 3].reshape(-1, 3)
+                    self.assertLess(np.abs(near.astype(int) - color).sum(axis=1).min(), 60)
+
+
+if __name__ == '__main__':
+    rospy.init_node('tag_poses_test')
+    rostest.rosrun('unit5', 'tag_poses_test', TagPoses)
