@@ -30,7 +30,7 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     if np.any(np.abs(came * scale - size) > 1) or np.any(came == 0):
         raise InputError('it is for frames of %d x %d pixels, but they have %d x %d. Calibrate the camera at the '
                          'size at which it runs' % (*came, *np.round(np.array(size) / scale)),
-                         kind='camera_info of another size')
+                         kind='camera_info of %d x %d' % tuple(came))
     matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
     if not np.all(np.isfinite(matrix)) or matrix[0, 0] <= 0 or matrix[1, 1] <= 0:
         raise InputError('its %s has no focal length, so the camera is not calibrated. Calibrate it: rosrun '
