@@ -7,7 +7,7 @@ from aruco_ar.errors import InputError
 from aruco_ar.lens import Lens
 from sensor_msgs.msg import CameraInfo
 
-from .settings import AUTO
+from .parameters import AUTO
 from .waiting import SILENCE_S
 
 # How many distortion coefficients each model may have; none means no distortion.
@@ -58,7 +58,7 @@ class Calibration:
     def __init__(self, settings, camera):
         """``camera``: the resolved name of the camera's raw topic."""
         beside, _, image = camera.rpartition('/')
-        self.rectified = image.startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified == 'yes'
+        self.rectified = image.startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified
         self.topic = beside + '/camera_info' if settings.camera_info == AUTO else \
             rospy.resolve_name(settings.camera_info)
         self._info = self._made_for = self._lens = self._subscriber = None

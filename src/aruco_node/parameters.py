@@ -8,6 +8,8 @@ from typing import Callable, Tuple
 
 from aruco_ar.errors import InputError
 
+AUTO = 'auto'
+
 
 @dataclass(frozen=True)
 class Number:
@@ -76,6 +78,17 @@ def number(default, low, high, what, live=True):
 def choice(default, choices, what, live=True):
     """A dataclass's field for a parameter that is one of several texts."""
     return _field(default, Choice(tuple(choices)), what, live)
+
+
+def wish(default, what):
+    """A dataclass's field for a parameter that is True, False, or left to the node: AUTO."""
+    return _field(default, Text('true, false or auto', _wish, lambda value: value), what, False)
+
+
+def _wish(value):
+    if value != AUTO and not isinstance(value, bool):
+        raise ValueError
+    return value
 
 
 def text(default, allowed, what, read, plain=str, live=True):

@@ -1,6 +1,6 @@
 """The parameters of the nodes that look at a camera's frames, and of areas files."""
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Tuple, Union
 
 from aruco_ar.detector import LIKENESS, SEARCHES
 from aruco_ar.errors import InputError
@@ -9,14 +9,13 @@ from aruco_ar.fitting import FITS
 from aruco_ar.tags import DICTIONARIES
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
-from .parameters import Number, choice, number, read, text
+from .parameters import AUTO, Number, choice, number, read, text, wish
 from .waiting import IMAGE_TYPES
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # in the name of a tag's frame
-AUTO, LEARN = 'auto', 'learn'
-RECTIFIED = AUTO, 'yes', 'no'
+LEARN = 'learn'
 MIN_SIZE_M, MAX_SIZE_M = 0.001, 10
 SIZE = Number(MIN_SIZE_M, MAX_SIZE_M)
 
@@ -117,8 +116,8 @@ class PoseSettings(AreaSettings):
                      "config/wall.yaml", _some)
     camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
                             _some, live=False)
-    rectified: str = choice(AUTO, RECTIFIED, 'whether the lens is corrected in the frames already; auto: if '
-                                             'their topic is called image_rect...', live=False)
+    rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '
+                                             'topic is called image_rect...')
     tag_frame: str = text('tag_' + ID, 'a name with {id} in it', "TF frame of a tag", _tag_frame, live=False)
     wall_frame: str = text('wall', 'the name of a TF frame', "frame in which the camera's and the robot's poses "
                            "are given", _some, live=False)

@@ -12,7 +12,7 @@ from aruco_ar.files import package_folder
 from aruco_node.camera_node import CAMERA
 from aruco_node.health import OK, Diagnostics
 from aruco_node.node import parameter
-from aruco_node.parameters import number, read, text
+from aruco_node.parameters import AUTO, number, read, text, wish
 from aruco_node.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -29,7 +29,6 @@ from .topics import Topics
 SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
 IDLE_S = 60
 MAX_CONNECTIONS = 256
-AUTO = 'auto'
 PING_S = 5
 LOOK_MS = 2000
 DIAGNOSTICS_MS = 250
@@ -37,12 +36,6 @@ DIAGNOSTICS_MS = 250
 
 def _address(value):
     if not isinstance(value, str) or not value:
-        raise ValueError
-    return value
-
-
-def _wish(value):
-    if value != AUTO and not isinstance(value, bool):
         raise ValueError
     return value
 
@@ -55,8 +48,8 @@ class Settings:
                         'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
                         _address, live=False)
     port: float = number(8080, 1, 65535, "the page's port", live=False)
-    drive: Any = text(AUTO, 'true, false or auto', 'whether the page may drive the robot; auto: only where it is '
-                      'served to this machine alone', _wish, lambda value: value, live=False)
+    drive: Any = wish(AUTO, 'whether the page may drive the robot; auto: only where it is served to this machine '
+                            'alone')
     linear: float = number(0.3, 0, 2, 'speed to drive at, m/s')
     angular: float = number(0.8, 0, 8, 'speed to turn at, rad/s')
 

@@ -8,8 +8,6 @@ import pytest
 from aruco_ar import InputError
 from aruco_node.messages import (TRANSPORTS, compressed_from_frame, frame_from_compressed,
                                  frame_from_image, image_from_frame, picture_from_image)
-from aruco_node.parameters import read
-from aruco_node.settings import PictureSettings, load_areas
 from aruco_node.waiting import IMAGE_TYPES, explain_silence
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
@@ -142,64 +140,6 @@ def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
 def test_compressed_data_that_cannot_be_decoded_is_explained(data):
     with pytest.raises(InputError, match='must be JPEG or PNG'):
         frame_from_compressed(CompressedImage(data=data))
-
-
-def settings(**parameters):
-    return read(PictureSettings, lambda name, default: parameters.get(name, default))
-
-
-def test_without_parameters_nothing_is_to_be_configured():
-    assert settings() == PictureSettings()
-
-
-@pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])
-def test_ids_as_a_list_or_as_text(ids):
-    assert settings(ids=ids).ids == (4, 3, 2, 1)
-
-
-@pytest.mark.parametrize('ids', ['', 'any', []])
-def test_any_ids(ids):
-    assert settings(ids=ids).ids == ()
-
-
-@pytest.mark.parametrize('name, value, allowed', [
-    ('dictionary', 'DICT_6x6_250', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
-    ('ids', '1,2,3', 'four different'), ('ids', [1, 2, 3, 3], 'four different'), ('ids', 5, 'four'),
-    ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
-    ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
-    ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
-    ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
-    ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
-    ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as images/earth.jpg'),
-    ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
-])
-def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
-    with pytest.raises(InputError) as error:
-        settings(**{name: value})
-    for words in ('~' + name, str(value), allowed):
-        assert words in str(error.value)
-
-
-def test_the_areas_of_a_file_are_read(package):
-    one, other = load_areas(package + '/config/areas.yaml')
-    assert settings(**one).ids == (1, 2, 3, 4) and settings(**other).ids == (5, 6, 7, 8)
-    assert settings(**other).fit == 'contain' and settings(**one).opacity == 1.0
-
-
-@pytest.mark.parametrize('text, words', [
-    ('areas: []', 'has no areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
-    ('area: []', "lacks the entry 'areas'"), ('areas: [{picture: a.png}]', "lacks the entry 'ids'"),
-    ('areas: [{ids: any}]', 'needs the ids of its four tags'), ('areas: [{ids: "[]"}]', 'needs the ids'),
-    ('areas: [{ids: {}}]', 'needs the ids'), ('areas: [{ids: [1, 2, 3, 4], fit: foo}]', '~fit is "foo"'),
-    ('[' * 5000, 'is not YAML'),
-    ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
-])
-def test_what_is_wrong_with_a_file_of_areas_is_said(tmp_path, text, words):
-    path = tmp_path / 'areas.yaml'
-    path.write_text(text)
-    with pytest.raises(InputError, match=words) as error:
-        load_areas(str(path))
-    assert str(path) in str(error.value)
 
 
 RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']

@@ -1,0 +1,92 @@
+"""Parameters: what they may be, and what is said where they are not."""
+import pytest
+from aruco_ar import InputError
+from aruco_node.parameters import abouts, plain, read
+from aruco_node.settings import PictureSettings, PoseSettings, load_areas
+
+
+def settings(kind=PictureSettings, **parameters):
+    return read(kind, lambda name, default: parameters.get(name, default))
+
+
+def test_without_parameters_nothing_is_to_be_configured():
+    assert settings() == PictureSettings()
+    assert settings(PoseSettings) == PoseSettings()
+
+
+@pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
+def test_what_a_parameter_server_keeps_reads_as_the_same(kind):
+    given = settings(kind, ids=[4, 3, 2, 1], **({'tag_sizes': {'7': 0.1}} if kind is PoseSettings else {}))
+    assert settings(kind, **plain(given)) == given
+    assert all(isinstance(value, (str, float, bool)) for value in plain(given).values())
+
+
+@pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
+def test_every_parameter_says_what_it_is_for(kind):
+    for name, about in abouts(kind).items():
+        assert about.what and about.kind.allowed, name
+
+
+@pytest.mark.parametrize('sizes', [{'7': 0.1, '8': 0.25}, {7: 0.1, 8: 0.25}, '7: 0.1, 8: 0.25', '{7: 0.1, 8: 0.25}'])
+def test_sizes_of_tags_as_a_dict_or_as_text(sizes):
+    assert settings(PoseSettings, tag_sizes=sizes).tag_sizes == ((7, 0.1), (8, 0.25))
+
+
+@pytest.mark.parametrize('name, value, allowed', [
+    ('tag_size', 0, 'from 0.001 to 10'), ('tag_size', 'big', 'a number'), ('tag_sizes', '7', 'such as 7: 0.1'),
+    ('tag_sizes', '7: wide', 'such as 7: 0.1'), ('tag_sizes', {'7': 11}, 'such as 7: 0.1'), ('tag_sizes', 5, 'such'),
+    ('tag_frame', 'tag', '{id}'), ('wall', '', 'learn, or the path'), ('rectified', 'yes', 'true, false or auto')])
+def test_a_wrong_parameter_of_tag_poses_is_explained(name, value, allowed):
+    with pytest.raises(InputError) as error:
+        settings(PoseSettings, **{name: value})
+    assert '~' + name in str(error.value) and allowed in str(error.value)
+
+
+@pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])
+def test_ids_as_a_list_or_as_text(ids):
+    assert settings(ids=ids).ids == (4, 3, 2, 1)
+
+
+@pytest.mark.parametrize('ids', ['', 'any', []])
+def test_any_ids(ids):
+    assert settings(ids=ids).ids == ()
+
+
+@pytest.mark.parametrize('name, value, allowed', [
+    ('dictionary', 'DICT_6x6_250', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
+    ('ids', '1,2,3', 'four different'), ('ids', [1, 2, 3, 3], 'four different'), ('ids', 5, 'four'),
+    ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
+    ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
+    ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
+    ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
+    ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
+    ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as images/earth.jpg'),
+    ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
+])
+def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
+    with pytest.raises(InputError) as error:
+        settings(**{name: value})
+    for words in ('~' + name, str(value), allowed):
+        assert words in str(error.value)
+
+
+def test_the_areas_of_a_file_are_read(package):
+    one, other = load_areas(package + '/config/areas.yaml')
+    assert settings(**one).ids == (1, 2, 3, 4) and settings(**other).ids == (5, 6, 7, 8)
+    assert settings(**other).fit == 'contain' and settings(**one).opacity == 1.0
+
+
+@pytest.mark.parametrize('text, words', [
+    ('areas: []', 'has no areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
+    ('area: []', "lacks the entry 'areas'"), ('areas: [{picture: a.png}]', "lacks the entry 'ids'"),
+    ('areas: [{ids: any}]', 'needs the ids of its four tags'), ('areas: [{ids: "[]"}]', 'needs the ids'),
+    ('areas: [{ids: {}}]', 'needs the ids'), ('areas: [{ids: [1, 2, 3, 4], fit: foo}]', '~fit is "foo"'),
+    ('[' * 5000, 'is not YAML'),
+    ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
+])
+def test_what_is_wrong_with_a_file_of_areas_is_said(tmp_path, text, words):
+    path = tmp_path / 'areas.yaml'
+    path.write_text(text)
+    with pytest.raises(InputError, match=words) as error:
+        load_areas(str(path))
+    assert str(path) in str(error.value)
