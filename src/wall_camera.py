@@ -39,12 +39,6 @@ MANUAL_TOPICS = [
     ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
 
 
-def some_path(value):
-    if not isinstance(value, str) or not value:
-        raise ValueError
-    return value
-
-
 def coefficients(value):
     k1, k2, p1, p2, k3 = (float(part) for part in value)
     return k1, k2, p1, p2, k3
@@ -55,9 +49,9 @@ class Settings:
     """The parameters."""
 
     wall: str = text('config/wall.yaml', 'the path of a YAML file, which may be within the package',
-                     'the wall and its tags', some_path, live=False)
+                     'the wall and its tags', live=False)
     path: str = text('none', 'none, or the path of a YAML file', 'where to drive, until the first command comes',
-                     some_path, live=False)
+                     live=False)
     rate: float = number(30.0, 0.1, 1000, 'frames a second', live=False)
     seed: float = number(0.0, 0, 2**31, 'of the noise', live=False)
     distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens', coefficients,

@@ -91,7 +91,14 @@ def _wish(value):
     return value
 
 
-def text(default, allowed, what, read, plain=str, live=True):
+def some_text(value):
+    """The value, a text that is not empty. Raises ValueError for any other."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError
+    return value
+
+
+def text(default, allowed, what, read=some_text, plain=str, live=True):
     """A dataclass's field for any other parameter: see Text."""
     return _field(default, Text(allowed, read, plain), what, live)
 

@@ -9,7 +9,7 @@ from aruco_ar.fitting import FITS
 from aruco_ar.tags import DICTIONARIES
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
-from .parameters import AUTO, Number, choice, number, read, text, wish
+from .parameters import AUTO, Number, choice, number, read, some_text, text, wish
 from .waiting import IMAGE_TYPES
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
@@ -18,13 +18,6 @@ ID = '{id}'  # in the name of a tag's frame
 LEARN = 'learn'
 MIN_SIZE_M, MAX_SIZE_M = 0.001, 10
 SIZE = Number(MIN_SIZE_M, MAX_SIZE_M)
-
-
-def _some(value):
-    """A text that is not empty."""
-    if not isinstance(value, str) or not value.strip():
-        raise ValueError
-    return value
 
 
 def _ids(value):
@@ -45,7 +38,7 @@ def _ids_as_text(ids):
 def _picture(value):
     if value == TOPIC:
         raise ValueError
-    return _some(value)
+    return some_text(value)
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ class Settings:
                                           'corrected')
     likeness: float = number(LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is taken for')
     min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
-    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures', _some)
+    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
 
 
 @dataclass(frozen=True)
@@ -83,7 +76,7 @@ class PictureSettings(AreaSettings):
                         'an image topic, such as topic:/other/camera', 'what is painted', _picture)
     fit: str = choice('stretch', FITS, 'how a picture of another shape goes into the area')
     opacity: float = number(1.0, 0, 1, 'how much of the picture is in the mixture with the frame')
-    areas: str = text('none', 'none, or the path of a YAML file', 'several areas: see config/areas.yaml', _some,
+    areas: str = text('none', 'none, or the path of a YAML file', 'several areas: see config/areas.yaml',
                       live=False)
 
 
@@ -100,7 +93,7 @@ def _sizes_as_text(sizes):
 
 
 def _tag_frame(value):
-    if ID not in _some(value):
+    if ID not in some_text(value):
         raise ValueError
     return value
 
@@ -113,15 +106,15 @@ class PoseSettings(AreaSettings):
     tag_sizes: Tuple[Tuple[int, float], ...] = text((), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
                                        'tags of another size', _sizes, _sizes_as_text)
     wall: str = text(LEARN, 'learn, or the path of a YAML file', "where the tags are on the wall: see "
-                     "config/wall.yaml", _some)
+                     "config/wall.yaml")
     camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
-                            _some, live=False)
+                            live=False)
     rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '
                                              'topic is called image_rect...')
     tag_frame: str = text('tag_' + ID, 'a name with {id} in it', "TF frame of a tag", _tag_frame, live=False)
     wall_frame: str = text('wall', 'the name of a TF frame', "frame in which the camera's and the robot's poses "
-                           "are given", _some, live=False)
-    robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose', _some,
+                           "are given", live=False)
+    robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',
                             live=False)
 
 

@@ -34,19 +34,13 @@ LOOK_MS = 2000
 DIAGNOSTICS_MS = 250
 
 
-def _address(value):
-    if not isinstance(value, str) or not value:
-        raise ValueError
-    return value
-
-
 @dataclass(frozen=True)
 class Settings:
     """The parameters of the page."""
 
     address: str = text('127.0.0.1', 'the address or the name of a host',
                         'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
-                        _address, live=False)
+                        live=False)
     port: float = number(8080, 1, 65535, "the page's port", live=False)
     drive: Any = wish(AUTO, 'whether the page may drive the robot; auto: only where it is served to this machine '
                             'alone')
