@@ -3,7 +3,7 @@ import re
 
 IMAGE_TYPES = {'raw': 'sensor_msgs/Image', 'compressed': 'sensor_msgs/CompressedImage'}
 SUFFIX = '/compressed'
-OURS = re.compile(r'/(exercise5_\d/(image|mask)|page/picture)(/|$)')  # no cameras
+OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # no cameras
 SILENCE_S = 5.0  # after so long it is time to say why
 
 

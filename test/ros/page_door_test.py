@@ -144,7 +144,7 @@ class PageDoor(ServerTest):
                                  (['_port:=0'], '~port is 0; it must be a number from 1 to 65535'),
                                  (['_address:=nowhere'], '~address is "nowhere"; it must be an IP address'),
                                  (['_address:=192.0.2.1', '_port:=%d' % free_port()], 'cannot be served at 192.0.2.1'),
-                                 (['_drive:=perhaps'], '~drive is perhaps; it must be true, false or auto')):
+                                 (['_drive:=perhaps'], '~drive is "perhaps"; it must be true, false or auto')):
             page = node('page.py', '__name:=page_other', *arguments)
             self.assertEqual(page.ends(), 1)
             page.wait_for(words)
