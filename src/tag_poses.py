@@ -123,9 +123,11 @@ class TagPoses(CameraNode):
             publish['markers'](pose_messages.markers(poses, area, lens, header))
         ids = [pose.id for pose in poses]
         # Of two tags with one id nobody could say which the frame is of.
-        self._transforms.sendTransform([
-            pose_messages.transform(pose, header, frame_name(self.settings.tag_frame.replace(ID, str(pose.id))))
-            for pose in poses if ids.count(pose.id) == 1])
+        single = [pose for pose in poses if ids.count(pose.id) == 1]
+        if single:
+            self._transforms.sendTransform([
+                pose_messages.transform(pose, header, frame_name(self.settings.tag_frame.replace(ID, str(pose.id))))
+                for pose in single])
         if camera is None:
             return
         wall = frame_name(self.settings.wall_frame)

@@ -201,6 +201,8 @@ class CameraNode:
             self._unusable = str(error)
             self.say_once(error.kind, self._unusable)
         except Exception:  # a fault of ours: one frame is lost, not the node
+            if rospy.is_shutdown():  # while all topics are closed, whatever is published fails
+                return
             fault = traceback.format_exc()
             self._unusable = 'A frame is passed over, by a fault of this node: ' + fault
             self.say_once(fault, self._unusable)

@@ -31,6 +31,8 @@ def run_node(name, work, manual):
             rospy.logfatal('%s', error)
             rospy.signal_shutdown(str(error))
         except Exception:
+            if rospy.is_shutdown():  # while all topics are closed, whatever is published fails
+                return
             errors.append(traceback.format_exc())
             rospy.logfatal('%s', errors[0])
             rospy.signal_shutdown('a fault of this node')
