@@ -68,6 +68,15 @@ def side_of(quads):
     return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
 
 
+def look_at_cells(frame, quads, count, margin=0):
+    """The gray in the middles of cells, (n, k) float32, row by row, of quadrilaterals, (n, 4, 2) float32.
+
+    ``frame``: see fit_tags. The quadrilaterals are ``count`` cells wide;
+    ``margin`` cells around are left out, so k = (count - 2 * margin)**2.
+    """
+    return _look(frame, _cell_weights(count, margin) @ quads)
+
+
 def _look(frame, points):
     """(n, k) float32: the gray at (n, k, 2) float32 pixels, between pixels by linear interpolation."""
     seen = cv2.remap(frame, points, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -128,16 +137,16 @@ def _median(values):
 
 
 @lru_cache()
-def _cell_weights(count):
-    """(k, 4): the middles of a tag's inner cells as weighted means of its corners."""
-    middle = (np.arange(1, count - 1) + 0.5) / count
+def _cell_weights(count, margin):
+    """(k, 4): the middles of a tag's cells, without so many around, as weighted means of its corners."""
+    middle = (np.arange(margin, count - margin) + 0.5) / count
     y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
     return np.float32([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y]).T
 
 
 def _likeness(frame, quads, cells):
     """(n,): the correlation of the frame with each tag's inner cells, 1 if they are the same."""
-    gray = _look(frame, _cell_weights(cells.shape[1]) @ quads)
+    gray = look_at_cells(frame, quads, cells.shape[1], 1)
     wanted = np.float32(cells[:, 1:-1, 1:-1]).reshape(len(quads), -1)
     gray -= gray.sum(axis=1, keepdims=True) / gray.shape[1]
     wanted -= wanted.sum(axis=1, keepdims=True) / gray.shape[1]

@@ -2,7 +2,7 @@
 from dataclasses import dataclass
 from typing import Tuple, Union
 
-from aruco_ar.detector import LIKENESS, SEARCHES
+from aruco_ar.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.errors import InputError
 from aruco_ar.files import yaml_entries
 from aruco_ar.fitting import FITS
@@ -54,7 +54,7 @@ class Settings:
                                              'small and slanted ones')
     correction: float = number(1.0, 0, 1, 'how many of the wrong cells that the dictionary could correct are '
                                           'corrected')
-    likeness: float = number(LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is taken for')
+    likeness: float = number(MIN_LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is taken for')
     min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
     folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
 
