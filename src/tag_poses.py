@@ -32,6 +32,8 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~markers', MarkerArray, 'tags and area, for RViz'),
           ('~camera_pose', PoseWithCovarianceStamped, 'the camera in the frame of the wall'),
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
+# Parameters after whose change the places of the tags are learnt anew.
+BEGINS = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
 
 
 class TagPoses(CameraNode):
@@ -62,11 +64,14 @@ class TagPoses(CameraNode):
             self._listener = None
 
     def prepare(self, settings):
+        changes = super().prepare(settings)
+        if all(getattr(settings, name) == getattr(self.settings, name) for name in BEGINS):
+            return changes
         estimator = self._make_estimator(settings)
 
         def change():
             self._estimator = estimator
-        return super().prepare(settings) + [change]
+        return changes + [change]
 
     def reset(self):
         super().reset()
