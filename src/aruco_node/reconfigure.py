@@ -65,6 +65,7 @@ def _parameter(name, about, default):
     choices = [{'name': value, 'value': value, 'type': 'str', 'description': value}
                for value in about.kind.choices] if isinstance(about.kind, Choice) else []
     return {'name': name, 'type': 'double' if is_number else 'str', 'default': default, 'level': 0,
-            'description': about.what, 'min': about.kind.low if is_number else '',
-            'max': about.kind.high if is_number else '',
+            'description': about.what,
+            # As floats: a bound that is an int would be said to be one of an int parameter.
+            'min': float(about.kind.low) if is_number else '', 'max': float(about.kind.high) if is_number else '',
             'edit_method': repr({'enum': choices, 'enum_description': about.what}) if choices else ''}
