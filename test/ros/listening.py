@@ -1,8 +1,10 @@
 """Listening to topics, and knowing who listens."""
 import queue
 import threading
+import time
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from started import WAIT_S
 
 
@@ -39,3 +41,41 @@ class Connections(rospy.SubscribeListener):
         with self._changed:
             if not self._changed.wait_for(lambda: self.count == count, WAIT_S):
                 raise AssertionError('%d subscribers, not %d' % (self.count, count))
+
+
+class Diagnoses:
+    """What /diagnostics says of the nodes, by their names."""
+
+    def __init__(self):
+        self._statuses, self._changed = {}, threading.Condition()
+        self.subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, self._take, queue_size=100)
+
+    def _take(self, message):
+        with self._changed:
+            for status in message.status:
+                self._statuses.setdefault(status.name, []).append(status)
+            self._changed.notify_all()
+
+    def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
+        """Wait until a node is said, from now on, to be at that level, in these words; {name: value} of then."""
+        name = node + ': frames'
+        with self._changed:
+            self._statuses.pop(name, None)
+
+            def found():
+                return next((said for said in self._statuses.get(name, []) if said.level == level
+                             and all(word in said.message for word in words)), None)
+            if not self._changed.wait_for(found, seconds):
+                raise AssertionError('of %s nobody said %s at level %d, but %s' % (
+                    node, words, level, self._statuses.get(name, [None])[-1]))
+            return {item.key: item.value for item in found().values}
+
+
+def until(is_so, seconds=WAIT_S):
+    """Call a function, which takes its time, until what it returns is true; that."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        answer = is_so()
+        if answer:
+            return answer
+    raise AssertionError('it never came true')

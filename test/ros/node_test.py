@@ -1,62 +1,18 @@
 #!/usr/bin/env python3
 """What every exercise's node does: subscribing, encodings, sentences about what is wrong."""
-import unittest
-
 import cv2
 import numpy as np
 import rospy
 import rostest
-import started
-from aruco_ar import draw_tag
 from aruco_node.messages import frame_from_compressed, frame_from_image
 from cv_bridge import CvBridge
-from listening import Connections, Inbox
+from nodes import CAMERA, NodeTest, scene
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 
-CAMERA = '/camera/rgb/image_raw'
 
-
-def scene():
-    """Four tags on gray, and the centers of them."""
-    frame = np.full((480, 640, 3), 180, np.uint8)
-    centers = [(160, 120), (480, 120), (480, 360), (160, 360)]
-    for tag_id, (x, y) in enumerate(centers, start=1):
-        frame[y - 50:y + 50, x - 50:x + 50] = draw_tag('DICT_6X6_250', tag_id, 80, quiet=1)[..., None]
-    return frame
-
-
-class Node(unittest.TestCase):
-    def setUp(self):
-        self.running = []
-
-    def tearDown(self):
-        for item in self.running:
-            item.stop() if isinstance(item, started.Started) else item.unregister()
-        self.forget_parameters()
-
-    def forget_parameters(self):
-        for name in rospy.get_param_names():  # what _name:=value set outlives the node
-            if name.startswith(('/exercise5_', '/wall_camera/')):
-                rospy.delete_param(name)
-
-    def start(self, name, *arguments):
-        self.running.append(started.node(name, *arguments))
-        return self.running[-1]
-
-    def camera(self, topic=CAMERA, kind=Image):
-        """(publisher, connections) of a camera without a picture yet."""
-        connections = Connections()
-        publisher = rospy.Publisher(topic, kind, connections, queue_size=10)
-        self.running.append(publisher)
-        return publisher, connections
-
-    def listen(self, topic, kind=Image):
-        inbox = Inbox(topic, kind)
-        self.running.append(inbox.subscriber)
-        return inbox
-
+class Node(NodeTest):
     def test_it_subscribes_only_while_somebody_listens(self):
         publisher, connections = self.camera()
         node = self.start('exercise5_6.py')

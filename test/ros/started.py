@@ -37,9 +37,16 @@ class Started:
         return self.process.wait(WAIT_S)
 
     def stop(self):
-        if self.process.poll() is None:
-            os.killpg(self.process.pid, signal.SIGINT)
-            self.process.wait(WAIT_S)
+        stop_all([self])
+
+
+def stop_all(commands):
+    """End what has been Started, all at once."""
+    running = [each.process for each in commands if each.process.poll() is None]
+    for process in running:
+        os.killpg(process.pid, signal.SIGINT)
+    for process in running:
+        process.wait(WAIT_S)
 
 
 def node(name, *arguments):
