@@ -136,7 +136,7 @@ class CameraNode:
                                                 queue_size=1, buff_size=BUFFER_BYTES)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
-            self._subscriber = None
+            self._subscriber = self._unusable = None
 
     def _why_nothing_arrives(self):
         """A sentence, and whether that is all right."""
@@ -156,6 +156,7 @@ class CameraNode:
     def _explain_silence(self):
         """Say why nothing arrives, again only when the reason has become another."""
         self._last_sign = time.monotonic()  # look again after another SILENCE_S
+        self._unusable = None  # that was before the silence
         waiting = self._why_nothing_arrives()
         if waiting != self._waiting:
             self._waiting = waiting
