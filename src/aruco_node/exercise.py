@@ -3,7 +3,7 @@ from .camera_node import CameraNode
 from .manual import camera_manual
 from .memory import keep_memory
 from .node import run_node
-from .settings import AreaSettings, PictureSettings, Settings
+from .settings import TOPIC, AreaSettings, PictureSettings, Settings
 
 
 def run(name, step, takes=('tags',), topics=('image',)):
@@ -22,8 +22,9 @@ def run(name, step, takes=('tags',), topics=('image',)):
     """
     keep_memory()
     kind = PictureSettings if 'picture' in takes else AreaSettings if 'area' in takes else Settings
+    screen = [('TOPIC', 'sensor_msgs/Image', 'with ~picture %sTOPIC' % TOPIC)] if 'picture' in takes else []
     run_node(name, lambda: _Exercise(step, takes, topics, kind).spin(),
-             camera_manual(topics, kind, 'area' in takes))
+             camera_manual(topics, kind, 'area' in takes, screen))
 
 
 class _Exercise(CameraNode):

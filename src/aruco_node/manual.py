@@ -6,8 +6,8 @@ from typing import Any, List, Tuple
 from .camera_node import CAMERA
 from .parameters import abouts, plain
 
-TEXT_WIDTH = 60
-Row = Tuple[str, str, str]  # name, type, what it is
+TEXT_WIDTH, WIDTH = 60, 120
+Row = Tuple[str, str, str]  # name, type, what it is; TOPIC is any
 
 
 @dataclass(frozen=True)
@@ -63,5 +63,5 @@ def _table(rows):
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     indent = ' ' * (sum(widths) + 6)
     return '\n'.join(
-        fill('  %-*s  %-*s  %s' % (widths[0], name, widths[1], kind, what), len(indent) + TEXT_WIDTH,
+        fill('  %-*s  %-*s  %s' % (widths[0], name, widths[1], kind, what), min(len(indent) + TEXT_WIDTH, WIDTH),
              subsequent_indent=indent, drop_whitespace=True) for name, kind, what in rows)
