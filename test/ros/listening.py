@@ -72,10 +72,11 @@ class Diagnoses:
 
 
 def until(is_so, seconds=WAIT_S):
-    """Call a function, which takes its time, until what it returns is true; that."""
+    """Ask a function again and again until what it returns is true; that."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         answer = is_so()
         if answer:
             return answer
+        time.sleep(0.05)  # it may be the ROS master who is asked, of whom all want something
     raise AssertionError('it never came true')

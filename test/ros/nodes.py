@@ -131,15 +131,6 @@ class NodeTest(unittest.TestCase):
         """The sorted ids of the tags that the node sees in a frame."""
         return sorted(tag.id for tag in self.see(frame, 'tags')[0].tags)
 
-    def change(self, node, **values):
-        """Set parameters of a node, of whatever type; {name: value} of all that it then has."""
-        config = Config()
-        for name, value in values.items():
-            fields, kind = KINDS[type(value)]
-            getattr(config, fields).append(kind(name, value))
-        answer = rospy.ServiceProxy('/%s/set_parameters' % node, Reconfigure)(config).config
-        return {item.name: item.value for fields, _ in KINDS.values() for item in getattr(answer, fields)}
-
     def assert_painted(self, image, frame):
         """The area, and it alone, is another than in the frame."""
         self.assertGreater(np.any(image != frame, axis=2)[INSIDE].mean(), 0.99)
@@ -151,3 +142,14 @@ def picture_file(folder, name, pixels):
     path = '%s/%s' % (folder, name)
     cv2.imwrite(path, pixels)
     return path
+
+
+def change(node, **values):
+    """Set parameters of a node, of whatever type; {name: value} of all that it then has."""
+    config = Config()
+    for name, value in values.items():
+        fields, kind = KINDS[type(value)]
+        getattr(config, fields).append(kind(name, value))
+    rospy.wait_for_service(node + '/set_parameters', WAIT_S)
+    answer = rospy.ServiceProxy(node + '/set_parameters', Reconfigure)(config).config
+    return {item.name: item.value for fields, _ in KINDS.values() for item in getattr(answer, fields)}

@@ -11,7 +11,7 @@ from aruco_node.messages import frame_from_image
 from dynamic_reconfigure.msg import ConfigDescription
 from geometry_msgs.msg import Twist
 from listening import until
-from nodes import BLANK, GRAY, INSIDE, NODES, NodeTest, picture_file, scene
+from nodes import BLANK, GRAY, INSIDE, NODES, NodeTest, change, picture_file, scene
 from serving import free_port
 from started import WAIT_S
 from tornado.websocket import websocket_connect
@@ -69,22 +69,22 @@ class Reconfigured(NodeTest):
         self.paint()
         others = scene(dictionary='DICT_5X5_100')
         self.assertEqual(self.sees(others), [])
-        self.change('exercise5_6', dictionary='DICT_5X5_100')
+        change('/exercise5_6', dictionary='DICT_5X5_100')
         image, tags = self.see(others, 'image', 'tags')
         self.assert_painted(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3, 4])
-        self.change('exercise5_6', ids='1,2,3,9')
+        change('/exercise5_6', ids='1,2,3,9')
         image, tags = self.see(others, 'image', 'tags')
         np.testing.assert_array_equal(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3])
-        self.change('exercise5_6', ids='any')
+        change('/exercise5_6', ids='any')
         self.assert_painted(self.see(others), others)
 
     def test_scale(self):
         self.paint()
         corners = {}
         for scale in (1.0, 0.5, 1.5):
-            self.change('exercise5_6', scale=scale)
+            change('/exercise5_6', scale=scale)
             image, tags = self.see(scene(), 'image', 'tags')
             self.assertEqual(image.shape, (480 * scale, 640 * scale, 3))
             self.assert_color(image, tuple(slice(int(part.start * scale), int(part.stop * scale)) for part in INSIDE),
@@ -96,10 +96,10 @@ class Reconfigured(NodeTest):
     def test_hold_counts_at_once_and_nothing_is_forgotten(self):
         self.paint('_hold:=5.0')
         self.assert_painted(self.see(scene()), scene())
-        self.change('exercise5_6', hold=2.0)
+        change('/exercise5_6', hold=2.0)
         self.assert_painted(self.see(BLANK), BLANK)
         self.assert_painted(self.see(scene([1, 3])), scene([1, 3]))  # two tags do for what knows the four
-        self.change('exercise5_6', hold=0.0)
+        change('/exercise5_6', hold=0.0)
         np.testing.assert_array_equal(self.see(BLANK), BLANK)
         self.assert_painted(self.see(scene([2, 4])), scene([2, 4]))
 
@@ -108,24 +108,24 @@ class Reconfigured(NodeTest):
         self.assert_painted(self.see(scene()), scene())
         frame = scene([1, 3])
         for opacity in (0.5, 0.0, 0.25, 1.0):
-            self.change('exercise5_6', opacity=opacity)
+            change('/exercise5_6', opacity=opacity)
             self.assert_color(self.see(frame), INSIDE, opacity * np.array(RED) + (1 - opacity) * GRAY)
-        self.change('exercise5_6', fit='contain')  # twice as wide as high, in an area of 320 x 240
+        change('/exercise5_6', fit='contain')  # twice as wide as high, in an area of 320 x 240
         image = self.see(frame)
         self.assert_color(image, (slice(170, 310), slice(180, 460)), RED)
         self.assert_color(image, (slice(125, 150), slice(220, 420)), (GRAY,) * 3)
-        self.change('exercise5_6', fit='stretch', picture=self.flag)
+        change('/exercise5_6', fit='stretch', picture=self.flag)
         image = self.see(frame)
         self.assert_color(image, (slice(130, 230), slice(220, 420)), RED)
         self.assert_color(image, (slice(250, 350), slice(220, 420)), BLUE)
 
     def test_upright_with_the_camera_on_its_side(self):
         self.paint()
-        self.change('exercise5_6', picture=self.flag)
+        change('/exercise5_6', picture=self.flag)
         frame = np.rot90(scene())
         middle = np.s_[200:440, 160:320]
         for upright, red, blue in (('tags', LEFT, RIGHT), ('image', TOP, BOTTOM), ('tags', LEFT, RIGHT)):
-            self.change('exercise5_6', upright=upright)
+            change('/exercise5_6', upright=upright)
             image = self.see(frame)[middle]
             self.assert_color(image, red, RED)
             self.assert_color(image, blue, BLUE)
@@ -144,13 +144,13 @@ class Reconfigured(NodeTest):
         for sizes, factors in (({'tag_size': 0.36}, [2, 2, 2, 2]), ({'tag_size': 0.09}, [.5, .5, .5, .5]),
                                ({'tag_size': 0.18, 'tag_sizes': '3: 0.72'}, [1, 1, 4, 1]),
                                ({'tag_sizes': 'none'}, [1, 1, 1, 1])):
-            self.change('tag_poses', **sizes)
+            change('/tag_poses', **sizes)
             after = far()
             np.testing.assert_allclose([after[tag_id] / before[tag_id] for tag_id in sorted(before)], factors, rtol=0.01)
         for _ in range(9):  # until it knows the wall well enough to place the area by one tag
             whole, = self.see(scene(), 'area')
         self.assertEqual(len(whole.corners), 4)
-        self.change('tag_poses', hold=1.0)
+        change('/tag_poses', hold=1.0)
         area, = self.see(scene([1]), 'area')
         self.assertEqual(len(area.corners), 4)
         self.assertAlmostEqual(area.width, whole.width, delta=0.05 * whole.width)
@@ -159,16 +159,16 @@ class Reconfigured(NodeTest):
     def test_how_tags_are_looked_for_is_taken_and_kept(self):
         self.paint()
         values = {'search': 'thorough', 'correction': 0.5, 'likeness': 0.7, 'min_side': 12.0}
-        taken = self.change('exercise5_6', **values)
+        taken = change('/exercise5_6', **values)
         self.assertEqual(taken, dict(taken, **values))
         self.assert_painted(self.see(scene()), scene())
-        self.assertEqual(self.change('exercise5_6', opacity=1.0), taken)
+        self.assertEqual(change('/exercise5_6', opacity=1.0), taken)
         for name, value in values.items():
             self.assertEqual(rospy.get_param('/exercise5_6/' + name), value)
 
     def test_what_is_wrong_is_refused_with_a_sentence(self):
         self.paint()
-        kept = self.change('exercise5_6', opacity=0.5)
+        kept = change('/exercise5_6', opacity=0.5)
         for values, words in (({'scale': 9.0}, ['~scale is 9', 'from 0.01 to 4']),
                               ({'scale': 'much'}, ['~scale is "much"']),
                               ({'opacity': float('nan')}, ['~opacity is nan', 'from 0 to 1']),
@@ -182,7 +182,7 @@ class Reconfigured(NodeTest):
                               ({'picture': 'topic:'}, ['~picture is "topic:"']),
                               ({'folder': ' '}, ['~folder is " "']),
                               ({'upright': 'image', 'min_side': -2.0}, ['~min_side is -2'])):
-            self.assertEqual(self.change('exercise5_6', **values), kept, values)
+            self.assertEqual(change('/exercise5_6', **values), kept, values)
             self.node.wait_for(*words, 'Nothing is changed')
         self.assert_color(self.see(scene()), INSIDE, np.array([90, 90, 217]))
         self.assertEqual(len([line for line in self.node.lines if 'Nothing is changed' in line]), 13)
@@ -195,8 +195,8 @@ class Reconfigured(NodeTest):
                                     ('tag_poses', {'wall': '/no/wall.yaml'}, ['/no/wall.yaml', 'cannot be read']),
                                     ('wall_camera', {'noise': 101.0}, ['~noise is 101', 'from 0 to 100']),
                                     ('page', {'linear': 'fast'}, ['~linear is "fast"', 'from 0 to 2'])):
-            kept = self.change(name)
-            self.assertEqual(self.change(name, **values), kept)
+            kept = change('/' + name)
+            self.assertEqual(change('/' + name, **values), kept)
             nodes[name].wait_for(*words, 'Nothing is changed')
         for node in nodes.values():
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
@@ -213,12 +213,12 @@ class Reconfigured(NodeTest):
             return frame_from_image(message).astype(float)
         clean = next_frame()
         np.testing.assert_array_equal(next_frame(), clean)
-        self.change('wall_camera', noise=10.0)
+        change('/wall_camera', noise=10.0)
         self.assertAlmostEqual(np.std(next_frame() - clean), 10, delta=1)
-        self.change('wall_camera', noise=0.0, light=0.8)
+        change('/wall_camera', noise=0.0, light=0.8)
         part = next_frame()[200:280, [5, -5]].mean(axis=(0, 2)) / clean[200:280, [5, -5]].mean(axis=(0, 2))
         self.assertLess(part[1], part[0] - 0.1)
-        self.change('wall_camera', light=0.0, blur=2.0)
+        change('/wall_camera', light=0.0, blur=2.0)
         blurred = next_frame()
         self.assertLess(np.abs(np.diff(blurred)).max(), np.abs(np.diff(clean)).max() + 1)
         self.assertLess(np.abs(np.diff(blurred, axis=1)).max(), 0.5 * np.abs(np.diff(clean, axis=1)).max())
@@ -234,7 +234,7 @@ class Reconfigured(NodeTest):
             await line.write_message(json.dumps({'drive': [1, 0.5]}))
             return line
         for linear, angular in ((0.3, 0.8), (0.7, 2.0)):
-            self.change('page', linear=linear, angular=angular)
+            change('/page', linear=linear, angular=angular)
             asyncio.run(drive())
             command = commands.next()
             while command.linear.x == 0:  # the stop after the one before

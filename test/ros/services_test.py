@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from nodes import CAMERA, GRAY, NodeTest, scene
+from nodes import CAMERA, GRAY, NodeTest, change, scene
 from sensor_msgs.msg import Image
 from started import WAIT_S
 from std_srvs.srv import Trigger
@@ -77,7 +77,7 @@ class Services(NodeTest):
         refused = self.keep_asking('/exercise5_2/snapshot')
         self.assertFalse(refused.success)
         self.assertRegex(refused.message, 'Cannot write "/dev/null/pictures/.*Choose another place')
-        self.change('exercise5_2', folder=self.folder)
+        change('/exercise5_2', folder=self.folder)
         found = self.pictures(self.keep_asking('/exercise5_2/snapshot'), 'frame', 'image')
         self.assertTrue(np.any(found['frame'] != found['image']))
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
