@@ -4,20 +4,22 @@ import argparse
 import os
 import sys
 
+from aruco_ar import InputError  # before numpy is, which it gives one thread
+
 import accuracy
 import browser
 import chart
 import nodes
+import poses
 import search
 import speed
 import video
-from aruco_ar import InputError
 
-PARTS = ('sticking', 'speed', 'search', 'nodes', 'memory', 'page')
+PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page')
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About nine minutes without arguments.')
+    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About twelve minutes without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
     parser.add_argument('--dictionary', default='DICT_6X6_250', help="of the video's tags (default: DICT_6X6_250)")
@@ -40,6 +42,8 @@ def main():
         speed.run()
     if args.only in (None, 'search'):
         search.run()
+    if args.only in (None, 'poses'):
+        poses.run()
     if args.only in (None, 'nodes', 'memory', 'page'):
         with nodes.Master():
             for part, work in (('nodes', nodes.run_load), ('memory', nodes.run_memory), ('page', browser.run)):

@@ -11,13 +11,14 @@ import os
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 from .area import Area, find_area, find_four_centers
+from .area_pose import AreaPose
 from .detector import Detector
 from .errors import InputError
 from .lens import Lens
 from .ordering import largest_quadrilateral, order_coordinates
 from .paint import area_mask, fill_polygon, mark_centers, mark_tags, overlay, subtract
 from .picture import load_picture
-from .poses import AreaPose, CameraPose, PoseEstimator, TagPose
+from .poses import CameraPose, PoseEstimator, TagPose
 from .tags import DICTIONARIES, Tag, draw_tag, get_dictionary
 from .tracker import Tracker
 

@@ -14,6 +14,7 @@ from .solving import angles_of, crossed
 SPEED_M_S = 1.0      # of the camera past the thing: a standard deviation
 MEMORY_S = 0.5       # evidence fades within about this time, since errors repeat from frame to frame,
 EVIDENCE = 0.5       # and counts as so much of what independent errors would say
+LEAP = 1e-4          # how likely it is that it was anywhere else
 SURE = 0.9           # the other pose has to be as likely as that to become the one that is believed
 GAP_S = 0.5          # after as long without a sight all begins anew
 SAME = 0.1           # of the variance of a pose: one that is no farther off is the same
@@ -62,7 +63,7 @@ class Belief:
             (np.eye(3) * SPEED_M_S**2) * (passed**2 + 1e-6)[:, None, None, None, None]
         far = np.einsum('...i,...i->...', moved, np.linalg.solve(room, moved[..., None])[..., 0])
         leads = -(far + np.linalg.slogdet(room)[1]) / 2
-        leads = np.maximum(leads - leads.max(axis=(1, 2), keepdims=True), IMPOSSIBLE)
+        leads = np.logaddexp(leads - leads.max(axis=(1, 2), keepdims=True), np.log(LEAP))
         known = known * np.exp(-passed / MEMORY_S)[:, None]
         follows = np.argmax(leads[np.arange(len(keys)), believed], axis=1)
         return weight + np.logaddexp(known[:, 0, None] + leads[:, 0], known[:, 1, None] + leads[:, 1]), follows

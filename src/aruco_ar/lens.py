@@ -42,12 +42,12 @@ class Lens:
         """
         pixels = np.asarray(pixels, np.float64)
         wanted = pixels.reshape(-1, 2)
-        if not self.bends:
-            up = np.linalg.inv(self.matrix)
-            return (wanted @ up[:2, :2].T + up[:2, 2]).reshape(pixels.shape)
         rays = np.full(wanted.shape, np.nan)
         finite = np.isfinite(wanted).all(axis=1)
-        if finite.any():
+        if not self.bends:
+            up = np.linalg.inv(self.matrix)
+            rays[finite] = wanted[finite] @ up[:2, :2].T + up[:2, 2]
+        elif finite.any():
             rays[finite] = self._inverted(wanted[finite])
         return rays.reshape(pixels.shape)
 
@@ -58,7 +58,8 @@ class Lens:
             if self.fisheye:
                 rays = cv2.fisheye.undistortPoints(points, self.matrix, self.distortion)[:, 0]
             else:
-                rays = cv2.undistortPointsIter(points, self.matrix, self.distortion, None, None, FIRST_STEPS)[:, 0]
+                rays = cv2.undistortPointsIter(points, self.matrix, self.distortion, None, None,
+                                               FIRST_STEPS)[:, 0]
             for _ in range(STEPS):
                 seen, slopes = self.look(rays)
                 off = wanted - seen
@@ -86,7 +87,7 @@ class Lens:
         return pixels[:, 0], slopes.reshape(-1, 2, 2)
 
     def project(self, points):
-        """(n, 2) float64 pixels that see (n, 3) points, meters in the optical frame; NaN for those behind it."""
+        """(n, 2) float64: the pixels that see (n, 3) points, meters in the optical frame; NaN behind it."""
         points = np.asarray(points, np.float64).reshape(-1, 3)
         pixels = np.full((len(points), 2), np.nan)
         before = np.isfinite(points).all(axis=1) & (points[:, 2] > 0)

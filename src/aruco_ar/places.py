@@ -2,7 +2,7 @@
 
 A tag's place is (x, y, turn): its center, meters, and its turn counterclockwise,
 radians, in wall coordinates. How places may be off is told together, by a
-matrix whose columns are independent deviations.
+matrix whose q columns are independent deviations, the last one that of all sizes.
 """
 from math import radians
 
@@ -10,7 +10,15 @@ import numpy as np
 
 from .solving import square
 
+NOTHING = 1e-12           # meters and radians: a deviation by less is none
 ANYWHERE = 1.0, 1.0, 1.0  # m, m, rad: how far off the place of a new tag may be, which is only a guess
+
+# So many frames' worth is learnt about a place, and no more: the errors of the
+# corners are not wholly independent from frame to frame.
+LESSONS = 2
+# All sides may be so much longer than they seem, or are said to be; no view tells,
+# since then all else is so much farther. (Where a file says where tags are, that tells.)
+SIZE_DEVIATION = 0.001
 
 
 class Places:
@@ -23,6 +31,7 @@ class Places:
         self._places = np.array([[tag.x, tag.y, -radians(tag.turn)] for tag in tags]).reshape(-1, 3)
         self._sizes = np.array([tag.side for tag in tags])
         self._deviation = np.zeros((3 * len(tags), 0))
+        self._size_deviation = SIZE_DEVIATION if wall is None else 0.0
 
     def __contains__(self, tag_id):
         return tag_id in self._index
@@ -31,7 +40,7 @@ class Places:
         return len(self._index)
 
     def poses(self, ids):
-        """Of those tags in wall coordinates: rotations (n, 3, 3), centers (n, 3), and how both may be off, (n, 6, q)."""
+        """Of those tags: rotations (n, 3, 3), centers (n, 3), and how these may be off, (n, 6, q)."""
         number = [self._index[tag_id] for tag_id in ids]
         x, y, turn = self._places[number].T
         rotation = np.zeros((len(number), 3, 3))
@@ -39,17 +48,20 @@ class Places:
         rotation[:, 1, 0] = np.sin(turn)
         rotation[:, 0, 1] = -rotation[:, 1, 0]
         rotation[:, 2, 2] = 1
-        off = np.zeros((len(number), 6, self._deviation.shape[1]))
-        off[:, [0, 1, 5]] = self._deviation.reshape(len(self._index), 3, -1)[number]
-        return rotation, np.stack([x, y, np.zeros(len(number))], axis=1), off
+        center = np.stack([x, y, np.zeros(len(number))], axis=1)
+        off = np.zeros((len(number), 6, self._deviation.shape[1] + 1))
+        off[:, [0, 1, 5], :-1] = self._deviation.reshape(len(self._index), 3, -1)[number]
+        off[:, :3, -1] = self._size_deviation * center
+        return rotation, center, off
 
     def points(self, ids):
-        """The corners of those tags, (n, 4, 3) wall meters, and how they may be off, (n, 4, 3, q) (see refine)."""
+        """Their corners, (n, 4, 3) wall meters, and how these may be off, (n, 4, 3, q): see refine."""
         rotation, center, off = self.poses(ids)
         arms = square(self._sizes[[self._index[tag_id] for tag_id in ids]]) @ rotation.transpose(0, 2, 1)
         spread = np.repeat(off[:, None, :3], 4, axis=1)
         spread[:, :, 0] -= arms[:, :, 1, None] * off[:, None, 5]
         spread[:, :, 1] += arms[:, :, 0, None] * off[:, None, 5]
+        spread[..., -1] += self._size_deviation * arms
         return arms + center[:, None], spread
 
     def add(self, tag_id, place, size, exact=False):
@@ -62,10 +74,15 @@ class Places:
         if not exact:
             self._deviation[before[0]:, before[1]:] = np.diag(ANYWHERE)
 
-    def learn(self, own, covariance):
-        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q)."""
-        self._places = self._places + (self._deviation @ own).reshape(-1, 3)
-        self._deviation = self._deviation @ np.linalg.cholesky(covariance)
+    def learn(self, ids, own, covariance):
+        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q).
+
+        ``ids``: the tags that were seen.
+        """
+        self._places = self._places + (self._deviation @ own[:-1]).reshape(-1, 3)
+        self._deviation = self._deviation @ np.linalg.cholesky(covariance[:-1, :-1])
+        rows = self._deviation.reshape(len(self._index), 3, -1)  # a view
+        rows[[self._index[tag_id] for tag_id in ids]] *= (1 + 1 / LESSONS) ** 0.5
 
     def forget(self, tag_id):
         """Forget a tag; what was learnt about the others stays."""
@@ -75,4 +92,4 @@ class Places:
         self._sizes = np.delete(self._sizes, number)
         rest = np.delete(self._deviation, slice(3 * number, 3 * number + 3), axis=0)
         axes, lengths, _ = np.linalg.svd(rest, full_matrices=False)
-        self._deviation = (axes * lengths)[:, lengths > 0]
+        self._deviation = (axes * lengths)[:, lengths > NOTHING]

@@ -5,25 +5,26 @@ from typing import Tuple
 
 import numpy as np
 
+from .area_pose import area_pose
 from .belief import Belief, mixture
-from .edges import side_of
 from .errors import InputError
 from .ordering import is_quadrilateral
-from .solving import NEAR_M, angles_of, crossed, guesses, refine, square, turned
-from .wall_view import Sight, WallView
+from .sight import Sight
+from .solving import NEAR_M, crossed, guesses, refine, square
+from .wall_view import WallView
 
 SIZE_M = 0.001, 10.0     # what the side of a tag may be
 USUAL_S = 1 / 30         # between frames whose stamps do not tell
-# How far off a corner that the Detector finds is: a standard deviation; and where
-# a tag is seen from the side, by more than so much of its mean side being more
-# than its shortest, what is beside it bends its edges.
-CORNER_PX, SLANTED, SLANTED_PX, MAX_CORNER_PX = 0.03, 1.15, 1.5, 0.5
+# How far off a corner that the Detector finds is, a standard deviation measured
+# before the simulated wall: so much; so much for a tag of SMALL_PX, less the larger
+# it is; and as much more as, seen from the side, its mean side is more than so many
+# times its shortest, since what is beside it then bends its edges.
+CORNER_PX, SMALL_TAG_PX, SMALL_PX, SLANTED_TAG_PX, SLANTED, MAX_CORNER_PX = 0.025, 0.05, 20.0, 5.0, 1.12, 0.5
 # Where a tag's corners fit no pose that well, they are off by more, which is
 # remembered of about so many frames; so many are taken for granted at first.
-MEMORY_FRAMES, GRANTED_FRAMES = 20, 5
+MEMORY_FRAMES, GRANTED_FRAMES = 20, 2
 FADE = 1 - 1 / MEMORY_FRAMES
 HOPELESS = 1e9           # the cost of a pose that cannot be
-AREA_PX = 0.1            # how far off a corner of the area may be
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,23 +71,6 @@ class CameraPose:
                           self.ids)
 
 
-@dataclass(frozen=True, eq=False)
-class AreaPose:
-    """Where the area is: its axes are x from its top left to its top right, y up, z out of the wall.
-
-    Their origin is where its diagonals cross. ``corners``: (4, 2) pixels, as
-    they were given. ``rotation``, ``translation``, ``covariance``: as of a
-    TagPose. ``width`` and ``height``: meters, the means of opposite sides.
-    """
-
-    corners: np.ndarray
-    rotation: np.ndarray
-    translation: np.ndarray
-    covariance: np.ndarray
-    width: float
-    height: float
-
-
 class PoseEstimator:
     """Finds the poses of tags, of the area, and of the camera through a sequence of frames.
 
@@ -124,18 +108,22 @@ class PoseEstimator:
             self.reset()
         self._now += USUAL_S if self._stamp in (None, stamp) else stamp - self._stamp
         self._stamp = stamp
-        seen = self._sight(tags, lens)
+        seen = self._sight(tags, lens) if tags else None
+        if seen is None:
+            self._wall.miss()
+            return []
         often = Counter(seen.ids)
         single = np.array([number for number, tag_id in enumerate(seen.ids) if often[tag_id] == 1], int)
         alone = seen.some(single)
         believed, weight = np.argmax(seen.likely, axis=1), seen.likely.min(axis=1)
         if len(single):
-            believed[single], weight[single] = self._belief.weigh(alone.ids, alone.poses, alone.costs, self._now)
+            believed[single], weight[single] = self._belief.weigh(alone.ids, alone.poses, alone.costs,
+                                                                  self._now)
             every = np.arange(len(single))
             alone.likely[every, believed[single]] = 1 - weight[single]
             alone.likely[every, 1 - believed[single]] = weight[single]
         self._wall.update(alone, self._now)
-        together = self._wall.tag_poses()
+        together = self._wall.tag_poses
         poses = []
         for number, tag in enumerate(seen.tags):
             first = believed[number]
@@ -160,49 +148,26 @@ class PoseEstimator:
 
         ``lens``: the Lens that it was seen through.
         """
-        view = self._wall.view
-        pixels = np.asarray(area.corners, np.float64)
-        rays = lens.rays(pixels)
-        if view is None or not (np.isfinite(rays).all() and is_quadrilateral(pixels)):
-            return None
-        rotation, translation, covariance = view.poses[0]
-        slopes = np.linalg.inv(lens.look(rays)[1]) * AREA_PX                  # (4, 2, 2)
-        # The pose, and how it changes by each number that it depends on: the wall's six and the corners' eight.
-        changes = np.zeros((29, 14))
-        steps = np.concatenate([np.full(6, 1e-6), np.full(8, 1e-3)])
-        changes[1:15], changes[15:] = np.diag(steps), -np.diag(steps)
-        moved = rays + np.einsum('kij,mkj->mki', slopes, changes[:, 6:].reshape(-1, 4, 2))
-        found = area_on(turned(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
-        if found is None:
-            return None
-        axes, center, width, height = found
-        turns = np.array([angles_of(other @ axes[0].T) for other in axes])
-        off = np.concatenate([center - center[0], turns], axis=1)
-        slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
-        spread = np.eye(14)
-        spread[:6, :6] = covariance
-        one = axes[0], center[0], slope @ spread @ slope.T
-        found = area_on(view.rotation[1:], view.translation[1:], rays[None])
-        if found is None:
-            return None
-        other = found[0][0], found[1][0], one[2]
-        return AreaPose(area.corners, one[0], one[1], mixture(one, other, view.weight)[0], float(width[0]),
-                        float(height[0]))
+        return None if self._wall.view is None else area_pose(self._wall.view, area, lens)
 
     def _sight(self, tags, lens):
-        """The Sight of those tags that can be real ones."""
-        quads = np.array([tag.corners for tag in tags], np.float64).reshape(-1, 4, 2)
+        """The Sight of those tags that can be real ones, or None."""
+        quads = np.array([tag.corners for tag in tags], np.float64)
+        real = np.isfinite(quads).all(axis=(1, 2))
+        quads[~real] = 0
         rays = lens.corner_rays(quads)
         across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
-        good = np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
+        good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
         good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise: not seen from behind
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        starts = [guesses(points, ray) if fine else None for points, ray, fine in zip(square(sizes), rays, good)]
+        starts = [guesses(points, ray) if fine else None
+                  for points, ray, fine in zip(square(sizes), rays, good)]
         keep = [number for number, start in enumerate(starts) if start is not None]
+        if not keep:
+            return None
         rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
         deviation = corner_deviation(quads)
-        weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None] \
-            if keep else np.zeros((0, 4, 2, 2))
+        weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
             np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
             np.array([starts[number][0] for number in keep]).reshape(-1, 3, 3),
@@ -239,31 +204,10 @@ def corner_deviation(quads):
     """(n,) pixels: how far off the corners of tags, (n, 4, 2), found by the Detector, may be."""
     lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
     sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
-    slanted = sides.mean(axis=1) / np.maximum(sides.min(axis=1), 1e-9) - SLANTED
-    return np.minimum(CORNER_PX + SLANTED_PX * np.maximum(slanted, 0), MAX_CORNER_PX)
-
-
-def area_on(rotation, translation, rays):
-    """Axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
-
-    The walls are at rotations (m, 3, 3), translations (m, 3); along rays,
-    (m, 4, 2), the area's corners are seen on them.
-    """
-    normal = rotation[..., 2]
-    lines = np.concatenate([rays, np.ones(rays.shape[:2] + (1,))], axis=2)
-    far = np.einsum('mi,mi->m', normal, translation)[:, None] / np.einsum('mi,mki->mk', normal, lines)
-    if not np.all((far > NEAR_M) & np.isfinite(far)):
-        return None
-    corners = far[..., None] * lines
-    sides = np.roll(corners, -1, axis=1) - corners
-    lengths = np.linalg.norm(sides, axis=2)
-    right = sides[:, 0] / lengths[:, :1]
-    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    upon = np.cross(first, second)
-    part = np.einsum('mi,mi->m', np.cross(sides[:, 0], second), upon) / np.einsum('mi,mi->m', upon, upon)
-    center = corners[:, 0] + part[:, None] * first
-    axes = np.stack([right, np.cross(normal, right), normal], axis=2)
-    return axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2
+    shortest = np.maximum(sides.min(axis=1), 1e-9)
+    slanted = np.maximum(sides.mean(axis=1) / shortest - SLANTED, 0)
+    return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3 + SLANTED_TAG_PX * slanted**2,
+                      MAX_CORNER_PX)
 
 
 def _seen_from_the_wall(rotation, translation, covariance):

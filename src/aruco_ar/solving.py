@@ -10,14 +10,16 @@ import numpy as np
 STEPS = 12                 # of Levenberg and Marquardt's method, at most
 DAMPING = 1e-3             # at first
 LESSER, GREATER = 0.1, 8.0  # times as much after a step that helped, and after one that did not
-ENOUGH = 1e-3              # steps that promise to better squared deviations by less, of 1 + all, are not worth it
+ENOUGH = 1e-3              # of 1 + all squared deviations: a step that promises less is not worth it
+HALF_TURN = -0.9           # cosine: turns by more are nearly half ones, whose sines say little
 NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
 
 
 def square(sizes):
     """(n, 4, 3) meters: the corners of tags of sizes (n,) in their own axes, from their own top left."""
-    return np.multiply.outer(np.asarray(sizes, np.float64) / 2, [[-1, 1, 0], [1, 1, 0], [1, -1, 0], [-1, -1, 0]])
+    corners = [[-0.5, 0.5, 0], [0.5, 0.5, 0], [0.5, -0.5, 0], [-0.5, -0.5, 0]]
+    return np.multiply.outer(np.asarray(sizes, np.float64), corners)
 
 
 def turned(angles):
@@ -29,7 +31,12 @@ def turned(angles):
 
 def angles_of(rotation):
     """(3,) rad: the inverse of ``turned``, for one rotation (3, 3)."""
-    return cv2.Rodrigues(rotation)[0].ravel()
+    sines = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
+                      rotation[1, 0] - rotation[0, 1]]) / 2
+    sine, cosine = np.linalg.norm(sines), (np.trace(rotation) - 1) / 2
+    if cosine < HALF_TURN:
+        return cv2.Rodrigues(rotation)[0].ravel()  # which takes small turns for none
+    return sines / np.sinc(np.arctan2(sine, cosine) / np.pi)
 
 
 def crossed(vectors):

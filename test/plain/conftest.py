@@ -1,6 +1,7 @@
 import os
 import sys
 
+import aruco_ar  # noqa: F401  (before numpy, which it gives one thread)
 import numpy as np
 import pytest
 

@@ -1,0 +1,57 @@
+"""Tags seen on simulated drives, with corners computed rather than detected, and how far poses are off."""
+import numpy as np
+from aruco_ar import Tag
+from aruco_ar.robot import Camera, wall_to_camera
+from aruco_ar.solving import square, turned
+from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
+from scenes import LIVELY
+
+PINHOLE = lens_of(Camera())
+BENT = Camera(distortion=[-0.3, 0.1, 0, 0, 0])
+NOISE_PX = 0.03
+AREA = [1, 2, 3, 4]
+
+
+def off(pose, truth):
+    """(meters, degrees) by which a pose is off."""
+    error = error_of(pose.rotation, pose.translation, truth)
+    return np.linalg.norm(error[:3]), np.degrees(np.linalg.norm(error[3:]))
+
+
+def surprise(pose, truth):
+    """NEES: 6 on average if the pose's covariance is honest."""
+    error = error_of(pose.rotation, pose.translation, truth)
+    return error @ np.linalg.inv(pose.covariance) @ error
+
+
+def seen_from(view):
+    """The camera's true pose in wall coordinates."""
+    return view[0].T, -view[0].T @ view[1]
+
+
+def tag_at(tag_id, pose, random, lens=PINHOLE, size=SIDE, noise=NOISE_PX):
+    """The Tag that a lens sees of a tag at a pose (R, t) in the camera, give or take noise in pixels."""
+    pixels = lens.project(square([size])[0] @ pose[0].T + pose[1])
+    return Tag(tag_id, np.float32(pixels + random.normal(0, noise, (4, 2))))
+
+
+def drive(estimator, random, places=lambda number: {}, ids=AREA, count=60, first=0, **look):
+    """For each frame of a lively drive: the poses, their truth, the view and the CameraPose.
+
+    ``places``: of a frame's number, {id: (R, t)}, the poses on the wall of tags that are elsewhere.
+    """
+    for number in range(first, first + count):
+        view = wall_to_camera(LIVELY.at(number / 30)[0])
+        truth = {tag.id: true_pose(tag, *view) for tag in TAGS_WALL.tags}
+        for tag_id, (rotation, translation) in places(number).items():
+            truth[tag_id] = view[0] @ rotation, view[0] @ translation + view[1]
+        tags = [tag_at(tag_id, truth[tag_id], random, **look) for tag_id in ids]
+        poses = estimator.update(tags, look.get('lens', PINHOLE), number / 30)
+        assert [pose.id for pose in poses] == list(ids)
+        yield poses, [truth[tag_id] for tag_id in ids], view, estimator.camera()
+
+
+def on_wall(tag_id, shift=(0, 0, 0), turn=(0, 0, 0)):
+    """The pose on the wall of a tag that was moved and turned about its center."""
+    tag = next(tag for tag in TAGS_WALL.tags if tag.id == tag_id)
+    return turned(np.array([turn]))[0], np.array([tag.x, tag.y, 0]) + shift
