@@ -108,6 +108,7 @@ class WallCamera:
         self._diagnostics, self._shown, self._late = Diagnostics(self._report), deque(), 0
 
         self._image = ImagePublisher(CAMERA, encoding='rgb8')
+        self._beside = self._image.name[:self._image.name.rindex('/') + 1]  # also where that is remapped
         self._publishers = {}
         self._transforms = tf2_ros.TransformBroadcaster()
         self._fixed = tf2_ros.StaticTransformBroadcaster()
@@ -156,7 +157,8 @@ class WallCamera:
         header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp)
         for topic, message in messages.items():
             if topic not in self._publishers:
-                self._publishers[topic] = rospy.Publisher(topic, type(message), queue_size=1)
+                name = self._beside + topic if topic == 'camera_info' else topic
+                self._publishers[topic] = rospy.Publisher(name, type(message), queue_size=1)
             self._publishers[topic].publish(message)
         self._transforms.sendTransform(robot_transform(pose, stamp))
         if self._image.has_listeners():

@@ -14,8 +14,8 @@ class ImagePublisher:
         listener = Listener(on_listeners) if on_listeners else None
         self.name = rospy.resolve_name(topic)
         self._raw = rospy.Publisher(topic, Image, listener, queue_size=1)
-        self._compressed = rospy.Publisher(topic + '/compressed', CompressedImage, listener,
-                                           queue_size=1)
+        # By the resolved name, so that it goes along where the raw topic is remapped.
+        self._compressed = rospy.Publisher(self.name + '/compressed', CompressedImage, listener, queue_size=1)
 
     def has_listeners(self):
         """Whether anybody listens to one of the two."""

@@ -21,13 +21,13 @@ def observe(wall, camera, pose, linear, angular, stamp):
     """What a robot with that Pose and speed (m/s, rad/s) publishes besides the frame.
 
     Returns the frame's header and {topic: message}; ``~tags`` and ``~area``
-    are the truth about the frame.
+    are the truth about the frame. ``camera_info`` belongs beside the images.
     """
     header = Header(stamp=stamp, frame_id=frame_name(CAMERA_FRAME))
     view = wall_to_camera(pose)
     return header, {
         'odom': odometry(pose, linear, angular, stamp),
-        'camera/rgb/camera_info': camera_info(camera, header),
+        'camera_info': camera_info(camera, header),
         '~tags': true_tags(wall, view, camera, header),
         '~area': true_area(wall, view, camera, header),
     }
