@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
 import os
+import threading
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from aruco_ar.render import WallRenderer
 from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
 from aruco_node.camera_node import CAMERA
-from aruco_node.health import OK, WARN, WINDOW_S, Diagnostics
+from aruco_node.health import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
 from aruco_node.manual import Manual
 from aruco_node.memory import keep_memory
 from aruco_node.node import parameter, run_node
@@ -106,6 +107,7 @@ class WallCamera:
         self._driver = Driver(load_path(path) if path != 'none' else None)
         Reconfigurer(self._settings, self._reconfigure)
         self._diagnostics, self._shown, self._late = Diagnostics(self._report), deque(), 0
+        self._watched = None  # since when, monotonic
 
         self._image = ImagePublisher(CAMERA, encoding='rgb8')
         self._beside = self._image.name[:self._image.name.rindex('/') + 1]  # also where that is remapped
@@ -123,21 +125,27 @@ class WallCamera:
 
     def _report(self):
         """How the camera is doing: see Diagnostics."""
-        now = time.monotonic()
+        now, watched = time.monotonic(), self._watched  # which another thread changes
         while self._shown and now - self._shown[0] > WINDOW_S:
             self._shown.popleft()
         rate = len(self._shown) / WINDOW_S
         values = {'frames a second': '%.1f' % rate, 'frames left out': self._late}
-        if self._image.has_listeners() and rate < 0.9 * self._settings.rate:
+        if watched and now - watched > WINDOW_S and rate < 0.9 * self._settings.rate:
             return WARN, 'Slow: %.1f frames a second, not %g.' % (rate, self._settings.rate), values
         return OK, '%.1f frames a second' % rate, values
 
+    def _diagnose(self):
+        """Say how it is doing, also while a simulated clock stands still, and with it all else."""
+        while not rospy.is_shutdown():
+            self._diagnostics.update()
+            time.sleep(PERIOD_S)
+
     def spin(self):
         """Publish until shutdown, each frame stamped with the very time at which it is due."""
+        threading.Thread(target=self._diagnose, daemon=True).start()
         rate = self._settings.rate
         start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
-            self._diagnostics.update()
             late = (rospy.Time.now() - start).to_sec() * rate
             if late < count - 1:  # the clock was set back
                 start, count, late = rospy.Time.now(), 0, 0
@@ -161,7 +169,10 @@ class WallCamera:
                 self._publishers[topic] = rospy.Publisher(name, type(message), queue_size=1)
             self._publishers[topic].publish(message)
         self._transforms.sendTransform(robot_transform(pose, stamp))
-        if self._image.has_listeners():
+        if not self._image.has_listeners():
+            self._watched = None
+        else:
+            self._watched = self._watched or time.monotonic()
             self._image.publish(self._renderer.render(*wall_to_camera(pose)), header)
             self._shown.append(time.monotonic())
 
