@@ -101,6 +101,9 @@ class NodeTest(unittest.TestCase):
         """Have ``see`` answer with what is in these inboxes, by their names, as soon as they get something."""
         self._inboxes = inboxes
         for inbox in inboxes.values():
+            while not inbox.empty():  # of before
+                inbox.get()
+        for inbox in inboxes.values():
             def answered():
                 self.show(scene([1]))  # of which nothing is learnt
                 try:
