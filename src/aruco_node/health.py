@@ -34,7 +34,11 @@ class Diagnostics:
         """Publish if it is time to, by a clock that does not stop: simulated time may."""
         if time.monotonic() >= self._due:
             self._due = time.monotonic() + PERIOD_S
-            self._updater.force_update()
+            try:
+                self._updater.force_update()
+            except rospy.ROSException:
+                if not rospy.is_shutdown():  # which closes the topic first
+                    raise
 
 
 def _fill(status, level, sentence, values):
