@@ -57,7 +57,7 @@ class Diagnoses:
             self._changed.notify_all()
 
     def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
-        """Wait until a node is said, from now on, to be at that level, in these words; {name: value} of then."""
+        """Wait until a node is said, from now on, to be at that level, in these words; its {name: value}."""
         name = node + ': frames'
         with self._changed:
             self._statuses.pop(name, None)

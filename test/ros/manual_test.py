@@ -44,7 +44,7 @@ class Manuals(NodeTest):
         self.master = Master('/manual_test')
 
     def registered(self, node, number):
-        """Names that a node is registered for: 0 as their publisher, 1 as their subscriber, 2 as their server."""
+        """Names that a node is registered for: 0 as publisher, 1 as subscriber, 2 as server."""
         return {name for name, nodes in self.master.getSystemState()[number]
                 if '/' + node in nodes and not OF_ROS.fullmatch(name)}
 
@@ -66,7 +66,7 @@ class Manuals(NodeTest):
         self.start('page.py', '_port:=%d' % port).wait_for('driving is on')
         change('/exercise5_6', picture='topic:/other/camera')
         for topics in published.values():  # who is listened to subscribes whatever it takes
-            self.running += [rospy.Subscriber(topic, get_message_class(kind)) for topic, kind in topics.items()]
+            self.running += [rospy.Subscriber(name, get_message_class(kind)) for name, kind in topics.items()]
 
         async def look():
             line = await websocket_connect('ws://127.0.0.1:%d/live' % port)

@@ -1,4 +1,4 @@
-"""What the rostests that start nodes share: a camera of their own, the nodes before it, and what they answer."""
+"""What the rostests that start nodes share: a camera of their own, nodes before it, and what they answer."""
 import queue
 import unittest
 from itertools import count
@@ -30,14 +30,13 @@ BLANK = np.full((480, 640, 3), GRAY, np.uint8)
 INSIDE, OUTSIDE = (slice(180, 300), slice(220, 420)), (slice(0, 60), slice(0, 640))  # of the area
 
 
-def scene(ids=tuple(CENTERS), dictionary='DICT_6X6_250', sides=None):
-    """Some of four tags on gray; their black squares are 80 pixels wide, but for ``sides``, {id: pixels}."""
+def scene(ids=tuple(CENTERS), dictionary='DICT_6X6_250'):
+    """Some of four tags on gray, 100 pixels wide with their margins."""
     frame = BLANK.copy()
     for tag_id in ids:
-        tag = draw_tag(dictionary, tag_id, (sides or {}).get(tag_id, 80), quiet=1)
-        half = len(tag) // 2
+        tag = cv2.resize(draw_tag(dictionary, tag_id, 80, quiet=1), (100, 100), interpolation=cv2.INTER_NEAREST)
         x, y = CENTERS[tag_id]
-        frame[y - half:y - half + len(tag), x - half:x - half + len(tag)] = tag[..., None]
+        frame[y - 50:y + 50, x - 50:x + 50] = tag[..., None]
     return frame
 
 

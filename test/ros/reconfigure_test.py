@@ -87,8 +87,8 @@ class Reconfigured(NodeTest):
             change('/exercise5_6', scale=scale)
             image, tags = self.see(scene(), 'image', 'tags')
             self.assertEqual(image.shape, (480 * scale, 640 * scale, 3))
-            self.assert_color(image, tuple(slice(int(part.start * scale), int(part.stop * scale)) for part in INSIDE),
-                              RED)
+            place = tuple(slice(int(part.start * scale), int(part.stop * scale)) for part in INSIDE)
+            self.assert_color(image, place, RED)
             corners[scale] = np.array([[(p.x, p.y) for p in tag.corners]
                                        for tag in sorted(tags.tags, key=lambda tag: tag.id)])
             np.testing.assert_allclose((corners[scale] + 0.5) / scale, corners[1.0] + 0.5, atol=0.5)
@@ -146,7 +146,8 @@ class Reconfigured(NodeTest):
                                ({'tag_sizes': 'none'}, [1, 1, 1, 1])):
             change('/tag_poses', **sizes)
             after = far()
-            np.testing.assert_allclose([after[tag_id] / before[tag_id] for tag_id in sorted(before)], factors, rtol=0.01)
+            ratios = [after[tag_id] / before[tag_id] for tag_id in sorted(before)]
+            np.testing.assert_allclose(ratios, factors, rtol=0.01)
         for _ in range(9):  # until it knows the wall well enough to place the area by one tag
             whole, = self.see(scene(), 'area')
         self.assertEqual(len(whole.corners), 4)

@@ -11,7 +11,7 @@ import rostest
 from nodes import GRAY, INSIDE, NodeTest, change, picture_file, scene
 from rosgraph import Master
 from sensor_msgs.msg import Image
-from started import WAIT_S, Started
+from started import Started
 from unit5.msg import TagArray, TagPoseArray
 
 BLUE = (255, 0, 0)

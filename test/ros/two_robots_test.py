@@ -76,7 +76,8 @@ class TwoRobots(unittest.TestCase):
             self.assertEqual({frame.partition('/')[2] for frame in frames if frame.startswith(robot + '/')},
                              {'odom', 'base_link', 'wall', 'camera_rgb_optical_frame'}
                              | {'tag_%d' % tag.id for tag in wall.tags})
-        self.assertRaises(tf2_ros.TransformException, buffer.lookup_transform, 'one/odom', 'two/odom', rospy.Time(0))
+        with self.assertRaises(tf2_ros.TransformException):
+            buffer.lookup_transform('one/odom', 'two/odom', rospy.Time(0))
 
     def test_each_knows_where_it_is_before_its_wall(self):
         for robot in ROBOTS:
