@@ -30,13 +30,15 @@ BLANK = np.full((480, 640, 3), GRAY, np.uint8)
 INSIDE, OUTSIDE = (slice(180, 300), slice(220, 420)), (slice(0, 60), slice(0, 640))  # of the area
 
 
-def scene(ids=tuple(CENTERS), dictionary='DICT_6X6_250'):
-    """Some of four tags on gray, 100 pixels wide with their margins."""
+def scene(ids=tuple(CENTERS), dictionary='DICT_6X6_250', narrow=()):
+    """Some of four tags on gray, 80 pixels wide, ``narrow`` ones 32; with their margins 100 and 40."""
     frame = BLANK.copy()
     for tag_id in ids:
-        tag = cv2.resize(draw_tag(dictionary, tag_id, 80, quiet=1), (100, 100), interpolation=cv2.INTER_NEAREST)
+        half = 20 if tag_id in narrow else 50
+        tag = draw_tag(dictionary, tag_id, 80, quiet=1)
         x, y = CENTERS[tag_id]
-        frame[y - 50:y + 50, x - 50:x + 50] = tag[..., None]
+        frame[y - half:y + half, x - half:x + half] = \
+            cv2.resize(tag, (2 * half, 2 * half), interpolation=cv2.INTER_AREA)[..., None]
     return frame
 
 

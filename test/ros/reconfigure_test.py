@@ -167,6 +167,13 @@ class Reconfigured(NodeTest):
         for name, value in values.items():
             self.assertEqual(rospy.get_param('/exercise5_6/' + name), value)
 
+    def test_tags_narrower_than_min_side_are_passed_over(self):
+        self.before_camera('exercise5_2')
+        frame = scene(narrow=[2])
+        for min_side, ids in (0.0, [1, 2, 3, 4]), (50.0, [1, 3, 4]), (90.0, []), (20.0, [1, 2, 3, 4]):
+            change('/exercise5_2', min_side=min_side)
+            self.assertEqual(self.sees(frame), ids)
+
     def test_what_is_wrong_is_refused_with_a_sentence(self):
         self.paint()
         kept = change('/exercise5_6', opacity=0.5)
