@@ -7,7 +7,6 @@ and axes drawn on the frame.
 """
 import os
 
-import numpy as np
 import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator, mark_tags
@@ -80,6 +79,7 @@ class TagPoses(CameraNode):
     def answer(self, frame, given, header, stamp):
         tags, area = given[0]
         lens = self._lens(frame.shape[1::-1])
+        self.ready = lens is not None or self._fault is not None
         if lens is None:
             return [mark_tags(frame, tags)]
         estimator = self._estimator

@@ -25,6 +25,7 @@ from aruco_node.reconfigure import Reconfigurer
 from aruco_node.wall_messages import fixed_transforms, observe, robot_transform
 from geometry_msgs.msg import Twist
 
+MAX_LATE_S = 5.0  # no rendering takes as long
 COMMAND_S = 0.5  # a robot that hears no command for this long stops
 START = Pose(-2.2, 0.0, 0.0)
 
@@ -147,7 +148,7 @@ class WallCamera:
         start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
             late = (rospy.Time.now() - start).to_sec() * rate
-            if late < count - 1:  # the clock was set back
+            if not count - 1 <= late <= count + MAX_LATE_S * rate:  # the clock was set
                 start, count, late = rospy.Time.now(), 0, 0
             self._late += max(int(late) - count - 1, 0)  # what cannot be rendered in time is left out
             count = max(count + 1, int(late))

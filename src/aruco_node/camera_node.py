@@ -32,6 +32,8 @@ class CameraNode:
     class of its parameters.
     """
 
+    ready = True  # whether what is made of frames is all that there will be: a snapshot waits for that
+
     def __init__(self, takes, topics, kind_of_settings):
         self.settings = read(kind_of_settings, parameter)
         self._areas = [{}]  # of each area, the parameters that are its own
@@ -189,7 +191,8 @@ class CameraNode:
             stamp = (message.header.stamp or rospy.Time.now()).to_sec()
             given = [inputs.at(frame, stamp) for inputs in self._inputs]
             images = dict(zip(self._outputs, self.answer(frame, given, message.header, stamp)))
-            self._snapshot.after(images)
+            if self.ready:
+                self._snapshot.after(images)
             for topic, image in images.items():
                 self._outputs[topic].publish(image, message.header)
             tags = [tag for inputs in self._inputs for tag in inputs.tags]
