@@ -86,7 +86,7 @@ class TagPoses(CameraNode):
         poses = estimator.update(tags, lens, stamp)
         area = None if area is None else estimator.area(area, lens)
         self._publish(poses, area, estimator.camera(), lens, header)
-        return [mark_axes(mark_tags(frame, tags), poses, lens)]
+        return [mark_axes(mark_tags(frame, tags), poses, lens) if self.is_seen('image') else frame]
 
     def report(self):
         level, sentence, values = super().report()
@@ -147,7 +147,7 @@ class TagPoses(CameraNode):
         """The robot's pose by the camera's, or None if nobody knows where on the robot the camera is."""
         frame = frame_name(self.settings.robot_frame)
         try:
-            found = self._frames.lookup_transform(header.frame_id, frame, rospy.Time(0)).transform
+            found = self._frames.lookup_transform(header.frame_id.lstrip('/'), frame, rospy.Time(0)).transform
         except tf2_ros.TransformException as error:
             self.say_once('no robot', 'The pose of the robot is not known: no transform from %s to %s (%s). Is '
                           'robot_frame right?' % (frame, header.frame_id, error), rospy.logwarn)

@@ -71,6 +71,10 @@ class CameraNode:
         return self._snapshot.wanted or self._tags.get_num_connections() > 0 or \
             any(output.has_listeners() for output in self._outputs.values())
 
+    def is_seen(self, topic):
+        """Whether anybody looks at the images of that topic."""
+        return self._snapshot.wanted or self._outputs[topic].has_listeners()
+
     def follow(self, wanted):
         """Listen to what is needed besides the camera, or leave it; called about once a second."""
         for inputs in self._inputs:
