@@ -11,6 +11,7 @@ STEPS = 12                 # of Levenberg and Marquardt's method, at most
 DAMPING = 1e-3             # at first
 LESSER, GREATER = 0.1, 8.0  # times as much after a step that helped, and after one that did not
 ENOUGH = 1e-3              # of 1 + all squared deviations: a step that promises less is not worth it
+FAR_WORSE = 100.0           # times as far off as the other pose: not worth it either
 HALF_TURN = -0.9           # cosine: turns by more are nearly half ones, whose sines say little
 NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
@@ -69,6 +70,9 @@ def guesses(points, rays):
 def refine(points, rays, weights, rotation, translation, spread=None):
     """The poses near those given at which points are best seen along rays, m of them at once.
 
+    They come in pairs, the two poses of one thing after each other; one that
+    is far worse than the other may stay far from its best.
+
     ``points``: (m, k, 3) or (k, 3) meters. ``rays``: (m, k, 2) or (k, 2).
     ``weights``: (..., 2, 2), what makes of a ray's deviation one in standard
     deviations. ``spread``: (k, 3, q) meters, how the points may deviate
@@ -85,7 +89,8 @@ def refine(points, rays, weights, rotation, translation, spread=None):
         cost, _, slope, curve = here
         damped = curve + damping[:, None, None] * curve * np.eye(6 + count)
         step = np.linalg.solve(damped, slope[..., None])[..., 0]
-        if np.all((step * slope).sum(axis=1) < ENOUGH * (1 + cost)):
+        least = np.repeat(cost.reshape(-1, 2).min(axis=1), 2)
+        if np.all(((step * slope).sum(axis=1) < ENOUGH * (1 + cost)) | (cost > FAR_WORSE * (1 + least))):
             break
         other = (turned(step[:, 3:6]) @ rotation, translation + step[:, :3], own + step[:, 6:])
         there = _look(points, rays, weights, *other, spread)
