@@ -152,9 +152,10 @@ def run():
 
 def _line(method, where, rows):
     place, turn = np.linalg.norm(rows[:, 1:4], axis=1), np.degrees(np.linalg.norm(rows[:, 4:7], axis=1))
-    return '%-24s %-4s %6d %6d   %-20s %-20s %-18s %6.1f' % (
+    nees = '-' if np.isnan(rows[:, 7]).any() else '%.1f' % rows[:, 7].mean()
+    return '%-24s %-4s %6d %6d   %-20s %-20s %-18s %6s' % (
         method, where, len(rows), np.sum(turn > FLIP), _three(1000 * place, '%.1f'),
-        _three(100 * place / rows[:, 0], '%.2f'), _three(turn, '%.2f'), rows[:, 7].mean())
+        _three(100 * place / rows[:, 0], '%.2f'), _three(turn, '%.2f'), nees)
 
 
 def _three(values, form):
