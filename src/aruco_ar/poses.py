@@ -19,7 +19,7 @@ USUAL_S = 1 / 30         # between frames whose stamps do not tell
 # before the simulated wall: so much; so much for a tag of SMALL_PX, less the larger
 # it is; and as much more as, seen from the side, its mean side is more than so many
 # times its shortest, since what is beside it then bends its edges.
-CORNER_PX, SMALL_TAG_PX, SMALL_PX, SLANTED_TAG_PX, SLANTED, MAX_CORNER_PX = 0.025, 0.05, 20.0, 5.0, 1.12, 0.5
+CORNER_PX, SMALL_TAG_PX, SMALL_PX, SLANTED_TAG_PX, SLANTED, MAX_CORNER_PX = 0.03, 0.05, 20.0, 6.0, 1.12, 0.5
 # Where a tag's corners fit no pose that well, they are off by more, which is
 # remembered of about so many frames; so many are taken for granted at first.
 MEMORY_FRAMES, GRANTED_FRAMES = 20, 2
