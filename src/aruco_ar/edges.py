@@ -18,7 +18,7 @@ PROFILE_POINTS = 15      # places at which each profile is looked at
 # and to place it. The latter not too far, or shading would bend what is
 # straight; and where an edge is off by more than NEAR of that, it is found first.
 FIND, PLACE, NEAR = 0.95, 0.6, 0.4
-MIN_REACH_PX, MAX_PLACE_PX = 1.2, 5.0
+MIN_FIND_PX, MIN_PLACE_PX, MAX_PLACE_PX = 1.8, 1.2, 5.0
 MIN_CONTRAST = 12        # gray levels between the black border and the white around it
 MAX_BEYOND = 0.25        # of the contrast, by which a profile may be darker or lighter than its ends
 MAX_BENT = 0.35          # of the reach, by which half of an edge's profiles may be off its line
@@ -47,9 +47,9 @@ def fit_tags(frame, quads, cells):
     """
     quads = np.ascontiguousarray(quads, np.float32)
     start = quads.view(np.complex64)[..., 0]  # (n, 4)
-    cell = side_of(quads)[:, None] / cells.shape[1]  # (n, 1) pixels
-    find = np.maximum(FIND * cell, MIN_REACH_PX)
-    place = np.clip(PLACE * cell, MIN_REACH_PX, MAX_PLACE_PX)
+    cell = _depth_of(start) / cells.shape[1]
+    find = np.maximum(FIND * cell, MIN_FIND_PX)
+    place = np.clip(PLACE * cell, MIN_PLACE_PX, MAX_PLACE_PX)
     fitted, good = _fit_edges(frame, start, place)
     rest = ~(good & (np.abs(fitted - start) < NEAR * place).all(axis=1))
     if rest.any():
@@ -68,6 +68,18 @@ def side_of(quads):
     return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
 
 
+def _depth_of(quads):
+    """(n, 4) pixels: how far (n, 4) complex quadrilaterals reach across each of their edges.
+
+    Seen from the side, a tag's cells are much narrower across its upright edges
+    than along them.
+    """
+    along = quads[:, [1, 2, 3, 0]] - quads
+    across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
+    area = np.abs((across.conj() * down).imag) / 2
+    return area[:, None] / np.maximum(np.abs(along), 1e-6)
+
+
 def look_at_cells(frame, quads, count, margin=0):
     """The gray in the middles of cells, (n, k) float32, row by row, of quadrilaterals, (n, 4, 2) float32.
 
@@ -84,7 +96,7 @@ def _look(frame, points):
 
 
 def _fit_edges(frame, quads, reach):
-    """Fit (n, 4) complex quadrilaterals, reaching (n, 1) pixels far; and whether all edges were seen."""
+    """Fit (n, 4) complex quadrilaterals, reaching (n, 4) pixels far; and whether all edges were seen."""
     along = quads[:, [1, 2, 3, 0]] - quads
     length = np.abs(along)
     outward = along * np.complex64(-1j) / np.maximum(length, 1e-6)
