@@ -16,10 +16,9 @@ from .wall_view import WallView
 SIZE_M = 0.001, 10.0     # what the side of a tag may be
 USUAL_S = 1 / 30         # between frames whose stamps do not tell
 # How far off a corner that the Detector finds is, a standard deviation measured
-# before the simulated wall: so much; so much for a tag of SMALL_PX, less the larger
-# it is; and as much more as, seen from the side, its mean side is more than so many
-# times its shortest, since what is beside it then bends its edges.
-CORNER_PX, SMALL_TAG_PX, SMALL_PX, SLANTED_TAG_PX, SLANTED, MAX_CORNER_PX = 0.03, 0.05, 20.0, 6.0, 1.12, 0.5
+# before the simulated wall: so much, and so much more for a tag whose shortest side
+# is SMALL_PX, less the larger it is.
+CORNER_PX, SMALL_TAG_PX, SMALL_PX, MAX_CORNER_PX = 0.03, 0.05, 20.0, 0.5
 # Where a tag's corners fit no pose that well, they are off by more, which is
 # remembered of about so many frames; so many are taken for granted at first.
 MEMORY_FRAMES, GRANTED_FRAMES = 20, 2
@@ -205,9 +204,7 @@ def corner_deviation(quads):
     lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
     sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
     shortest = np.maximum(sides.min(axis=1), 1e-9)
-    slanted = np.maximum(sides.mean(axis=1) / shortest - SLANTED, 0)
-    return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3 + SLANTED_TAG_PX * slanted**2,
-                      MAX_CORNER_PX)
+    return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3, MAX_CORNER_PX)
 
 
 def _seen_from_the_wall(rotation, translation, covariance):

