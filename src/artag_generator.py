@@ -10,10 +10,11 @@ import sys
 
 import cv2
 
-from aruco_ar import DICTIONARIES, InputError, draw_tag
+from aruco_ar import InputError, draw_tag
 from aruco_ar.files import own_folder, write_whole
 from aruco_ar.progress import progress
 from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
+from aruco_ar.tags import DICTIONARY_NAMES
 
 MAX_ID = 10000  # above those of every dictionary
 
@@ -45,7 +46,7 @@ def draw(form, args, tag_id):
 def parse(argv):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARIES))
+        epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARY_NAMES))
     option = parser.add_argument
     option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
     option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')

@@ -6,22 +6,27 @@ area, of the camera and of the robot, as messages, TF frames, markers for RViz,
 and axes drawn on the frame.
 """
 import os
+import time
 
 import rospy
 import tf2_ros
-from aruco_ar import InputError, PoseEstimator, mark_tags
+from aruco_ar import InputError, PoseEstimator
 from aruco_ar.files import package_folder
-from aruco_ar.paint import mark_axes
+from aruco_ar.paint import mark_poses
 from aruco_ar.wall import load_wall
 from aruco_node import pose_messages
 from aruco_node.calibration import Calibration
 from aruco_node.camera_node import CameraNode
-from aruco_node.health import OK, WARN
+from aruco_node.health import ERROR, WARN
 from aruco_node.manual import camera_manual
 from aruco_node.memory import keep_memory
 from aruco_node.names import frame_name
 from aruco_node.node import run_node
+from aruco_node.parameters import AUTO
 from aruco_node.settings import ID, LEARN, PoseSettings
+from aruco_node.waiting import SILENCE_S
+from aruco_node.wall_messages import WALL_FRAME
+from aruco_node.wall_watch import WallWatch
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
@@ -31,6 +36,7 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~markers', MarkerArray, 'tags and area, for RViz'),
           ('~camera_pose', PoseWithCovarianceStamped, 'the camera in the frame of the wall'),
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
+LEARNED = 'learned_wall'  # another frame than that of a known wall: its origin is a tag
 # Parameters after whose change the places of the tags are learnt anew.
 BEGINS = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
 
@@ -40,10 +46,11 @@ class TagPoses(CameraNode):
 
     def __init__(self):
         super().__init__(['tags', 'area'], ['image'], PoseSettings)
-        self._estimator = self._make_estimator(self.settings)
+        self._estimator, self._watch = self._begin(self.settings)
         self._calibration = Calibration(self.settings, self.camera)
-        self._fault = None
+        self._faults = {}  # what is wrong, by its kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
+        self.results = [publisher.resolved_name for publisher in self._publishers.values()]
         self._transforms = tf2_ros.TransformBroadcaster()
         self._frames, self._listener = tf2_ros.Buffer(), None  # the TF of others, while the robot's pose is wanted
 
@@ -57,6 +64,7 @@ class TagPoses(CameraNode):
         self._calibration.follow(wanted)
         placed = self._publishers['robot_pose'].get_num_connections() > 0
         if placed and self._listener is None:
+            self._listening_since = time.monotonic()
             self._listener = tf2_ros.TransformListener(self._frames)
         elif not placed and self._listener is not None:
             self._listener.unregister()
@@ -66,35 +74,44 @@ class TagPoses(CameraNode):
         changes = super().prepare(settings)
         if all(getattr(settings, name) == getattr(self.settings, name) for name in BEGINS):
             return changes
-        estimator = self._make_estimator(settings)
+        begun = self._begin(settings)
 
         def change():
-            self._estimator = estimator
+            self._estimator, self._watch = begun
         return changes + [change]
 
     def reset(self):
         super().reset()
-        self._estimator = self._make_estimator(self.settings)
+        self._estimator, self._watch = self._begin(self.settings)
 
     def answer(self, frame, given, header, stamp):
         tags, area = given[0]
-        lens = self._lens(frame.shape[1::-1])
-        self.ready = lens is not None or self._fault is not None
-        if lens is None:
-            return [mark_tags(frame, tags)]
-        estimator = self._estimator
-        poses = estimator.update(tags, lens, stamp)
-        area = None if area is None else estimator.area(area, lens)
-        self._publish(poses, area, estimator.camera(), lens, header)
-        return [mark_axes(mark_tags(frame, tags), poses, lens) if self.is_seen('image') else frame]
+        faults = {}
+        lens = self._lens(frame.shape[1::-1], faults)
+        self.ready = lens is not None or bool(faults)
+        poses = []
+        if lens is not None:
+            estimator = self._estimator
+            poses = sorted(estimator.update(tags, lens, stamp), key=lambda pose: pose.id)
+            camera = estimator.camera()
+            on_wall = None if area is None else estimator.area(area, lens)
+            misfit = self._watch.look(poses, camera, stamp)
+            if misfit:
+                faults[misfit] = misfit
+            self._publish(poses, on_wall, camera, lens, header, faults)
+        for kind, sentence in faults.items():
+            self.say_once(kind, sentence, rospy.logwarn)
+        self._faults = faults
+        return [mark_poses(frame, tags, poses, lens, area) if self.is_seen('image') else frame]
 
     def report(self):
         level, sentence, values = super().report()
-        if level == OK and self._fault:
-            level, sentence = WARN, self._fault
-        return level, sentence, values
+        faults = list(self._faults.values())
+        # Frames that are dropped are not worth a word where all poses are missing.
+        return (WARN, faults[0], values) if faults and level < ERROR else (level, sentence, values)
 
-    def _make_estimator(self, settings):
+    def _begin(self, settings):
+        """A PoseEstimator and a WallWatch. Raises InputError if there is no such wall."""
         wall = None
         if settings.wall != LEARN:
             wall = load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
@@ -102,22 +119,17 @@ class TagPoses(CameraNode):
                 raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give the '
                                  'same: dictionary:=%s.' % (settings.wall, wall.dictionary, settings.dictionary,
                                                             wall.dictionary))
-        return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall)
+        return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
 
-    def _lens(self, size):
-        """The Lens of frames of that size, or None; what is wrong with it is said, once."""
-        scale = self.settings.scale
+    def _lens(self, size, faults):
+        """The Lens of frames of that size, or None."""
         try:
-            lens = self._calibration.lens(size, scale)
+            return self._calibration.lens(size, self.scale)
         except InputError as error:
-            self._fault = 'Tags are found, but not their poses, by what camera_info on %s says: %s.' % (
-                self._calibration.topic, error)
-            self.say_once(error.kind, self._fault, rospy.logwarn)
+            faults[error.kind] = 'Tags are found, but no poses: %s: %s.' % (self._calibration.topic, error)
             return None
-        self._fault = None
-        return lens
 
-    def _publish(self, poses, area, camera, lens, header):
+    def _publish(self, poses, area, camera, lens, header, faults):
         publish = {name: publisher.publish for name, publisher in self._publishers.items()
                    if publisher.get_num_connections()}
         if 'poses' in publish:
@@ -126,31 +138,40 @@ class TagPoses(CameraNode):
             publish['area'](pose_messages.area_pose(area, lens, header))
         if 'markers' in publish:
             publish['markers'](pose_messages.markers(poses, area, lens, header))
+        if not header.frame_id:
+            faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set it ' \
+                                 'in the camera driver.'
+        else:
+            self._publish_frames(poses, header)
+        if camera is None:
+            return
+        name = self.settings.wall_frame
+        wall = frame_name(name if name != AUTO else LEARNED if self.settings.wall == LEARN else WALL_FRAME)
+        if 'camera_pose' in publish:
+            publish['camera_pose'](pose_messages.stamped(camera, header.stamp, wall))
+        if 'robot_pose' in publish:
+            robot = self._robot(camera, header, faults)
+            if robot is not None:
+                publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
+
+    def _publish_frames(self, poses, header):
+        """The tags as TF frames; of two with one id nobody could say which the frame is of."""
         ids = [pose.id for pose in poses]
-        # Of two tags with one id nobody could say which the frame is of.
         single = [pose for pose in poses if ids.count(pose.id) == 1]
         if single:
             self._transforms.sendTransform([
                 pose_messages.transform(pose, header, frame_name(self.settings.tag_frame.replace(ID, str(pose.id))))
                 for pose in single])
-        if camera is None:
-            return
-        wall = frame_name(self.settings.wall_frame)
-        if 'camera_pose' in publish:
-            publish['camera_pose'](pose_messages.stamped(camera, header.stamp, wall))
-        if 'robot_pose' in publish:
-            robot = self._robot(camera, header)
-            if robot is not None:
-                publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
-    def _robot(self, camera, header):
+    def _robot(self, camera, header, faults):
         """The robot's pose by the camera's, or None if nobody knows where on the robot the camera is."""
         frame = frame_name(self.settings.robot_frame)
         try:
             found = self._frames.lookup_transform(header.frame_id.lstrip('/'), frame, rospy.Time(0)).transform
         except tf2_ros.TransformException as error:
-            self.say_once('no robot', 'The pose of the robot is not known: no transform from %s to %s (%s). Is '
-                          'robot_frame right?' % (frame, header.frame_id, error), rospy.logwarn)
+            if time.monotonic() - self._listening_since > SILENCE_S:
+                faults['robot'] = 'The pose of the robot is not known: no transform from %s to %s (%s). Is ' \
+                                  'robot_frame right?' % (frame, header.frame_id, error)
             return None
         return camera.carry(*pose_messages.from_transform(found))
 

@@ -36,6 +36,9 @@ SHARPEN = np.float32([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]])
 # As large a part may be light of the black border, and dark of the white ring
 # around it, of what is reread.
 MAX_WRONG = 0.15
+# Of the quadrilaterals that OpenCV takes for no tags, so many are reread: fine
+# textures have tens of thousands.
+MAX_REREAD = 2000
 
 
 class Detector:
@@ -115,7 +118,7 @@ class Detector:
         # The middle of the first pixel is (0, 0), before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
         if rereads and len(quads):
-            ids, quads = self._reread(frame, quads)
+            ids, quads = self._reread(frame, quads[:len(corners) + MAX_REREAD])
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 

@@ -21,7 +21,8 @@ PURPLE = (255, 0, 150)  # the course's
 # OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
 SHIFT = 4
 
-AXIS = 0.75  # sides of a tag
+AXIS, ABOVE_PX = 0.75, 22  # how long axes are, in sides of a tag; and how far above it its id is
+MAX_DRAWN_PX = 1e5
 
 MIN_AREA_PX = 0.1  # of less, nobody sees anything
 
@@ -34,26 +35,39 @@ def _fixed(points):
 
 def mark_tags(frame, tags):
     """Outline every tag, mark its first corner (its own top left), and write its id."""
-    image = frame.copy()
-    for tag in tags:
-        cv2.polylines(image, [_fixed(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
-        cv2.circle(image, tuple(map(int, _fixed(tag.corners[0]))), 4 << SHIFT, RED, -1,
-                   cv2.LINE_AA, SHIFT)
+    image = _outlined(frame, tags)
     for tag in tags:  # after all outlines, so that no line crosses a number
         _write(image, str(tag.id), tag.center)
     return image
 
 
-def mark_axes(frame, poses, lens):
-    """Draw the axes of every TagPose: x red, y green, z blue. ``lens``: the Lens of the frame."""
-    image = frame.copy()
+def mark_poses(frame, tags, poses, lens, area=None):
+    """Outline every tag, and draw the axes of every TagPose, x red, y green, z blue; the id stands above.
+
+    ``lens``: the Lens of the frame, which may be None if there are no poses.
+    ``area``: the Area, if there is one, is outlined too.
+    """
+    image = _outlined(frame, tags)
+    if area is not None:
+        cv2.polylines(image, [_fixed(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
     for pose in poses:
         ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
-        if np.any(ends[:, 2] <= 0):
-            continue
-        origin, *tips = (tuple(map(int, point)) for point in _fixed(lens.project(ends)))
-        for tip, color in zip(tips, (RED, GREEN, BLUE)):
-            cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
+        pixels = lens.project(ends)
+        if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
+            origin, *tips = (tuple(map(int, point)) for point in _fixed(pixels))
+            for tip, color in zip(tips, (RED, GREEN, BLUE)):
+                cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
+    for tag in tags:
+        _write(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
+    return image
+
+
+def _outlined(frame, tags):
+    image = frame.copy()
+    for tag in tags:
+        cv2.polylines(image, [_fixed(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, tuple(map(int, _fixed(tag.corners[0]))), 4 << SHIFT, RED, -1,
+                   cv2.LINE_AA, SHIFT)
     return image
 
 

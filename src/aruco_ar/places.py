@@ -74,15 +74,13 @@ class Places:
         if not exact:
             self._deviation[before[0]:, before[1]:] = np.diag(ANYWHERE)
 
-    def learn(self, ids, own, covariance):
-        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q).
-
-        ``ids``: the tags that were seen.
-        """
+    def learn(self, own, covariance):
+        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q)."""
         self._places = self._places + (self._deviation @ own[:-1]).reshape(-1, 3)
-        self._deviation = self._deviation @ np.linalg.cholesky(covariance[:-1, :-1])
-        rows = self._deviation.reshape(len(self._index), 3, -1)  # a view
-        rows[[self._index[tag_id] for tag_id in ids]] *= (1 + 1 / LESSONS) ** 0.5
+        # Before, all were 1. What a lesson does not tell is known no less after it: with the first tag
+        # out of sight all others may have moved together, and no view tells.
+        variance, axes = np.linalg.eigh(covariance[:-1, :-1])
+        self._deviation = self._deviation @ (axes * np.sqrt(np.clip(variance * (1 + 1 / LESSONS), 0, 1)))
 
     def forget(self, tag_id):
         """Forget a tag; what was learnt about the others stays."""

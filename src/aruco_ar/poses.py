@@ -23,7 +23,8 @@ CORNER_PX, SMALL_TAG_PX, SMALL_PX, MAX_CORNER_PX = 0.03, 0.05, 20.0, 0.5
 # remembered of about so many frames; so many are taken for granted at first.
 MEMORY_FRAMES, GRANTED_FRAMES = 20, 2
 FADE = 1 - 1 / MEMORY_FRAMES
-HOPELESS = 1e9           # the cost of a pose that cannot be
+HOPELESS = 1e30          # the cost of a pose that cannot be
+MAX_COST = 1e4           # more than that no tag teaches about its corners: it is another thing
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +195,7 @@ class PoseEstimator:
         scales = []
         for tag_id, cost in zip(ids, costs):
             total, frames = self._noise.get(tag_id, (0.0, 0.0))
-            self._noise[tag_id] = total, frames = total * FADE + cost, frames * FADE + 1
+            self._noise[tag_id] = total, frames = total * FADE + min(cost, MAX_COST), frames * FADE + 1
             scales.append(max(1.0, (2 * GRANTED_FRAMES + total) / (2 * GRANTED_FRAMES + 2 * frames)))
         return np.array(scales)
 

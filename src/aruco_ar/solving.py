@@ -58,6 +58,8 @@ def guesses(points, rays):
         _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
     except cv2.error:
         return None
+    if not len(angles):
+        return None
     rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles])
     shifts = np.array(shifts).reshape(-1, 3)
     good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1) & (shifts[:, 2] > NEAR_M)

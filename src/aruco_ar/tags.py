@@ -8,6 +8,8 @@ from .errors import InputError
 
 DICTIONARIES = {name: getattr(cv2.aruco, name)
                 for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')}
+# Each once: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
+DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()}.values())
 
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
@@ -50,7 +52,7 @@ def get_dictionary(name):
     """
     if name not in DICTIONARIES:
         raise InputError('There is no tag dictionary "%s"; choose one of %s.'
-                         % (name, ', '.join(DICTIONARIES)))
+                         % (name, ', '.join(DICTIONARY_NAMES)))
     return cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
 
 

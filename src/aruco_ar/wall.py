@@ -14,6 +14,9 @@ from .files import within, yaml_entries
 from .tags import tag_cells
 
 
+DICTIONARY = 'DICT_6X6_250'
+
+
 @dataclass(frozen=True)
 class WallTag:
     """A tag on the wall: its center and side in meters, turned clockwise by degrees."""
@@ -44,7 +47,7 @@ class WallTag:
 
 @dataclass(frozen=True)
 class Wall:
-    """What a wall's YAML file says. ``color`` is (blue, green, red)."""
+    """What a wall's YAML file says. ``color`` is (blue, green, red). ``area``: four ids, or none."""
 
     width: float
     height: float
@@ -56,9 +59,9 @@ class Wall:
 
     @property
     def area_corners(self):
-        """(4, 3) float64, wall meters: the centers of the area's tags, in the area's order."""
+        """(4, 3) float64, wall meters: the centers of the area's tags, in the area's order; (0, 3) without one."""
         by_id = {tag.id: tag for tag in self.tags}
-        return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area])
+        return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area]).reshape(-1, 3)
 
     def paper(self, tag):
         """A tag's cells on its white paper, and where the paper's corners are.
@@ -81,12 +84,15 @@ def load_wall(path):
         tags = tuple(WallTag(_id(entry['id']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
                              within(entry['side'], 0.001, 10), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
-        wall = Wall(within(data['wall']['width'], 0.1, 100), within(data['wall']['height'], 0.1, 100),
-                    _color(data['wall']['color']),
-                    str(data['dictionary']), within(data.get('quiet', 1), 0, 10), tags,
-                    tuple(_id(id) for id in data.get('area', [tag.id for tag in tags[:4]])))
+        look = data.get('wall', {})
+        wall = Wall(within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100),
+                    _color(look.get('color', (214, 203, 186))), str(data.get('dictionary', DICTIONARY)),
+                    within(data.get('quiet', 1), 0, 10), tags,
+                    tuple(_id(id) for id in data.get('area', [tag.id for tag in tags[:4]] if len(tags) > 3 else [])))
     ids = [tag.id for tag in wall.tags]
-    if len(wall.area) != 4 or len(set(wall.area)) != 4 or not set(wall.area) <= set(ids):
+    if not ids or len(ids) > len(set(ids)):
+        raise InputError('The wall "%s" has the tags %s; give at least one, and each id once.' % (path, ids))
+    if wall.area and not (len(wall.area) == len(set(wall.area)) == 4 and set(wall.area) <= set(ids)):
         raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
                          % (path, list(wall.area)))
     for id in ids:

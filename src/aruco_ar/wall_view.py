@@ -22,6 +22,7 @@ OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
 # Tags are in one plane if the one is off that of the other by no more than this,
 # in squared deviations of 3 numbers: likely but for 1 of 1,000.
 UNLIKELY = 16.0
+TRIED = 6                # of tags that contradict each other, so many, the worst, are left out in turn
 POSSIBLE = 0.01          # a pose of less weight is none that a tag may have
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
@@ -128,7 +129,8 @@ class WallView:
             usual = view.own[0] @ view.own[0] <= OFF_DEVIATIONS**2 * view.own.shape[1]
             if usual and self._fits(sight, rest, view.off).all():
                 return rest, view
-            without = [[other for other in rest if other != number] for number in rest]
+            worst = [rest[number] for number in np.argsort(-view.off)[:TRIED]]
+            without = [[other for other in rest if other != number] for number in worst]
             views = [self._solve(sight, others) for others in without] if len(rest) > 1 else []
             views = [(found, others) for found, others in zip(views, without) if found is not None]
             if len(rest) == 2:
@@ -198,7 +200,7 @@ class WallView:
         quads = {sight.ids[number]: sight.quads[number] for number in agreed}
         moved = [np.abs(quad - self._taught.get(tag_id, np.inf)).max() for tag_id, quad in quads.items()]
         if view.own.shape[1] > 1 and (self._teachings < LEARN_FIRST or max(moved) > LEARN_PX):
-            self._places.learn(view.ids, view.own[0], view.covariance[0, 6:, 6:])
+            self._places.learn(view.own[0], view.covariance[0, 6:, 6:])
             self._taught.update(quads)
             self._teachings += 1
 

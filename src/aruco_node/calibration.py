@@ -5,6 +5,7 @@ import numpy as np
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.lens import Lens
+from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
 from .parameters import AUTO
@@ -13,6 +14,7 @@ from .waiting import SILENCE_S
 # How many distortion coefficients each model may have; none means no distortion.
 MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4), '': (0, 4, 5, 8)}
 FISHEYE = 'equidistant'
+MAX_FOCAL_PX = 1e6
 RECTIFIED = 'image_rect'  # so image_proc calls the topics of frames without distortion
 
 
@@ -27,21 +29,28 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     corner = np.array([info.roi.x_offset, info.roi.y_offset])
     part = (info.roi.width, info.roi.height) if info.roi.width and info.roi.height else (info.width, info.height)
     came = part // binning
-    if np.any(np.abs(came * scale - size) > 1) or np.any(came == 0):
+    if np.any(came == 0):
+        raise InputError('it does not say for what size of frames it is. Calibrate the camera: rosrun '
+                         'camera_calibration cameracalibrator.py', kind='camera_info without a size')
+    if np.any(np.abs(came * scale - size) > 1):
         raise InputError('it is for frames of %d x %d pixels, but they have %d x %d. Calibrate the camera at the '
                          'size at which it runs' % (*came, *np.round(np.array(size) / scale)),
                          kind='camera_info of %d x %d' % tuple(came))
     matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
-    if not np.all(np.isfinite(matrix)) or matrix[0, 0] <= 0 or matrix[1, 1] <= 0:
-        raise InputError('its %s has no focal length, so the camera is not calibrated. Calibrate it: rosrun '
+    if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or np.any(matrix[2] != [0, 0, 1]) \
+            or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
+        raise InputError('its %s is that of no camera, so it is not calibrated. Calibrate it: rosrun '
                          'camera_calibration cameracalibrator.py' % ('P' if rectified else 'K'),
                          kind='camera_info without calibration')
     distortion = np.array([] if rectified else info.D, np.float64)
+    fisheye = not rectified and info.distortion_model == FISHEYE
+    if fisheye and not len(distortion):
+        distortion = np.zeros(4)  # which is not the same as a pinhole without distortion
     if not rectified and (len(distortion) not in MODELS.get(info.distortion_model, ())
                           or not np.all(np.isfinite(distortion))):
-        raise InputError('its distortion model "%s" with %d coefficients is none of %s' % (
-            info.distortion_model, len(distortion), ', '.join(name for name in MODELS if name)),
-            kind='camera_info with another distortion')
+        raise InputError('its distortion "%s" of %d numbers is not known; known are plumb_bob (4 or 5), '
+                         'rational_polynomial (8, 12 or 14) and equidistant (4)' % (
+                             info.distortion_model, len(distortion)), kind='camera_info with another distortion')
     # As CameraInfo.msg says; and the middle of the first pixel is (0, 0) before and after resizing.
     matrix[:2, 2] -= corner
     matrix[:2] /= binning[:, None]
@@ -49,14 +58,16 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     matrix[:2, 2] += 0.5
     matrix[:2] *= resized[:, None]
     matrix[:2, 2] -= 0.5
-    return Lens(size[0], size[1], matrix, distortion, not rectified and info.distortion_model == FISHEYE)
+    return Lens(size[0], size[1], matrix, distortion, fisheye)
 
 
 class Calibration:
     """The Lens of the camera's frames, as soon as it is known."""
 
     def __init__(self, settings, camera):
-        """``camera``: the resolved name of the camera's raw topic."""
+        """``camera``: the resolved name of the camera's raw topic. Raises InputError if there can be no such topic."""
+        if not is_legal_name(settings.camera_info):
+            raise InputError('The parameter ~camera_info is "%s"; that is no name of a topic.' % settings.camera_info)
         beside, _, image = camera.rpartition('/')
         self.rectified = image.startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified
         self.topic = beside + '/camera_info' if settings.camera_info == AUTO else \

@@ -7,6 +7,7 @@ import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
 from aruco_ar.picture import resize
+from rospy.core import is_shutdown_requested
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
@@ -32,6 +33,8 @@ class CameraNode:
     class of its parameters.
     """
 
+    results = []  # names of the topics of more than images, for who asks why nothing comes
+    scale = 1.0     # by which the frame was resized
     ready = True  # whether what is made of frames is all that there will be: a snapshot waits for that
 
     def __init__(self, takes, topics, kind_of_settings):
@@ -143,6 +146,7 @@ class CameraNode:
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = self._unusable = None
+            self._count.begin()
 
     def _why_nothing_arrives(self):
         """A sentence, and whether that is all right."""
@@ -155,7 +159,7 @@ class CameraNode:
         own = [output.name for output in self._outputs.values()]
         if self._subscriber is None and published.get(self._topic) == self._kind._type:
             return 'Nobody listens to %s, so nothing is computed. To see it: open the page, or rosrun ' \
-                   'image_view image_view image:=%s' % (', '.join(own), own[-1]), True
+                   'image_view image_view image:=%s' % (', '.join(self.results + own), own[-1]), True
         return explain_silence(self.camera, self.settings.transport, published,
                                own + [name + '/compressed' for name in own]), False
 
@@ -189,8 +193,9 @@ class CameraNode:
         missing = self._count.came(message.header.seq)
         try:
             frame = self._to_frame(message)
-            if self.settings.scale != 1.0:
-                frame = resize(frame, self.settings.scale)
+            self.scale = self.settings.scale  # which another thread may change meanwhile
+            if self.scale != 1.0:
+                frame = resize(frame, self.scale)
             self._snapshot.before(frame)
             stamp = (message.header.stamp or rospy.Time.now()).to_sec()
             given = [inputs.at(frame, stamp) for inputs in self._inputs]
@@ -209,7 +214,7 @@ class CameraNode:
             self._unusable = str(error)
             self.say_once(error.kind, self._unusable)
         except Exception:  # a fault of ours: one frame is lost, not the node
-            if rospy.is_shutdown():  # while all topics are closed, whatever is published fails
+            if is_shutdown_requested():  # while all topics are closed, whatever is published fails
                 return
             fault = traceback.format_exc()
             self._unusable = 'A frame is passed over, by a fault of this node: ' + fault

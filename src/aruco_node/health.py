@@ -7,11 +7,13 @@ import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import Updater
+from rospy.core import is_shutdown_requested
 
 PERIOD_S = 1.0
 WINDOW_S = 5.0       # what is said about rates and times is about the frames of so long
 NO_TAGS_S = 10.0     # without a tag in sight for so long something may be wrong
 MAX_DROPPED = 0.1    # of the frames: a node that drops more is too slow
+BUSY = 0.5           # of the time: a node that is at it less is not slow
 MAX_MISSING = 1000   # more frames than that are not missing between two: another camera counts otherwise
 MAX_LATENCY_S = 60.0  # frames older than that are stamped by another clock, or come from a bag
 
@@ -37,7 +39,7 @@ class Diagnostics:
             try:
                 self._updater.force_update()
             except rospy.ROSException:
-                if not rospy.is_shutdown():  # which closes the topic first
+                if not is_shutdown_requested():  # which closes the topic first
                     raise
 
 
@@ -59,9 +61,10 @@ class FrameCount:
         self._tags, self._sighted, self._area_seen = 0, time.monotonic(), None
 
     def begin(self):
-        """Frames are awaited from now on: what was published before is not dropped."""
+        """Frames are awaited from now on, or not any more: what was published before is not dropped."""
         with self._lock:
             self._number, self._sighted = None, time.monotonic()
+            self._recent.clear()
 
     def came(self, number):
         """A frame has come with that number, which its publisher counts up; returns how many are missing."""
@@ -104,11 +107,14 @@ class FrameCount:
                 values['%s, %s (ms)' % (name, label)] = \
                     '%.1f' % np.percentile(known, percent) if len(known) else 'unknown'
         values['tags in sight'] = tags if len(recent) else 0
-        values['age of the area (s)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
+        values['area last seen (s ago)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
-            return WARN, 'Slow: %d of %d frames were dropped within %d s. A smaller ~scale helps, or ~search ' \
-                         'fast.' % (dropped, dropped + len(recent), WINDOW_S), values
+            # Where most of the time is left, it is not the node that drops them.
+            busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
+            return WARN, ('Slow: %d of %d frames were dropped within %d s. A smaller ~scale helps, or ~search fast.'
+                          if busy else '%d of %d frames did not arrive within %d s: lost or left out on their way, '
+                          'by their header.seq.') % (dropped, dropped + len(recent), WINDOW_S), values
         if unseen > NO_TAGS_S:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -6,6 +6,7 @@ import traceback
 import cv2
 import rospy
 from aruco_ar.errors import InputError
+from rospy.core import is_shutdown_requested
 
 
 def run_node(name, work, manual):
@@ -31,7 +32,7 @@ def run_node(name, work, manual):
             rospy.logfatal('%s', error)
             rospy.signal_shutdown(str(error))
         except Exception:
-            if rospy.is_shutdown():  # while all topics are closed, whatever is published fails
+            if is_shutdown_requested():  # while all topics are closed, whatever is published fails
                 return
             errors.append(traceback.format_exc())
             rospy.logfatal('%s', errors[0])

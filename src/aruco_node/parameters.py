@@ -35,13 +35,14 @@ class Number:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of several texts."""
+    """One of several texts. ``shown``: those that are told of, if not all."""
 
     choices: Tuple[str, ...]
+    shown: Tuple[str, ...]
 
     @property
     def allowed(self):
-        return 'one of ' + ', '.join(self.choices)
+        return 'one of ' + ', '.join(self.shown)
 
     def read(self, value):
         if not isinstance(value, str) or value not in self.choices:
@@ -75,9 +76,9 @@ def number(default, low, high, what, live=True):
     return _field(default, Number(low, high), what, live)
 
 
-def choice(default, choices, what, live=True):
-    """A dataclass's field for a parameter that is one of several texts."""
-    return _field(default, Choice(tuple(choices)), what, live)
+def choice(default, choices, what, live=True, shown=None):
+    """A dataclass's field for a parameter that is one of several texts, of which some are ``shown``."""
+    return _field(default, Choice(tuple(choices), tuple(shown or choices)), what, live)
 
 
 def wish(default, what):
@@ -92,8 +93,8 @@ def _wish(value):
 
 
 def some_text(value):
-    """The value, a text that is not empty. Raises ValueError for any other."""
-    if not isinstance(value, str) or not value.strip():
+    """The value, a text that is not empty and can be a path. Raises ValueError for any other."""
+    if not isinstance(value, str) or not value.strip() or '\0' in value:
         raise ValueError
     return value
 

@@ -1,8 +1,8 @@
 """Poses as messages."""
 import cv2
 import numpy as np
-from geometry_msgs.msg import Point, Pose, PoseWithCovariance, Quaternion, TransformStamped, Vector3
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import (Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion,
+                               TransformStamped, Vector3)
 from rospy import Duration
 from std_msgs.msg import ColorRGBA, Header
 from unit5.msg import AreaPose as AreaPoseMessage
@@ -63,7 +63,8 @@ def _center(pose, lens):
 
 def transform(pose, header, child):
     """A pose as the geometry_msgs/TransformStamped of a TF frame."""
-    message = TransformStamped(header=header, child_frame_id=child)
+    message = TransformStamped(header=Header(stamp=header.stamp, frame_id=header.frame_id.lstrip('/')),
+                               child_frame_id=child)
     message.transform.translation = Vector3(*pose.translation)
     message.transform.rotation = quaternion(pose.rotation)
     return message
@@ -83,8 +84,9 @@ def markers(poses, area, lens, header):
 
     ``lens``: the Lens of the frame.
     """
-    shown = []
-    for number, pose in enumerate(poses):
+    shown, ids = [], [pose.id for pose in poses]
+    for count, pose in enumerate(poses):
+        number = pose.id if ids.count(pose.id) == 1 else -1 - count  # RViz shows one marker of a number
         plate = _marker(header, 'tags', number, Marker.CUBE, TAG_COLOR, pose)
         plate.scale = Vector3(pose.size, pose.size, THICKNESS_M)
         label = _marker(header, 'ids', number, Marker.TEXT_VIEW_FACING, TEXT_COLOR, pose)

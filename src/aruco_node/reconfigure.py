@@ -45,7 +45,10 @@ class Reconfigurer(Server):
             rospy.logerr('%s Nothing is changed.', error)
         else:
             self._settings = settings
-        config.update(self._live(self._settings))
+        values = self._live(self._settings)
+        for name in set(config) - set(values) - {'groups'}:
+            del config[name]  # it is no parameter
+        config.update(values)
         return config
 
 
@@ -63,7 +66,7 @@ def _describe(kind_of_settings):
 def _parameter(name, about, default):
     is_number = isinstance(about.kind, Number)
     choices = [{'name': value, 'value': value, 'type': 'str', 'description': value}
-               for value in about.kind.choices] if isinstance(about.kind, Choice) else []
+               for value in about.kind.shown] if isinstance(about.kind, Choice) else []
     return {'name': name, 'type': 'double' if is_number else 'str', 'default': default, 'level': 0,
             'description': about.what,
             # As floats: a bound that is an int would be said to be one of an int parameter.

@@ -6,7 +6,7 @@ from aruco_ar.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.errors import InputError
 from aruco_ar.files import yaml_entries
 from aruco_ar.fitting import FITS
-from aruco_ar.tags import DICTIONARIES
+from aruco_ar.tags import DICTIONARIES, DICTIONARY_NAMES
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
 from .parameters import AUTO, Number, choice, number, read, some_text, text, wish
@@ -46,7 +46,8 @@ class Settings:
     """What every node that looks at frames takes. ``ids``: the four that count, or empty for any."""
 
     transport: str = choice('raw', IMAGE_TYPES, 'compressed reads TOPIC/compressed', live=False)
-    dictionary: str = choice('DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name')
+    dictionary: str = choice('DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name',
+                             shown=DICTIONARY_NAMES)
     ids: Tuple[int, ...] = text((), '"any", or the ids of four different tags, such as 1,2,3,4',
                                 'the four tags that count', _ids, _ids_as_text)
     scale: float = number(1.0, 0.01, 4.0, 'each frame is resized by this factor first')
@@ -105,15 +106,15 @@ class PoseSettings(AreaSettings):
     tag_size: float = number(0.18, MIN_SIZE_M, MAX_SIZE_M, "side of the tags' black square, meters")
     tag_sizes: Tuple[Tuple[int, float], ...] = text((), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
                                        'tags of another size', _sizes, _sizes_as_text)
-    wall: str = text(LEARN, 'learn, or the path of a YAML file', "where the tags are on the wall: see "
+    wall: str = text(LEARN, 'learn, or the path of a YAML file, which may be within the package', "where the tags are on the wall: see "
                      "config/wall.yaml")
     camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
                             live=False)
     rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '
                                              'topic is called image_rect...')
     tag_frame: str = text('tag_' + ID, 'a name with {id} in it', "TF frame of a tag", _tag_frame, live=False)
-    wall_frame: str = text('wall', 'the name of a TF frame', "frame in which the camera's and the robot's poses "
-                           "are given", live=False)
+    wall_frame: str = text(AUTO, 'auto, or the name of a TF frame', "frame in which the camera's and the robot's "
+                           "poses are given; auto: wall, or learned_wall where it is learned", live=False)
     robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',
                             live=False)
 

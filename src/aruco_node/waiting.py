@@ -17,6 +17,9 @@ def explain_silence(camera, transport, published, own=()):
     wanted = camera + (SUFFIX if transport == 'compressed' else '')
     waiting = 'Waiting for frames on %s: ' % wanted
     if wanted in published:
+        if transport == 'raw' and wanted.endswith(SUFFIX) and published[wanted] == IMAGE_TYPES['compressed']:
+            return waiting + 'that is its compressed form. Give camera:=%s transport:=compressed.' % \
+                wanted[:-len(SUFFIX)]
         if published[wanted] != IMAGE_TYPES[transport]:
             return waiting + ('it is published as %s, but must be %s. Give the topic of a camera: '
                               'camera:=TOPIC.' % (published[wanted], IMAGE_TYPES[transport]))

@@ -81,7 +81,7 @@ def true_tags(wall, view, camera, header):
 
 def true_area(wall, view, camera, header):
     """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
-    pixels, before_camera = project(wall.area_corners, *view, camera)
+    pixels, before_camera = project(wall.area_corners, *view, camera) if wall.area else ([], True)
     return polygon_from_pixels(pixels if before_camera else [], header)
 
 

@@ -38,7 +38,7 @@ DIAGNOSTICS_MS = 250
 class Settings:
     """The parameters of the page."""
 
-    address: str = text('127.0.0.1', 'the address or the name of a host',
+    address: str = text('127.0.0.1', 'an IP address, or localhost',
                         'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
                         live=False)
     port: float = number(8080, 1, 65535, "the page's port", live=False)

@@ -34,11 +34,13 @@ def test_a_rectified_image_has_another_matrix_and_no_distortion():
 
 
 @pytest.mark.parametrize('changes', [{}, {'distortion_model': 'equidistant', 'D': [0.1, 0.01, 0.0, 0.0]},
-                                     {'distortion_model': 'rational_polynomial', 'D': [0.1] * 8}, {'D': []}])
+                                     {'distortion_model': 'rational_polynomial', 'D': [0.1] * 8}, {'D': []},
+                                     {'distortion_model': 'equidistant', 'D': []}])
 def test_all_models_of_the_camera_info(changes):
     lens = lens_from_info(info(**changes), SIZE)
     assert lens.fisheye == (changes.get('distortion_model') == 'equidistant')
-    assert len(lens.distortion) == len(changes.get('D', CAMERA.distortion))
+    assert len(lens.distortion) == (4 if lens.fisheye else len(changes.get('D', CAMERA.distortion)))
+    assert np.all(np.isfinite(lens.rays(lens.project(np.array([[0.1, 0.2, 1.0]])))))
 
 
 def test_a_resized_frame_sees_along_the_same_rays():
@@ -57,9 +59,11 @@ def test_binning_and_a_region_are_in_the_frame_already():
 
 
 @pytest.mark.parametrize('message, words', [
-    (CameraInfo(), '0 x 0 pixels'), (info(K=[0.0] * 9), 'K has no focal length'),
-    (info(K=[float('nan')] * 9), 'K has no focal length'), (info(width=1280, height=960), 'for frames of 1280 x 960'),
-    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
+    (CameraInfo(), 'for what size'), (info(K=[0.0] * 9), 'K is that of no camera'),
+    (info(K=[float('nan')] * 9), 'K is that of no camera'), (info(width=1280, height=960), 'for frames of 1280 x 960'),
+    (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is that of no camera'),
+    (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is that of no camera'),
+    (info(D=[0.1] * 3), '"plumb_bob" of 3 numbers'), (info(D=[float('inf')] * 5), 'distortion'),
     (info(distortion_model='mirror ball'), '"mirror ball"')])
 def test_what_is_wrong_with_a_camera_info_is_said(message, words):
     with pytest.raises(InputError, match=words) as error:

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""tag_poses with a camera_info that is missing, late or wrong, and with a lens that bends."""
+"""tag_poses with a camera_info or a wall that is missing, late or wrong, and with a lens that bends."""
+import tempfile
 import unittest
 
 import numpy as np
@@ -11,10 +12,12 @@ from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
 from aruco_node.messages import image_from_frame
 from aruco_node.wall_messages import camera_info
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import Connections, Inbox
 from sensor_msgs.msg import CameraInfo, Image
 from started import WAIT_S, Started
 from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
 from unit5.msg import TagArray, TagPoseArray
 
 WALL = load_wall(package_folder() + '/config/wall.yaml')
@@ -25,9 +28,13 @@ BENT = [-0.3, 0.1, 0.0, 0.0, 0.0]
 class CameraInfos(unittest.TestCase):
     def setUp(self):
         self.node, self.seen, self.publishers = None, {}, {}
+        self.addCleanup(self.end)
 
-    def tearDown(self):
+    def end(self):
+        if self.node is None:
+            return
         self.node.stop()
+        self.node = None
         for inbox in self.seen.values():
             inbox.subscriber.unregister()
         for publisher, _ in self.publishers.values():
@@ -45,19 +52,19 @@ class CameraInfos(unittest.TestCase):
         for _, connections in self.publishers.values():
             connections.wait(1)
 
-    def show(self, frame):
+    def show(self, frame, frame_id='eye'):
         """Publish a frame; how many tags are found in it."""
         stamp = rospy.Time.now()
-        self.publishers[self.image][0].publish(image_from_frame(frame, Header(stamp=stamp, frame_id='eye')))
+        self.publishers[self.image][0].publish(image_from_frame(frame, Header(stamp=stamp, frame_id=frame_id)))
         tags = self.seen['tags'].next()
         self.assertEqual(tags.header.stamp, stamp)
         return len(tags.tags)
 
-    def show_until_said(self, frame, words):
+    def show_until_said(self, frame, words, frame_id='eye'):
         """Publish frames, in which tags are found all the while, until the node has said these words."""
         until = rospy.Time.now() + rospy.Duration(WAIT_S)
         while not any(words in line for line in self.node.lines):
-            self.assertEqual(self.show(frame), 4)
+            self.assertEqual(self.show(frame, frame_id), 4)
             self.assertLess(rospy.Time.now(), until, words)
 
     def show_until_posed(self, frame, info):
@@ -83,15 +90,15 @@ class CameraInfos(unittest.TestCase):
         frame, camera = WallRenderer(WALL, Camera()).render(*VIEW), Camera()
         self.assertEqual(self.show(frame), 4)
         self.show_until_said(frame, 'nothing arrives on it')
-        for wrong, words in ((CameraInfo(), 'for frames of 0 x 0 pixels'),
-                             (CameraInfo(width=640, height=480), 'no focal length'),
+        for wrong, words in ((CameraInfo(), 'for what size of frames'),
+                             (CameraInfo(width=640, height=480), 'K is that of no camera'),
                              (camera_info(Camera(width=1280, height=960), None), 'for frames of 1280 x 960')):
             for _ in range(3):
                 self.publishers[self.info][0].publish(wrong)
                 self.show_until_said(frame, words)
         self.assertTrue(self.seen['poses'].empty())
         self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
-        for words in 'nothing arrives on it', '0 x 0', 'no focal length', '1280 x 960':
+        for words in 'nothing arrives on it', 'for what size', 'K is that of no camera', '1280 x 960':
             told = [line for line in self.node.lines if words in line]
             self.assertEqual(len(told), 1, told)
             self.assertIn('/eye/camera_info', told[0])
@@ -112,6 +119,58 @@ class CameraInfos(unittest.TestCase):
         self.start('/eye/image_raw', '/else/where', '_scale:=0.5', '_camera_info:=/else/where')
         self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
                                                 camera_info(Camera(), None)))
+
+    def test_a_wall_that_does_not_fit_is_told(self):
+        frame, info = WallRenderer(WALL, Camera()).render(*VIEW), camera_info(Camera(), None)
+        with open(package_folder() + '/config/wall.yaml') as file:
+            fitting = file.read()
+        for change, words in ((('side: 0.18', 'side: 0.15'), 'The tags in sight do not fit the wall of "%s"'),
+                              (('x:  0.45, y: 0.25', 'x:  0.35, y: 0.25'), 'Tag 3 is not where "%s" says')):
+            with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+                file.write(fitting.replace(*change))
+                file.flush()
+                self.start('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+                self.show_until_posed(frame, info)
+                self.show_until_said(frame, words % file.name)
+            self.end()
+
+    def test_one_tag_in_a_file_is_enough_to_know_where_the_camera_is(self):
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+            file.write('tags: [{id: 4, x: -0.45, y: 0.25, side: 0.18}]')
+            file.flush()
+            self.start('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+            self.assert_camera('wall', -VIEW[0].T @ VIEW[1])
+
+    def test_a_wall_that_is_learned_has_another_frame(self):
+        self.start('/eye/image_raw', '/eye/camera_info')
+        first = WALL.tags[0]  # with the lowest id
+        self.assert_camera('learned_wall', -VIEW[0].T @ VIEW[1] - [first.x, first.y, 0])
+
+    def assert_camera(self, frame_id, place):
+        """The camera is there in that frame."""
+        self.seen['camera'] = Inbox('/tag_poses/camera_pose', PoseWithCovarianceStamped)
+        frame = WallRenderer(WALL, Camera()).render(*VIEW)
+        self.show_until_posed(frame, camera_info(Camera(), None))
+        until = rospy.Time.now() + rospy.Duration(WAIT_S)
+        while self.seen['camera'].empty():
+            self.show(frame)
+            self.assertLess(rospy.Time.now(), until)
+        message = self.seen['camera'].next()
+        self.assertEqual(message.header.frame_id, frame_id)
+        found = message.pose.pose.position
+        self.assertLess(np.linalg.norm([found.x, found.y, found.z] - place), 0.05)
+
+    def test_frames_without_a_frame_id_get_poses_but_no_tf(self):
+        self.start('/eye/image_raw', '/eye/camera_info')
+        frames = Inbox('/tf', TFMessage)
+        frame = WallRenderer(WALL, Camera()).render(*VIEW)
+        self.assert_right(self.show_until_posed(frame, camera_info(Camera(), None)))
+        while not frames.empty():
+            frames.next()
+        self.show_until_said(frame, 'Frames come without a frame_id', frame_id='')
+        frames.subscriber.unregister()
+        self.assertFalse([each for message in list(frames.queue) for each in message.transforms
+                          if not each.header.frame_id])
 
 
 if __name__ == '__main__':

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 FIGURES = {'frames in', 'frames out', 'frames dropped', 'frame rate (Hz)', 'pipeline, median (ms)',
            'pipeline, 99 % (ms)', 'latency, median (ms)', 'latency, 99 % (ms)', 'tags in sight',
-           'age of the area (s)'}
+           'area last seen (s ago)'}
 
 
 class Diagnosed(NodeTest):
@@ -38,7 +38,7 @@ class Diagnosed(NodeTest):
         for name in 'frames in', 'frames out':
             self.assertEqual(int(values[name]), int(begun[name]) + 5)
         self.assertEqual((values['frames dropped'], values['tags in sight']), ('0', '4'))
-        for name in 'frame rate (Hz)', 'pipeline, median (ms)', 'pipeline, 99 % (ms)', 'age of the area (s)':
+        for name in 'frame rate (Hz)', 'pipeline, median (ms)', 'pipeline, 99 % (ms)', 'area last seen (s ago)':
             self.assertGreaterEqual(float(values[name]), 0, name)
         self.assertEqual(values['latency, median (ms)'], 'unknown')  # the frames' stamps are of long ago
         self.see(scene(), stamp=rospy.Time.now())
@@ -78,7 +78,7 @@ class Diagnosed(NodeTest):
         frames = rospy.Timer(rospy.Duration(0.5), lambda event: self.show(np.zeros_like(BLANK)))
         self.addCleanup(frames.shutdown)
         values = self.diagnoses.wait('exercise5_3', 'No tag has been in sight for 1', level=WARN)
-        self.assertEqual((values['tags in sight'], values['age of the area (s)']), ('0', 'none seen'))
+        self.assertEqual((values['tags in sight'], values['area last seen (s ago)']), ('0', 'none seen'))
         self.see(scene())
         self.diagnoses.wait('exercise5_3', 'frames a second')
         frames.shutdown()
