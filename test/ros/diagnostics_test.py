@@ -46,7 +46,7 @@ class Diagnosed(NodeTest):
         self.assertGreater(float(values['latency, 99 % (ms)']), 0)
         self.publisher.impl.seq += 40  # as if so many had been lost on their way
         self.see(BLANK)
-        values = self.diagnoses.wait('exercise5_6', 'Slow: 40 of', level=WARN)
+        values = self.diagnoses.wait('exercise5_6', '40 of', level=WARN)
         self.assertEqual((int(values['frames in']), int(values['frames out']), values['frames dropped'],
                           values['tags in sight']), (int(begun['frames in']) + 7, int(begun['frames out']) + 7,
                                                      '40', '0'))

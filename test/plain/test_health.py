@@ -1,0 +1,71 @@
+"""What is said about how a node is doing, by the frames that came, went and were dropped."""
+import pytest
+from aruco_node import health
+from aruco_node.health import OK, WARN, FrameCount
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that only the test moves on: a list with the time, seconds."""
+    now = [1000.0]
+    monkeypatch.setattr(health.time, 'monotonic', lambda: now[0])
+    return now
+
+
+def drive(count, clock, period, pipeline, numbers, tags=4):
+    """Frames with these numbers, one each ``period``, answered after ``pipeline`` seconds."""
+    count.begin()
+    for number in numbers:
+        began = clock[0]
+        missing = count.came(number)
+        clock[0] += pipeline
+        count.answered(began, None, missing, tags, tags > 0)
+        clock[0] += period - pipeline
+
+
+def test_all_is_well(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.02, range(30))
+    level, sentence, values = count.report()
+    assert (level, sentence) == (OK, '10.0 frames a second')
+    assert (values['frames in'], values['frames out'], values['frames dropped']) == (30, 30, 0)
+    assert (values['pipeline, median (ms)'], values['latency, median (ms)']) == ('20.0', 'unknown')
+    assert (values['tags in sight'], values['area last seen (s ago)']) == (4, '0.1')
+
+
+def test_a_node_that_takes_too_long_is_slow(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.095, range(0, 90, 3))
+    level, sentence, values = count.report()
+    assert level == WARN and sentence.startswith('Slow: ') and '~scale' in sentence
+    assert values['frames dropped'] == 2 * 29
+
+
+def test_a_node_with_time_to_spare_is_not_called_slow(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.005, range(0, 90, 3))
+    level, sentence, _ = count.report()
+    assert level == WARN and 'did not arrive' in sentence and 'Slow' not in sentence
+
+
+def test_another_camera_or_a_pause_drops_nothing(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.005, [5, 6, 5000, 7, 8])
+    drive(count, clock, 0.1, 0.005, [500, 501])
+    assert count.report()[2]['frames dropped'] == 0
+
+
+def test_no_tag_for_long_is_told(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.005, range(120), tags=0)
+    level, sentence, values = count.report()
+    assert (level, values['tags in sight'], values['area last seen (s ago)']) == (WARN, 0, 'none seen')
+    assert sentence.startswith('No tag has been in sight for 1')
+
+
+def test_while_nothing_comes_no_rate_is_told(clock):
+    count = FrameCount()
+    drive(count, clock, 0.1, 0.005, range(30))
+    clock[0] += 6
+    values = count.report()[2]
+    assert (values['frame rate (Hz)'], values['tags in sight']) == ('0.0', 0)
