@@ -4,10 +4,11 @@ from typing import Tuple
 
 import numpy as np
 
+from .belief import mixture
 from .solving import crossed
 from .tags import Tag
 
-BULGE_M, BULGE_RAD = 0.003, 0.02  # by so much paper on a wall is off its plane
+BULGE = np.diag([0.003, 0.02, 0.02])**2  # m, rad: by so much paper on a wall is off its plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +36,19 @@ class Sight:
     def ids(self):
         """A tuple of the tags' ids."""
         return tuple(tag.id for tag in self.tags)
+
+    def believed(self):
+        """Of each tag its more likely pose: rotations (n, 3, 3), translations (n, 3), covariances (n, 6, 6).
+
+        These allow for the other pose as well.
+        """
+        found = []
+        for rotation, translation, covariance, likely in zip(*self.poses, self.likely):
+            first = int(np.argmax(likely))
+            one, other = ((rotation[which], translation[which], covariance[which])
+                          for which in (first, 1 - first))
+            found.append((*one[:2], mixture(one, other, likely[1 - first])[0]))
+        return tuple(np.array(part) for part in zip(*found))
 
     def some(self, numbers):
         """The Sight of those tags alone."""
@@ -71,26 +85,51 @@ class View:
         return list(zip(self.rotation, self.translation, self.covariance[:, :6, :6]))
 
 
-def off_planes(ones, others):
-    """(n, m, 2, 2): how far things are off the planes of others, as squared deviations, by each of their poses.
+def off_others(poses, axes, bulge=BULGE):
+    """How far each of n > 1 things is off the plane of the others, (n, 3), and the covariances, (n, 3, 3).
 
-    ``ones``: rotations (n, k, 3, 3), translations (n, k, 3), covariances
-    (n, k, 6, 6); ``others`` the same of m things.
+    Their height over it, meters, and two numbers of their normals, in ``axes``
+    (3, 3) whose z is about their normal. ``poses``: rotations (n, 3, 3),
+    translations (n, 3), covariances (n, 6, 6). ``bulge``: (3, 3), of each thing.
     """
-    rotation, translation, covariance = (part[:, None, :, None] for part in ones)
-    other_rotation, other_translation, other_covariance = (part[None, :, None] for part in others)
-    toward = rotation.swapaxes(-1, -2)
-    between, normal = other_translation - translation, np.broadcast_to(
-        other_rotation[..., 2], np.broadcast_shapes(other_rotation.shape, rotation.shape)[:-1])
-    off = np.concatenate([(toward @ between[..., None])[..., 2:, 0], (toward @ normal[..., None])[..., :2, 0]],
-                         axis=-1)
+    rotation, translation, covariance = poses
+    arms, normals = (translation - translation.mean(axis=0)) @ axes, rotation[..., 2] @ axes
+    seen = np.concatenate([arms[:, 2:], normals[:, :2]], axis=1)[..., None]
+    moves = np.zeros((len(seen), 3, 6))
+    moves[:, 0, :3], moves[:, 1:, 3:] = axes[:, 2], -axes[:, :2].T @ crossed(rotation[..., 2])
+    spread = moves @ covariance @ moves.swapaxes(1, 2) + bulge
+    model = np.tile(np.eye(3), (len(seen), 1, 1))  # how a plane's height and normal show in those numbers
+    model[:, 0, 1:] = -arms[:, :2]
+    taught = model.swapaxes(1, 2) @ np.linalg.inv(spread)
+    known, told = taught @ model, taught @ seen
+    others = np.linalg.inv(known.sum(axis=0) - known)
+    off = seen - model @ others @ (told.sum(axis=0) - told)
+    return off[..., 0], spread + model @ others @ model.swapaxes(1, 2)
+
+
+def off_plane(one, others):
+    """How far n things are off the plane of another one: see off_others; in its axes.
+
+    ``one``: a rotation (3, 3), translation (3,), covariance (6, 6); ``others``: the same of n things.
+    """
+    rotation, translation, covariance = one
+    other_rotation, other_translation, other_covariance = others
+    toward, between, normals = rotation.T, other_translation - translation, other_rotation[..., 2]
+    off = np.concatenate([(between @ rotation)[:, 2:], (normals @ rotation)[:, :2]], axis=1)
     # By the turns: of the one its plane turns about its center, of the other its normal.
-    lift, lean = (toward @ crossed(between))[..., 2:, :], -(toward @ crossed(normal))[..., :2, :]
-    shift, none = np.broadcast_to(toward[..., 2:, :], lift.shape), np.zeros(lean.shape)
-    one = np.concatenate([np.concatenate([-shift, lift], axis=-1), np.concatenate([none, -lean], axis=-1)],
-                         axis=-2)
-    other = np.concatenate([np.concatenate([shift, 0 * lift], axis=-1), np.concatenate([none, lean], axis=-1)],
-                           axis=-2)
-    spread = one @ covariance @ one.swapaxes(-1, -2) + other @ other_covariance @ other.swapaxes(-1, -2)
-    spread = spread + np.diag([BULGE_M, BULGE_RAD, BULGE_RAD]) ** 2
-    return np.einsum('...i,...i->...', off, np.linalg.solve(spread, off[..., None])[..., 0])
+    moves, other_moves = np.zeros((2, len(off), 3, 6))
+    other_moves[:, 0, :3], other_moves[:, 1:, 3:] = toward[2], -toward[:2] @ crossed(normals)
+    moves[:] = -other_moves
+    moves[:, 0, 3:] = toward[2] @ crossed(between)
+    return off, (moves @ covariance @ moves.swapaxes(1, 2)
+                 + other_moves @ other_covariance @ other_moves.swapaxes(1, 2) + BULGE)
+
+
+def squared(off, spread):
+    """(n,): numbers (n, k) as squared deviations, by their covariances (n, k, k)."""
+    return (off * np.linalg.solve(spread, off[..., None])[..., 0]).sum(axis=1)
+
+
+def height_deviation(spread):
+    """(n,) meters: how surely the height of things that are parallel to a plane is seen: see off_others."""
+    return np.linalg.inv(spread)[:, 0, 0]**-0.5

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from .belief import Belief
+from .belief import Belief, mixture
+from .flatness import Flatness
 from .places import Places
-from .sight import View, off_planes
+from .sight import View, height_deviation, off_others, off_plane, squared
 from .solving import NEAR_M, crossed, guesses, refine, turned
 
 SIGHTS = 3               # as often must tags be seen in one plane, to be believed
@@ -19,13 +20,14 @@ LEARN_FIRST = 3          # but so often they do
 # A tag is where it should be if its corners are off by less than this, rms:
 # so many standard deviations, and what even a good wall, lens and print leave.
 OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
-# Tags are in one plane if the one is off that of the other by no more than this,
-# in squared deviations of 3 numbers: likely but for 1 of 1,000.
-UNLIKELY = 16.0
+# Tags are in one plane if each is off that of the others by no more than this, in squared
+# deviations of 3 numbers, of which 1 in 30 is more; and if that says something: of tags far
+# away any may be in one plane, though one is on a box, and their leaning tells only when near.
+LIKELY, SURE_M = 9.0, 0.0125
 TRIED = 6                # of tags that contradict each other, so many, the worst, are left out in turn
-POSSIBLE = 0.01          # a pose of less weight is none that a tag may have
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
+UNLIKELY = 12.0          # learnt tags must be off by more, of which 1 in 140 is, to be learnt anew
 ALL = None               # what stands for all tags among those that are not where they belong
 
 
@@ -47,7 +49,8 @@ class WallView:
         self.miss()
         self._places = Places(self._wall)
         self._belief = Belief()
-        self._sights = {}     # how often in a row a tag was seen on the wall's plane, or two tags on one plane
+        self._sights = {}     # how often in a row tags were seen in one plane
+        self._flatness = Flatness()
         self._elsewhere = {}  # of a known tag not where it belongs: since when, and how often seen so
         self._taught = {}     # where tags were in the frame when they last taught their places
         self._teachings = 0
@@ -71,7 +74,10 @@ class WallView:
             if len(agreed) > 1:
                 self._learn(sight, agreed, view)
             self._forget(sight, rest, now)
-            self._find_more(sight, view)
+            if self._is_flat(sight, view):
+                self._find_more(sight, view)
+            else:
+                self.reset()  # nobody knows which of the tags is the one off the plane
         elif len(known) > 1:
             self._doubt(ALL, now)
             if self._is_gone(ALL, now):
@@ -204,47 +210,54 @@ class WallView:
             self._taught.update(quads)
             self._teachings += 1
 
+    def _is_flat(self, sight, view):
+        """Whether the tags that were learnt are in one plane, by their own poses in the last frames."""
+        if self._wall is not None or len(view.ids) < 2:
+            return True
+        some = sight.some([sight.ids.index(tag_id) for tag_id in view.ids])
+        off, spread = self._flatness.update(view.ids, *off_others(some.believed(), view.rotation[0]))
+        return (squared(off, spread) < UNLIKELY).all()
+
     def _find_more(self, sight, view):
         """Look for further tags on the wall's plane."""
-        for number, tag_id in enumerate(sight.ids):
-            if tag_id in self._places:
-                continue
-            one = view.rotation[None, :1], view.translation[None, :1], view.covariance[None, :1, :6, :6]
-            other = tuple(part[number][None] for part in sight.poses)
-            flat = off_planes(one, other)[0, 0, 0] < UNLIKELY
-            flat &= sight.likely[number] > POSSIBLE
-            self._sights[tag_id] = self._sights.get(tag_id, 0) + 1 if flat.any() else 0
+        some = [number for number, tag_id in enumerate(sight.ids) if tag_id not in self._places]
+        if not some:
+            return
+        (rotation, translation, _), _ = one, other = view.poses
+        plane = rotation, translation, mixture(one, other, view.weight)[0]
+        off, spread = off_plane(plane, sight.some(some).believed())
+        flat = (squared(off, spread) < LIKELY) & (height_deviation(spread) < SURE_M)
+        for number, is_flat in zip(some, flat):
+            tag_id = sight.ids[number]
+            self._sights[tag_id] = self._sights.get(tag_id, 0) + 1 if is_flat else 0
             if self._sights[tag_id] >= SIGHTS:
-                self._add(sight, number, int(np.argmax(flat * sight.likely[number])), view.rotation[0],
-                          view.translation[0])
+                self._add(sight, number, rotation, translation)
 
     def _begin(self, sight):
         """Learn a wall of tags seen in one plane, if there are some."""
-        order = np.argsort(sight.ids)
-        poses = tuple(part[order] for part in sight.poses)
-        likely = sight.likely[order] > POSSIBLE
-        flat = off_planes(poses, poses) < UNLIKELY                           # (n, n, 2, 2)
-        flat &= likely[:, None, :, None] & likely[None, :, None, :]
-        pairs = flat.any(axis=(2, 3))
-        for first, second in zip(*np.triu_indices(len(order), 1)):
-            key = sight.ids[order[first]], sight.ids[order[second]]
-            self._sights[key] = self._sights.get(key, 0) + 1 if pairs[first, second] else 0
-        for first, number in enumerate(order):
-            others = [second for second in range(first + 1, len(order))
-                      if self._sights[sight.ids[number], sight.ids[order[second]]] >= SIGHTS]
-            if others:
-                mine = int(np.argmax([np.where(flat[first, others, which].any(axis=1), 1, 0).sum()
-                                      + sight.likely[number][which] for which in (0, 1)]))
-                self._places.add(sight.ids[number], np.zeros(3), sight.sizes[number], exact=True)
-                rotation, translation = sight.poses[0][number, mine], sight.poses[1][number, mine]
-                for second in others:
-                    which = int(np.argmax(flat[first, second, mine] + sight.likely[order[second]]))
-                    self._add(sight, order[second], which, rotation, translation)
-                self._sights.clear()
-                return
+        poses = sight.believed()
+        group = sorted(range(len(sight.ids)), key=lambda number: sight.ids[number])
+        while len(group) > 1:
+            some, axes = tuple(part[group] for part in poses), poses[0][group[0]]
+            off = squared(*off_others(some, axes))
+            height = height_deviation(off_others(some, axes, bulge=np.zeros((3, 3)))[1])
+            if off.max() > LIKELY:
+                del group[int(np.argmax(off))]  # without it, the others fit best
+            elif height.max() > SURE_M:
+                del group[int(np.argmax(height))]
+            else:
+                break
+        key = tuple(sight.ids[number] for number in group)
+        self._sights = {key: self._sights.get(key, 0) + 1}
+        if len(group) > 1 and self._sights[key] >= SIGHTS:
+            self._sights.clear()
+            self._places.add(key[0], np.zeros(3), sight.sizes[group[0]], exact=True)
+            for number in group[1:]:
+                self._add(sight, number, poses[0][group[0]], poses[1][group[0]])
 
-    def _add(self, sight, number, which, rotation, translation):
-        """Take a tag, with one of its poses, for one of the wall, which has that pose."""
+    def _add(self, sight, number, rotation, translation):
+        """Take a tag for one of the wall, which has that pose."""
+        which = int(np.argmax(sight.likely[number]))
         axes = rotation.T @ sight.poses[0][number, which]
         x, y, _ = rotation.T @ (sight.poses[1][number, which] - translation)
         turn = np.arctan2(axes[1, 0] - axes[0, 1], axes[0, 0] + axes[1, 1])
