@@ -24,6 +24,7 @@ OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
 # deviations of 3 numbers, of which 1 in 30 is more; and if that says something: of tags far
 # away any may be in one plane, though one is on a box, and their leaning tells only when near.
 LIKELY, SURE_M = 9.0, 0.0125
+SURE_PART = 0.005        # of the distance: from farther away only so sure, but of two tags alone
 TRIED = 6                # of tags that contradict each other, so many, the worst, are left out in turn
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
@@ -226,7 +227,7 @@ class WallView:
         (rotation, translation, _), _ = one, other = view.poses
         plane = rotation, translation, mixture(one, other, view.weight)[0]
         off, spread = off_plane(plane, sight.some(some).believed())
-        flat = (squared(off, spread) < LIKELY) & (height_deviation(spread) < SURE_M)
+        flat = (squared(off, spread) < LIKELY) & (height_deviation(spread) < _sure_height(translation))
         for number, is_flat in zip(some, flat):
             tag_id = sight.ids[number]
             self._sights[tag_id] = self._sights.get(tag_id, 0) + 1 if is_flat else 0
@@ -243,7 +244,7 @@ class WallView:
             height = height_deviation(off_others(some, axes, bulge=np.zeros((3, 3)))[1])
             if off.max() > LIKELY:
                 del group[int(np.argmax(off))]  # without it, the others fit best
-            elif height.max() > SURE_M:
+            elif height.max() > (_sure_height(some[1][0]) if len(group) > 2 else SURE_M):
                 del group[int(np.argmax(height))]
             else:
                 break
@@ -264,6 +265,11 @@ class WallView:
         self._places.add(sight.ids[number], np.array([x, y, turn]), sight.sizes[number])
         self._sights.pop(sight.ids[number], None)
         self._teachings = 0
+
+
+def _sure_height(translation):
+    """Meters: how surely heights over a plane must be known of tags at a place (3,) in the optical frame."""
+    return max(SURE_M, SURE_PART * np.linalg.norm(translation))
 
 
 def _camera(view, which=0):
