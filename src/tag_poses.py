@@ -37,7 +37,7 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~camera_pose', PoseWithCovarianceStamped, 'the camera in the frame of the wall'),
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
 LEARNED = 'learned_wall'  # another frame than that of a known wall: its origin is a tag
-# Parameters after whose change the places of the tags are learnt anew.
+# Parameters after whose change the places of the tags are learned anew.
 BEGINS = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
 
 

@@ -85,9 +85,9 @@ def measure(task):
     camera = Camera(distortion=LENSES[name])
     lens, renderer = lens_of(camera), WallRenderer(TAGS_WALL, camera, noise=2.0, seed=int(meters))
     detector, others = Detector(), Others()
-    alone, learnt, given = PoseEstimator(SIDE), PoseEstimator(SIDE), PoseEstimator(SIDE, wall=TAGS_WALL)
+    alone, learned, given = PoseEstimator(SIDE), PoseEstimator(SIDE), PoseEstimator(SIDE, wall=TAGS_WALL)
     rows, times = defaultdict(list), []
-    first = None  # id of the tag in whose axes the learnt wall is
+    first = None  # id of the tag in whose axes the learned wall is
     for number, view in enumerate(past(meters)):
         frame, stamp = renderer.render(*view), number / FRAMES_PER_S
         truth = {tag.id: true_pose(tag, *view) for tag in TAGS_WALL.tags}
@@ -103,16 +103,16 @@ def measure(task):
         tags = detector.detect(frame)
         for pose in alone.update([tag for tag in tags if tag.id == ALONE], lens, stamp):
             note('ours, one tag', pose.id, pose.rotation, pose.translation, pose.covariance)
-        took, poses = timed(learnt.update, tags, lens, stamp)
+        took, poses = timed(learned.update, tags, lens, stamp)
         if len(poses) == 4:
             times.append(took)
         for pose in poses:
             note('ours', pose.id, pose.rotation, pose.translation, pose.covariance)
         given.update(tags, lens, stamp)
-        if first is None and learnt.camera():
-            first = min(learnt.camera().ids)
+        if first is None and learned.camera():
+            first = min(learned.camera().ids)
         for method, found, (axes, origin) in (
-                ('camera, wall learnt', learnt.camera(), truth.get(first, view)),
+                ('camera, wall learned', learned.camera(), truth.get(first, view)),
                 ('camera, wall given', given.camera(), view)):
             if found:
                 error = error_of(found.rotation, found.translation, (axes.T, -axes.T @ origin))

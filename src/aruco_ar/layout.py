@@ -17,7 +17,7 @@ LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
 
 
 def tolerance_of(quads):
-    """(n,) pixels: farther off than this, a corner is not where it was learnt to be."""
+    """(n,) pixels: farther off than this, a corner is not where it was learned to be."""
     return 1.0 + 0.03 * side_of(quads)
 
 
@@ -62,7 +62,7 @@ class Layout:
             known = self.places.setdefault(tag_id, place)
             self._sights[tag_id] = min(self._sights.get(tag_id, 0) + 1, LEARN_SIGHTS)
             self.places[tag_id] = known + (place - known) / self._sights[tag_id]
-        # The area is where the centers are, whatever was learnt about the corners.
+        # The area is where the centers are, whatever was learned about the corners.
         drift = np.linalg.inv(homography_to([Tag(0, self.places[tag_id]).center for tag_id in self.ids]))
         self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
         self.ratio = ratio_of(self.quads(self.ids))

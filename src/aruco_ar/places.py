@@ -1,4 +1,4 @@
-"""Where on a wall its tags are: known from its file, or learnt.
+"""Where on a wall its tags are: known from its file, or learned.
 
 A tag's place is (x, y, turn): its center, meters, and its turn counterclockwise,
 radians, in wall coordinates. How places may be off is told together, by a
@@ -13,7 +13,7 @@ from .solving import square
 NOTHING = 1e-12           # meters and radians: a deviation by less is none
 ANYWHERE = 1.0, 1.0, 1.0  # m, m, rad: how far off the place of a new tag may be, which is only a guess
 
-# So many frames' worth is learnt about a place, and no more: the errors of the
+# So many frames' worth is learned about a place, and no more: the errors of the
 # corners are not wholly independent from frame to frame.
 LESSONS = 2
 # All sides may be so much longer than they seem, or are said to be; no view tells,
@@ -83,7 +83,7 @@ class Places:
         self._deviation = self._deviation @ (axes * np.sqrt(np.clip(variance * (1 + 1 / LESSONS), 0, 1)))
 
     def forget(self, tag_id):
-        """Forget a tag; what was learnt about the others stays."""
+        """Forget a tag; what was learned about the others stays."""
         number = self._index.pop(tag_id)
         self._index = {other: place - (place > number) for other, place in self._index.items()}
         self._places = np.delete(self._places, number, axis=0)

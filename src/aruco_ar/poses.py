@@ -77,7 +77,7 @@ class PoseEstimator:
     ``tag_size``: meters, the side of a tag, and ``sizes``: {id: meters}, of
     those that have another. ``wall``: a wall.Wall, which says where its tags
     are and what size they have; without one, tags that are seen in one plane
-    again and again are learnt as a wall, in the axes of the one of them with
+    again and again are learned as a wall, in the axes of the one of them with
     the lowest id. Raises InputError for a size that no tag has.
     """
 
@@ -90,7 +90,7 @@ class PoseEstimator:
         self.reset()
 
     def reset(self):
-        """Forget the learnt wall and all that was seen."""
+        """Forget the learned wall and all that was seen."""
         self._stamp, self._now = None, 0.0
         self._belief, self._wall = Belief(), WallView(self._given)
         self._noise = {}  # of tags: their squared deviations, and of how many frames, lately

@@ -28,7 +28,7 @@ SURE_PART = 0.005        # of the distance: from farther away only so sure, but 
 TRIED = 6                # of tags that contradict each other, so many, the worst, are left out in turn
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
-UNLIKELY = 12.0          # learnt tags must be off by more, of which 1 in 140 is, to be learnt anew
+UNLIKELY = 12.0          # learned tags must be off by more, of which 1 in 140 is, to be learned anew
 ALL = None               # what stands for all tags among those that are not where they belong
 
 
@@ -41,7 +41,7 @@ class WallView:
         self.reset()
 
     def reset(self):
-        """Forget what was learnt and seen.
+        """Forget what was learned and seen.
 
         Of the last frame, ``view`` is a View or None, and ``tag_poses`` are {id: (pose, other pose, its
         weight)} of the tags that agree, by all of them together; a pose is (rotation, translation,
@@ -212,7 +212,7 @@ class WallView:
             self._teachings += 1
 
     def _is_flat(self, sight, view):
-        """Whether the tags that were learnt are in one plane, by their own poses in the last frames."""
+        """Whether the tags that were learned are in one plane, by their own poses in the last frames."""
         if self._wall is not None or len(view.ids) < 2:
             return True
         some = sight.some([sight.ids.index(tag_id) for tag_id in view.ids])

@@ -88,7 +88,7 @@ class CameraNode:
         return [inputs.prepare(of_area) for inputs, of_area in zip(self._inputs, self._of_areas(settings))]
 
     def reset(self):
-        """Forget what was learnt from frames."""
+        """Forget what was learned from frames."""
         for inputs in self._inputs:
             inputs.reset()
 
@@ -133,7 +133,7 @@ class CameraNode:
 
     def _on_reset(self, request):
         self.reset()
-        return TriggerResponse(True, 'What was learnt about the wall is forgotten.')
+        return TriggerResponse(True, 'What was learned about the wall is forgotten.')
 
     def _follow_listeners(self):
         wanted = self.is_wanted()

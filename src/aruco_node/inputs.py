@@ -15,7 +15,7 @@ from .messages import BUFFER_BYTES, TRANSPORTS, picture_from_image
 from .settings import TOPIC
 from .waiting import SILENCE_S, SUFFIX
 
-# Parameters of a Detector, and others after whose change all is learnt anew.
+# Parameters of a Detector, and others after whose change all is learned anew.
 FINDS = 'search', 'correction', 'likeness', 'min_side'
 BEGINS = 'dictionary', 'ids', 'upright'
 
@@ -65,7 +65,7 @@ class Inputs:
         return change
 
     def reset(self):
-        """Forget what was learnt from frames."""
+        """Forget what was learned from frames."""
         with self._lock:
             self._detector, self._tracker = self._begin(self._settings)
 

@@ -52,7 +52,7 @@ def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
     images = [row for topic in topics for row in (
         ('~' + topic, 'sensor_msgs/Image', 'bgr8, with the header of the frame'),
         ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]
-    reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learnt about the wall')] if learns else []
+    reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
     return Manual(
         CAMERA_TOPICS + list(subscribes),
         images + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] + list(publishes),

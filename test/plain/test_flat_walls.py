@@ -57,22 +57,22 @@ def test_a_tag_on_a_box_is_not_on_the_wall(ids, box, random):
         assert set(last.ids) == set(ids) - {box}
 
 
-def test_a_wall_learnt_from_afar_with_a_tag_on_a_thin_box_is_given_up_nearer(random):
+def test_a_wall_learned_from_afar_with_a_tag_on_a_thin_box_is_given_up_nearer(random):
     places = {**SPACED, 2: np.add(SPACED[2], [0, 0, 0.4 * BOX])}
-    estimator, learnt = PoseEstimator(SIDE), []
+    estimator, learned = PoseEstimator(SIDE), []
     for _, _, (rotation, place) in approach(estimator, places, random):
         camera = estimator.camera()
         if camera:
-            learnt.append(camera.ids)
+            learned.append(camera.ids)
             if place[2] < 1.65:
                 assert camera.ids == (1, 3)
                 assert surprise(camera, (rotation, place - places[1])) < HONEST
-    assert (1, 2, 3) in learnt and learnt[-1] == (1, 3)
+    assert (1, 2, 3) in learned and learned[-1] == (1, 3)
 
 
 @pytest.mark.parametrize('meters', [1.2, 2.5])
 @pytest.mark.parametrize('moves', [0, 1], ids=['standing', 'moving'])
-def test_a_flat_wall_stays_learnt(meters, moves, random):
+def test_a_flat_wall_stays_learned(meters, moves, random):
     """Though the corners' errors are the same in all frames."""
     ids = range(1, 13)
     places = {tag_id: (0.25 * (tag_id % 4) - 0.375, 0.25 * (tag_id // 4) - 0.375, 0) for tag_id in ids}
@@ -85,7 +85,7 @@ def test_a_flat_wall_stays_learnt(meters, moves, random):
         assert all(camera and len(camera.ids) >= 10 for camera in found[10:])
 
 
-def test_the_simulated_wall_is_learnt_at_once(wall, random):
+def test_the_simulated_wall_is_learned_at_once(wall, random):
     for meters in (2.0, 3.0):
         estimator = PoseEstimator(wall.tags[0].side)
         for number in range(6):
@@ -109,7 +109,7 @@ def test_with_the_first_tag_long_out_of_sight_the_wall_does_not_drift(random):
             assert surprise(estimator.camera(), truth) < HONEST
 
 
-def test_a_long_wall_is_learnt_as_it_is_driven_past(random):
+def test_a_long_wall_is_learned_as_it_is_driven_past(random):
     places = {tag_id: (0.25 * tag_id, 0, 0) for tag_id in range(20)}
     estimator = PoseEstimator(SIDE)
     for number in range(230):

@@ -79,7 +79,7 @@ def test_a_tag_that_is_followed_does_not_flip_where_single_frames_do(random):
 
 
 @pytest.mark.parametrize('ids', [[4], [1, 2], AREA], ids=str)
-@pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learnt', 'given'])
+@pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learned', 'given'])
 @pytest.mark.parametrize('noise', [0.03, 0.2])
 def test_covariances_are_honest(ids, wall, noise, random):
     surprises, cameras = [], []

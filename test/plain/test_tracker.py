@@ -165,7 +165,7 @@ REARRANGED = {
 
 
 @pytest.mark.parametrize('wall', REARRANGED.values(), ids=REARRANGED)
-def test_rearranged_tags_are_learnt_anew_and_no_area_is_wrong_meanwhile(wall):
+def test_rearranged_tags_are_learned_anew_and_no_area_is_wrong_meanwhile(wall):
     tracker = Tracker()
     follow(tracker, drive(SLOW, 20, **USUAL))
     frames = later(drive(SLOW, 45, wall=wall, **USUAL), 20 / 30)
@@ -174,7 +174,7 @@ def test_rearranged_tags_are_learnt_anew_and_no_area_is_wrong_meanwhile(wall):
     assert rms(errors[30:]) < 0.7
 
 
-def test_another_scene_is_learnt_at_once():
+def test_another_scene_is_learned_at_once():
     other = replace(WALL, area=(11, 12, 13, 14), tags=tuple(
         replace(tag, id=tag.id + 10, x=tag.x * 0.7 + 0.1) for tag in WALL.tags))
     tracker = Tracker()
@@ -182,7 +182,7 @@ def test_another_scene_is_learnt_at_once():
     assert follow(tracker, later(drive(SLOW, 5, wall=other, **USUAL), 20 / 30)).max() < 0.7
 
 
-def test_another_scene_that_shares_a_tag_is_learnt_at_once():
+def test_another_scene_that_shares_a_tag_is_learned_at_once():
     other = replace(WALL, area=(1, 12, 13, 14), tags=tuple(
         replace(tag, id=tag.id + 10 if tag.id > 1 else 1, x=tag.x * 0.7 + 0.1) for tag in WALL.tags))
     tracker = Tracker()
@@ -226,7 +226,7 @@ def test_an_area_tag_elsewhere_hides_the_area_rather_than_dragging_it():
         assert area is None
 
 
-def test_further_tags_are_learnt_and_keep_it_in_place():
+def test_further_tags_are_learned_and_keep_it_in_place():
     wall = replace(WALL, tags=WALL.tags + (WallTag(8, 0.0, 0.9, 0.14, 20.0), WallTag(9, 0.0, 0.25, 0.14)))
     frames = list(drive(SLOW, 120, lambda number: [8, 9] if number < 5 else WALL.area if number >= 75 else (),
                         wall=wall, **USUAL))

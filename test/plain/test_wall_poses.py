@@ -18,13 +18,13 @@ def test_several_tags_of_a_wall_help_each_other(random):
     assert typical(AREA) < 0.4 * typical([1])
 
 
-def test_a_wall_learnt_is_like_the_one_given(random):
-    learnt, given, errors = PoseEstimator(SIDE), PoseEstimator(SIDE, wall=TAGS_WALL), []
-    for poses, truths, view, camera in drive(learnt, random):
+def test_a_wall_learned_is_like_the_one_given(random):
+    learned, given, errors = PoseEstimator(SIDE), PoseEstimator(SIDE, wall=TAGS_WALL), []
+    for poses, truths, view, camera in drive(learned, random):
         given.update([Tag(pose.id, pose.corners) for pose in poses], PINHOLE, 0.0)
         if camera:
             assert set(camera.ids) == set(AREA)
-            first = on_wall(1)[1]  # whose axes the learnt wall has
+            first = on_wall(1)[1]  # whose axes the learned wall has
             rotation, place = seen_from(view)
             errors.append(off(camera, (rotation, place - first)) + off(given.camera(), (rotation, place)))
     assert len(errors) > 50
@@ -52,8 +52,8 @@ def test_a_tag_off_the_walls_plane_keeps_its_own_pose(shift, turn, random):
 
 
 @pytest.mark.parametrize('moved', [1, 3])
-@pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learnt', 'given'])
-def test_a_tag_that_is_moved_is_on_its_own_until_it_is_learnt_anew(moved, wall, random):
+@pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learned', 'given'])
+def test_a_tag_that_is_moved_is_on_its_own_until_it_is_learned_anew(moved, wall, random):
     estimator, at = PoseEstimator(SIDE, wall=wall), 40
     for number, (poses, truths, _, camera) in enumerate(drive(
             estimator, random, lambda number: {moved: on_wall(moved, (0.05, 0, 0))} if number >= at else {},
@@ -65,7 +65,7 @@ def test_a_tag_that_is_moved_is_on_its_own_until_it_is_learnt_anew(moved, wall, 
     assert set(camera.ids) == set(AREA)
 
 
-def test_where_all_tags_are_rearranged_the_wall_is_learnt_anew(random):
+def test_where_all_tags_are_rearranged_the_wall_is_learned_anew(random):
     def places(number):
         moved = AREA if number >= 30 else []
         return {tag_id: on_wall(tag_id, (0.05 * tag_id, -0.03 * tag_id**2, 0)) for tag_id in moved}
@@ -101,7 +101,7 @@ def test_of_an_id_seen_twice_no_tag_is_used_for_the_wall(random):
     assert set(camera.ids) == {1, 2, 4}
 
 
-@pytest.mark.parametrize('known', [None, TAGS_WALL], ids=['learnt', 'given'])
+@pytest.mark.parametrize('known', [None, TAGS_WALL], ids=['learned', 'given'])
 def test_the_areas_pose(known, random):
     estimator, surprises = PoseEstimator(SIDE, wall=known), []
     corners = TAGS_WALL.area_corners

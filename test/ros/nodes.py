@@ -106,7 +106,7 @@ class NodeTest(unittest.TestCase):
                 inbox.get()
         for inbox in inboxes.values():
             def answered():
-                self.show(scene([1]))  # of which nothing is learnt
+                self.show(scene([1]))  # of which nothing is learned
                 try:
                     inbox.get(timeout=0.2)
                 except queue.Empty:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""~snapshot saves the very frame and what is made of it, ~reset forgets what was learnt."""
+"""~snapshot saves the very frame and what is made of it, ~reset forgets what was learned."""
 import os
 import tempfile
 import threading
