@@ -62,6 +62,7 @@ def test_any_ids(ids):
     ('transport', 'theora', 'raw, compressed'), ('transport', [], 'raw, compressed'),
     ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as images/earth.jpg'),
     ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
+    ('folder', '', 'the path of a folder'), ('folder', 'a\0b', 'the path of a folder'),
 ])
 def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
     with pytest.raises(InputError) as error:

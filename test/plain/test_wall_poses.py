@@ -3,9 +3,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from aruco_ar import Area, PoseEstimator, Tag
+from aruco_ar import Area, CameraPose, PoseEstimator, Tag
 from aruco_ar.render import project
 from aruco_ar.robot import Camera, Pose, wall_to_camera
+from aruco_ar.solving import turned
 from aruco_ar.wall import WallTag
 from poses import SIDE, TAGS_WALL, true_pose
 from posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
@@ -124,3 +125,16 @@ def test_an_area_without_a_wall_has_no_pose(random):
     assert estimator.area(Area(np.full((4, 2), np.nan)), PINHOLE) is None
     assert estimator.update([], PINHOLE, 1.0) == []
     assert estimator.area(area, PINHOLE) is None and estimator.camera() is None
+
+
+def test_what_the_camera_carries_is_where_and_as_unsure_as_that_makes_it(random):
+    rotation, place = turned(np.array([[0.3, -0.8, 0.2]]))[0], np.array([0.5, 0.4, 2.0])
+    spread = np.diag([1e-3, 2e-3, 1e-3, 4e-3, 2e-3, 3e-3])
+    arm_turn, arm = turned(np.array([[0.1, 1.2, -0.3]]))[0], np.array([0.2, 0.35, -1.0])
+    carried = CameraPose(rotation, place, spread @ spread, (1, 2)).carry(arm_turn, arm)
+    np.testing.assert_allclose(carried.rotation, rotation @ arm_turn)
+    np.testing.assert_allclose(carried.translation, rotation @ arm + place)
+    off = random.normal(size=(20000, 6)) @ spread
+    moved = np.einsum('nij,j->ni', turned(off[:, 3:]) @ rotation, arm) + place + off[:, :3]
+    found = np.cov(np.hstack([moved, off[:, 3:]]).T)  # a turn of the camera is one of what it carries
+    np.testing.assert_allclose(found, carried.covariance, atol=0.05 * carried.covariance.max())
