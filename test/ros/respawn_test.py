@@ -33,7 +33,7 @@ class Respawn(NodeTest):
         code, _, pid = ServerProxy(uri).getPid('/respawn_test')
         self.assertEqual(code, 1)
         os.kill(pid, signal.SIGKILL)
-        self.launched.wait_for('[%s-' % name, 'restarting process')
+        self.launched.wait_for('[%s-' % name, 'process has died')
         self.connections.wait(0)
         self.connections.wait(1)
         self.attend(self.inboxes)
