@@ -137,7 +137,7 @@ class TagPoses(CameraNode):
         if 'area' in publish:
             publish['area'](pose_messages.area_pose(area, lens, header))
         if 'markers' in publish:
-            publish['markers'](pose_messages.markers(poses, area, lens, header))
+            publish['markers'](pose_messages.markers(poses, area, header))
         if not header.frame_id:
             faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set it ' \
                                  'in the camera driver.'

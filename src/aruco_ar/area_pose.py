@@ -17,11 +17,13 @@ class AreaPose:
     """Where the area is: its axes are x from its top left to its top right, y up, z out of the wall.
 
     Their origin is where its diagonals cross. ``corners``: (4, 2) pixels, as
-    they were given. ``rotation``, ``translation``, ``covariance``: as of a
+    they were given. ``points``: (4, 3) meters in the optical frame, where these
+    are on the wall. ``rotation``, ``translation``, ``covariance``: as of a
     TagPose. ``width`` and ``height``: meters, the means of opposite sides.
     """
 
     corners: np.ndarray
+    points: np.ndarray
     rotation: np.ndarray
     translation: np.ndarray
     covariance: np.ndarray
@@ -45,7 +47,7 @@ def area_pose(view, area, lens):
     found = _area_on(turned(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
     if found is None:
         return None
-    axes, center, width, height = found
+    points, axes, center, width, height = found
     turns = np.array([angles_of(other @ axes[0].T) for other in axes])
     off = np.concatenate([center - center[0], turns], axis=1)
     slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
@@ -53,13 +55,13 @@ def area_pose(view, area, lens):
     spread[:6, :6] = covariance
     one = axes[0], center[0], slope @ spread @ slope.T
     found = _area_on(view.rotation[1:], view.translation[1:], rays[None])
-    other = one if found is None else (found[0][0], found[1][0], one[2])
-    return AreaPose(area.corners, one[0], one[1], mixture(one, other, view.weight)[0], float(width[0]),
-                    float(height[0]))
+    other = one if found is None else (found[1][0], found[2][0], one[2])
+    return AreaPose(area.corners, points[0], one[0], one[1], mixture(one, other, view.weight)[0],
+                    float(width[0]), float(height[0]))
 
 
 def _area_on(rotation, translation, rays):
-    """Axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
+    """Corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
 
     The walls are at rotations (m, 3, 3), translations (m, 3); along rays,
     (m, 4, 2), the area's corners are seen on them.
@@ -79,4 +81,4 @@ def _area_on(rotation, translation, rays):
     part = np.einsum('mi,mi->m', np.cross(sides[:, 0], second), upon) / np.einsum('mi,mi->m', upon, upon)
     center = corners[:, 0] + part[:, None] * first
     axes = np.stack([right, np.cross(normal, right), normal], axis=2)
-    return axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2
+    return corners, axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2

@@ -11,9 +11,9 @@ from .errors import InputError
 from .ordering import is_quadrilateral
 from .sight import Sight
 from .solving import NEAR_M, crossed, guesses, refine, square
+from .tags import SIDE_M
 from .wall_view import WallView
 
-SIZE_M = 0.001, 10.0     # what the side of a tag may be
 USUAL_S = 1 / 30         # between frames whose stamps do not tell
 # How far off a corner that the Detector finds is, a standard deviation measured
 # before the simulated wall: so much, and so much more for a tag whose shortest side
@@ -222,7 +222,7 @@ def _size(value, name):
         size = float(value)
     except (TypeError, ValueError):
         size = np.nan
-    if not SIZE_M[0] <= size <= SIZE_M[1]:
+    if not SIDE_M[0] <= size <= SIDE_M[1]:
         raise InputError('The size of %s cannot be %s; give its side in meters, from %g to %g.'
-                         % ((name, value) + SIZE_M))
+                         % ((name, value) + SIDE_M))
     return size

@@ -11,6 +11,7 @@ DICTIONARIES = {name: getattr(cv2.aruco, name)
 # Each once: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
 DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()}.values())
 
+SIDE_M = 0.001, 10.0  # what the side of a real tag may be
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
 MAX_QUIET_CELLS = 10

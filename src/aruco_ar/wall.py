@@ -11,7 +11,7 @@ import numpy as np
 
 from .errors import InputError
 from .files import within, yaml_entries
-from .tags import tag_cells
+from .tags import SIDE_M, tag_cells
 
 
 DICTIONARY = 'DICT_6X6_250'
@@ -82,7 +82,7 @@ def load_wall(path):
     """
     with yaml_entries(path) as data:
         tags = tuple(WallTag(_id(entry['id']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
-                             within(entry['side'], 0.001, 10), within(entry.get('turn', 0), -360, 360))
+                             within(entry['side'], *SIDE_M), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
         look = data.get('wall', {})
         wall = Wall(within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100),

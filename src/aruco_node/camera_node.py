@@ -34,7 +34,7 @@ class CameraNode:
     """
 
     results = []  # names of the topics of more than images, for who asks why nothing comes
-    scale = 1.0     # by which the frame was resized
+    scale = 1.0  # by which the frame was resized
     ready = True  # whether what is made of frames is all that there will be: a snapshot waits for that
 
     def __init__(self, takes, topics, kind_of_settings):
@@ -56,7 +56,7 @@ class CameraNode:
         self._outputs = {topic: ImagePublisher('~' + topic, self.wake.set) for topic in topics}
         self._tags = self.advertise('~tags', TagArray)
         self._count = FrameCount()
-        self._diagnostics = Diagnostics(lambda: self.report())
+        self._diagnostics = Diagnostics(self.report)
         self._snapshot = Snapshot(self.wake.set)
         self._learns = 'area' in takes
 

@@ -1,6 +1,7 @@
 """Poses as messages."""
 import cv2
 import numpy as np
+from aruco_ar.solving import angles_of
 from geometry_msgs.msg import (Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion,
                                TransformStamped, Vector3)
 from rospy import Duration
@@ -21,7 +22,7 @@ TAG_COLOR, TEXT_COLOR, AREA_COLOR = (1, 1, 1, 0.8), (1, 0.8, 0, 1), (0.6, 0, 1, 
 
 def quaternion(rotation):
     """A rotation matrix, (3, 3), as a geometry_msgs/Quaternion."""
-    turn = cv2.Rodrigues(np.float64(rotation))[0].ravel()
+    turn = angles_of(rotation)
     angle = np.linalg.norm(turn)
     axis = turn / angle if angle > 0 else turn
     return Quaternion(*(np.sin(angle / 2) * axis), np.cos(angle / 2))
@@ -79,11 +80,8 @@ def from_transform(message):
     return cv2.Rodrigues(turn)[0], np.array([place.x, place.y, place.z])
 
 
-def markers(poses, area, lens, header):
-    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, if there is one.
-
-    ``lens``: the Lens of the frame.
-    """
+def markers(poses, area, header):
+    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, if there is one."""
     shown, ids = [], [pose.id for pose in poses]
     for count, pose in enumerate(poses):
         number = pose.id if ids.count(pose.id) == 1 else -1 - count  # RViz shows one marker of a number
@@ -96,11 +94,7 @@ def markers(poses, area, lens, header):
     if area is not None:
         outline = _marker(header, 'area', 0, Marker.LINE_STRIP, AREA_COLOR)
         outline.scale.x = LINE_M
-        # The corners' rays, (x, y, 1), as far as the area's plane.
-        rays = np.column_stack([lens.rays(area.corners), np.ones(4)])
-        normal = area.rotation[:, 2]
-        points = rays * (normal @ area.translation / (rays @ normal))[:, None]
-        outline.points = [Point(*point) for point in points[[0, 1, 2, 3, 0]]]
+        outline.points = [Point(*point) for point in area.points[[0, 1, 2, 3, 0]]]
         shown.append(outline)
     return MarkerArray(shown)
 

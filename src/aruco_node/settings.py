@@ -6,7 +6,7 @@ from aruco_ar.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.errors import InputError
 from aruco_ar.files import yaml_entries
 from aruco_ar.fitting import FITS
-from aruco_ar.tags import DICTIONARIES, DICTIONARY_NAMES
+from aruco_ar.tags import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
 from .parameters import AUTO, Number, choice, number, read, some_text, text, wish
@@ -16,8 +16,7 @@ TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's p
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # in the name of a tag's frame
 LEARN = 'learn'
-MIN_SIZE_M, MAX_SIZE_M = 0.001, 10
-SIZE = Number(MIN_SIZE_M, MAX_SIZE_M)
+SIZE = Number(*SIDE_M)
 
 
 def _ids(value):
@@ -103,11 +102,12 @@ def _tag_frame(value):
 class PoseSettings(AreaSettings):
     """What tag_poses takes."""
 
-    tag_size: float = number(0.18, MIN_SIZE_M, MAX_SIZE_M, "side of the tags' black square, meters")
-    tag_sizes: Tuple[Tuple[int, float], ...] = text((), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
-                                       'tags of another size', _sizes, _sizes_as_text)
-    wall: str = text(LEARN, 'learn, or the path of a YAML file, which may be within the package', "where the tags are on the wall: see "
-                     "config/wall.yaml")
+    tag_size: float = number(0.18, *SIDE_M, "side of the tags' black square, meters")
+    tag_sizes: Tuple[Tuple[int, float], ...] = text(
+        (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25', 'tags of another size', _sizes,
+        _sizes_as_text)
+    wall: str = text(LEARN, 'learn, or the path of a YAML file, which may be within the package',
+                     'where the tags are on the wall: see config/wall.yaml')
     camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
                             live=False)
     rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '

@@ -1,7 +1,7 @@
 import os
 import sys
 
-import aruco_ar  # noqa: F401  (before numpy, which it gives one thread)
+import aruco_ar  # before numpy, which it gives one thread
 import numpy as np
 import pytest
 
@@ -37,3 +37,15 @@ def frame(wall, view):
 @pytest.fixture
 def random():
     return np.random.RandomState(7)
+
+
+@pytest.fixture
+def assert_refused(tmp_path):
+    """A function: reading a YAML file with that text raises InputError, which names it, in these words."""
+    def check(read, text, words):
+        path = tmp_path / 'some.yaml'
+        path.write_text(text)
+        with pytest.raises(aruco_ar.InputError, match=words) as error:
+            read(str(path))
+        assert str(path) in str(error.value)
+    return check

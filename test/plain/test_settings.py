@@ -85,9 +85,5 @@ def test_the_areas_of_a_file_are_read(package):
     ('[' * 5000, 'is not YAML'),
     ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
 ])
-def test_what_is_wrong_with_a_file_of_areas_is_said(tmp_path, text, words):
-    path = tmp_path / 'areas.yaml'
-    path.write_text(text)
-    with pytest.raises(InputError, match=words) as error:
-        load_areas(str(path))
-    assert str(path) in str(error.value)
+def test_what_is_wrong_with_a_file_of_areas_is_said(assert_refused, text, words):
+    assert_refused(load_areas, text, words)

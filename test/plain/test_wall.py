@@ -86,12 +86,8 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
      'tags:\n- {id: 1, x: 0, y: 0, side: 1}\narea: [1]', 'four different'),
 ])
-def test_a_wrong_wall_file_is_named(tmp_path, text, words):
-    path = tmp_path / 'wall.yaml'
-    path.write_text(text)
-    with pytest.raises(InputError, match=words) as error:
-        load_wall(str(path))
-    assert str(path) in str(error.value)
+def test_a_wrong_wall_file_is_named(assert_refused, text, words):
+    assert_refused(load_wall, text, words)
 
 
 @pytest.mark.parametrize('distortion', [[np.nan, 0, 0, 0, 0], [-5, 1, 0, 0, 0], [0, 0, 0.5, 0.5, 0]])

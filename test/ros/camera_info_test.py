@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """tag_poses with a camera_info or a wall that is missing, late or wrong, and with a lens that bends."""
 import tempfile
-import unittest
 
 import numpy as np
 import rospy
@@ -13,9 +12,9 @@ from aruco_ar.wall import load_wall
 from aruco_node.messages import image_from_frame
 from aruco_node.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from listening import Connections, Inbox
-from sensor_msgs.msg import CameraInfo, Image
-from started import WAIT_S, Started
+from nodes import NodeTest
+from sensor_msgs.msg import CameraInfo
+from started import WAIT_S
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 from unit5.msg import TagArray, TagPoseArray
@@ -25,37 +24,21 @@ VIEW = wall_to_camera(Pose(-1.8, 0.0, 0.1))
 BENT = [-0.3, 0.1, 0.0, 0.0, 0.0]
 
 
-class CameraInfos(unittest.TestCase):
-    def setUp(self):
-        self.node, self.seen, self.publishers = None, {}, {}
-        self.addCleanup(self.end)
-
-    def end(self):
-        if self.node is None:
-            return
-        self.node.stop()
-        self.node = None
-        for inbox in self.seen.values():
-            inbox.subscriber.unregister()
-        for publisher, _ in self.publishers.values():
-            publisher.unregister()
-        rospy.delete_param('/tag_poses')
-
-    def start(self, image, info, *arguments):
+class CameraInfos(NodeTest):
+    def start_poses(self, image, info, *arguments):
         """tag_poses before a camera with these topics; it has listeners."""
-        self.image, self.info = image, info
-        for topic, kind in (image, Image), (self.info, CameraInfo):
-            connections = Connections()
-            self.publishers[topic] = rospy.Publisher(topic, kind, connections, queue_size=1), connections
-        self.node = Started('rosrun', 'unit5', 'tag_poses.py', 'camera/rgb/image_raw:=' + image, *arguments)
-        self.seen = {'tags': Inbox('/tag_poses/tags', TagArray), 'poses': Inbox('/tag_poses/poses', TagPoseArray)}
-        for _, connections in self.publishers.values():
-            connections.wait(1)
+        self.images, connections = self.camera(image)
+        self.infos, others = self.camera(info, CameraInfo)
+        self.node = self.start('tag_poses.py', 'camera/rgb/image_raw:=' + image, *arguments)
+        self.seen = {'tags': self.listen('/tag_poses/tags', TagArray),
+                     'poses': self.listen('/tag_poses/poses', TagPoseArray)}
+        connections.wait(1)
+        others.wait(1)
 
-    def show(self, frame, frame_id='eye'):
+    def count(self, frame, frame_id='eye'):
         """Publish a frame; how many tags are found in it."""
         stamp = rospy.Time.now()
-        self.publishers[self.image][0].publish(image_from_frame(frame, Header(stamp=stamp, frame_id=frame_id)))
+        self.images.publish(image_from_frame(frame, Header(stamp=stamp, frame_id=frame_id)))
         tags = self.seen['tags'].next()
         self.assertEqual(tags.header.stamp, stamp)
         return len(tags.tags)
@@ -64,14 +47,14 @@ class CameraInfos(unittest.TestCase):
         """Publish frames, in which tags are found all the while, until the node has said these words."""
         until = rospy.Time.now() + rospy.Duration(WAIT_S)
         while not any(words in line for line in self.node.lines):
-            self.assertEqual(self.show(frame, frame_id), 4)
+            self.assertEqual(self.count(frame, frame_id), 4)
             self.assertLess(rospy.Time.now(), until, words)
 
     def show_until_posed(self, frame, info):
         """Publish a camera_info and frames until poses come; what they say."""
-        self.publishers[self.info][0].publish(info)
+        self.infos.publish(info)
         for _ in range(100):
-            self.assertEqual(self.show(frame), 4)
+            self.assertEqual(self.count(frame), 4)
             if not self.seen['poses'].empty():
                 return self.seen['poses'].next().tags
         raise AssertionError('no poses in 100 frames')
@@ -86,15 +69,15 @@ class CameraInfos(unittest.TestCase):
             self.assertLess(np.linalg.norm(np.array([found.x, found.y, found.z]) - true), 0.015)
 
     def test_without_a_good_camera_info_the_tags_are_found_and_the_poses_wait(self):
-        self.start('/eye/image_raw', '/eye/camera_info')
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
         frame, camera = WallRenderer(WALL, Camera()).render(*VIEW), Camera()
-        self.assertEqual(self.show(frame), 4)
+        self.assertEqual(self.count(frame), 4)
         self.show_until_said(frame, 'nothing arrives on it')
         for wrong, words in ((CameraInfo(), 'for what size of frames'),
                              (CameraInfo(width=640, height=480), 'K is that of no camera'),
                              (camera_info(Camera(width=1280, height=960), None), 'for frames of 1280 x 960')):
             for _ in range(3):
-                self.publishers[self.info][0].publish(wrong)
+                self.infos.publish(wrong)
                 self.show_until_said(frame, words)
         self.assertTrue(self.seen['poses'].empty())
         self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
@@ -105,18 +88,18 @@ class CameraInfos(unittest.TestCase):
             self.assertIn('WARN', told[0])
 
     def test_a_lens_that_bends_is_honored(self):
-        self.start('/eye/image_raw', '/eye/camera_info')
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
         camera = Camera(distortion=BENT)
         self.assert_right(self.show_until_posed(WallRenderer(WALL, camera).render(*VIEW), camera_info(camera, None)))
 
     def test_a_rectified_topic_is_taken_as_such(self):
-        self.start('/eye/image_rect_color', '/eye/camera_info')
+        self.start_poses('/eye/image_rect_color', '/eye/camera_info')
         # The calibration says how the lens bends; the frames have been corrected.
         info = camera_info(Camera(distortion=BENT), None)
         self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW), info))
 
     def test_a_resized_frame_and_a_topic_elsewhere(self):
-        self.start('/eye/image_raw', '/else/where', '_scale:=0.5', '_camera_info:=/else/where')
+        self.start_poses('/eye/image_raw', '/else/where', '_scale:=0.5', '_camera_info:=/else/where')
         self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
                                                 camera_info(Camera(), None)))
 
@@ -129,31 +112,32 @@ class CameraInfos(unittest.TestCase):
             with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
                 file.write(fitting.replace(*change))
                 file.flush()
-                self.start('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+                self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
                 self.show_until_posed(frame, info)
                 self.show_until_said(frame, words % file.name)
-            self.end()
+            self.tearDown()
+            self.setUp()
 
     def test_one_tag_in_a_file_is_enough_to_know_where_the_camera_is(self):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
             file.write('tags: [{id: 4, x: -0.45, y: 0.25, side: 0.18}]')
             file.flush()
-            self.start('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+            self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
             self.assert_camera('wall', -VIEW[0].T @ VIEW[1])
 
     def test_a_wall_that_is_learned_has_another_frame(self):
-        self.start('/eye/image_raw', '/eye/camera_info')
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
         first = WALL.tags[0]  # with the lowest id
         self.assert_camera('learned_wall', -VIEW[0].T @ VIEW[1] - [first.x, first.y, 0])
 
     def assert_camera(self, frame_id, place):
         """The camera is there in that frame."""
-        self.seen['camera'] = Inbox('/tag_poses/camera_pose', PoseWithCovarianceStamped)
+        self.seen['camera'] = self.listen('/tag_poses/camera_pose', PoseWithCovarianceStamped)
         frame = WallRenderer(WALL, Camera()).render(*VIEW)
         self.show_until_posed(frame, camera_info(Camera(), None))
         until = rospy.Time.now() + rospy.Duration(WAIT_S)
         while self.seen['camera'].empty():
-            self.show(frame)
+            self.count(frame)
             self.assertLess(rospy.Time.now(), until)
         message = self.seen['camera'].next()
         self.assertEqual(message.header.frame_id, frame_id)
@@ -161,14 +145,13 @@ class CameraInfos(unittest.TestCase):
         self.assertLess(np.linalg.norm([found.x, found.y, found.z] - place), 0.05)
 
     def test_frames_without_a_frame_id_get_poses_but_no_tf(self):
-        self.start('/eye/image_raw', '/eye/camera_info')
-        frames = Inbox('/tf', TFMessage)
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        frames = self.listen('/tf', TFMessage)
         frame = WallRenderer(WALL, Camera()).render(*VIEW)
         self.assert_right(self.show_until_posed(frame, camera_info(Camera(), None)))
         while not frames.empty():
             frames.next()
         self.show_until_said(frame, 'Frames come without a frame_id', frame_id='')
-        frames.subscriber.unregister()
         self.assertFalse([each for message in list(frames.queue) for each in message.transforms
                           if not each.header.frame_id])
 

@@ -11,7 +11,7 @@ import numpy as np
 import rospy
 import rostest
 from aruco_node.messages import compressed_from_frame, image_from_frame
-from listening import Connections
+from listening import Connections, until
 from sensor_msgs.msg import CompressedImage, Image
 from serving import PICTURE, ServerTest, ask
 from started import WAIT_S
@@ -61,15 +61,7 @@ class PageHttp(ServerTest):
 
     def listed(self, topic):
         """Wait until the page lists a topic that was just published."""
-        self.until(lambda: topic in ask(self.port, '/')[2].decode())
-
-    def until(self, true):
-        event = rospy.Rate(10)
-        for _ in range(10 * WAIT_S):
-            if true():
-                return
-            event.sleep()
-        self.fail('it never came true')
+        until(lambda: topic in ask(self.port, '/')[2].decode())
 
     def test_it_lists_the_image_topics_and_no_others(self):
         self.camera()
@@ -124,7 +116,7 @@ class PageHttp(ServerTest):
         self.listed('/eye/image')
         words = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(words.unregister)
-        self.until(lambda: b'only one of type' in ask(self.port, '/stream?topic=/words')[2])
+        until(lambda: b'only one of type' in ask(self.port, '/stream?topic=/words')[2])
         for path, status, sentence in (
                 ('/stream?topic=/nowhere', 404, 'There is no image topic /nowhere'),
                 ('/snapshot?topic=/nowhere', 404, 'There is no image topic /nowhere'),

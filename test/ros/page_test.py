@@ -7,6 +7,7 @@ import rostest
 from aruco_ar import Area
 from browsing import BrowserTest
 from geometry_msgs.msg import PolygonStamped
+from listening import until
 from started import WAIT_S
 
 PAINTED = '.tile[data-topic="/exercise5_6/image"]'
@@ -44,7 +45,7 @@ class Page(BrowserTest):
             selector = '.tile[data-topic="%s"] canvas' % topic
             first = self.shot(selector)
             self.assertGreater(first.std(), 20, topic)
-            self.until(lambda: np.any(self.shot(selector) != first))
+            until(lambda: np.any(self.shot(selector) != first))
         shot, area = self.painted()
         homography = area.homography(960, 640)
 
@@ -57,12 +58,6 @@ class Page(BrowserTest):
         blue, green, red = color(430, 270)  # the Sahara
         self.assertTrue(red > green > blue and red > 130, (blue, green, red))
         self.assertLess(color(60, 320).max(), 70)
-
-    def until(self, true):
-        for _ in range(50):
-            if true():
-                return
-        self.fail('it never came true')
 
     def test_rate_latency_and_tags_are_beside_each_picture_and_nothing_comes_from_elsewhere(self):
         for tile in self.page.locator('.tile').all():
@@ -113,8 +108,8 @@ class Page(BrowserTest):
         self.wait_for_chosen('turning_earth.mp4')
         x, y = self.middle()
         turned = [self.shot(PAINTED + ' canvas')]
-        self.until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
-                   np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
+        until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
+              np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
         png = cv2.imencode('.png', np.full((20, 30, 3), (10, 200, 30), np.uint8))[1].tobytes()
         self.page.locator('#file').set_input_files({'name': 'green.png', 'mimeType': 'image/png', 'buffer': png})
         self.wait_for_color((10, 200, 30))
