@@ -19,6 +19,33 @@ class Inbox(queue.Queue):
         return self.get(timeout=WAIT_S)
 
 
+def moments(topics, count, seconds=WAIT_S, keep=bool):
+    """Wait for stamps with which something came on every topic and which ``keep`` takes.
+
+    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order they began.
+    """
+    parts, changed = {}, threading.Condition()
+
+    def listen(topic, kind):
+        def take(message):
+            with changed:
+                parts.setdefault(message.header.stamp, {})[topic] = message
+                changed.notify_all()
+        return rospy.Subscriber(topic, kind, take, queue_size=10, buff_size=1 << 26)
+
+    def whole():
+        return [each for each in parts.values() if len(each) == len(topics) and keep(each)]
+    subscribers = [listen(topic, kind) for topic, kind in topics.items()]
+    with changed:
+        done = changed.wait_for(lambda: len(whole()) >= count, seconds)
+        found = whole()
+    for subscriber in subscribers:
+        subscriber.unregister()
+    if not done:
+        raise AssertionError('only %d of %d moments were whole within %d s' % (len(found), count, seconds))
+    return found
+
+
 class Connections(rospy.SubscribeListener):
     """Tells when somebody subscribes to a topic, and when they leave."""
 

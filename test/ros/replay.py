@@ -1,5 +1,4 @@
 """What the exercises' rostests share: frames, results and truth of one stamp, put together."""
-import threading
 import unittest
 
 import cv2
@@ -9,30 +8,31 @@ import rostest
 from aruco_ar import Area, Tag, area_mask
 from aruco_node.messages import TRANSPORTS, frame_from_image
 from geometry_msgs.msg import PolygonStamped
+from listening import moments
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 
-BUFFER_BYTES = 1 << 26
+FRAMES, TAGS, AREA = '/camera/rgb/image_raw', '/wall_camera/tags', '/wall_camera/area'
 TIMEOUT_S = 60
 
 
 class Moment:
     """All that was published with one stamp: frame, tags, area and the results by topic."""
 
-    def __init__(self, parts, results, to_frame):
-        self.header = parts['frame'].header
-        self.frame = to_frame(parts['frame'])
+    def __init__(self, parts, frame, results, to_frame):
+        self.header = frame.header
+        self.frame = to_frame(frame)
         self.messages = [parts[topic] for topic in results]
         self.results = [frame_from_image(message) for message in self.messages]
         shape = np.array(self.frame.shape[1::-1])
         # The truth: the tags that lie wholly in the frame, and the area if all of its tags do.
         everywhere = [Tag(tag.id, np.float32([(p.x, p.y) for p in tag.corners]))
-                      for tag in parts['tags'].tags]
+                      for tag in parts[TAGS].tags]
         self.tags = [tag for tag in everywhere
                      if np.all(tag.corners > 8) and np.all(tag.corners < shape - 8)]
         self.cut = [tag for tag in everywhere
                     if np.any(tag.center < 0) or np.any(tag.center > shape - 1)]
-        corners = np.float32([(p.x, p.y) for p in parts['area'].polygon.points])
+        corners = np.float32([(p.x, p.y) for p in parts[AREA].polygon.points])
         self.area = Area(corners) if len(self.tags) == 4 else None
         self.remembered = Area(corners) if len(self.tags) in (2, 3) else None
 
@@ -46,37 +46,13 @@ class ReplayTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls._ready = threading.Condition()
-        cls._parts = {}
         suffix, kind, to_frame = TRANSPORTS[cls.transport]
-        listen = cls._listen
-        subscribers = [
-            listen('frame', '/camera/rgb/image_raw' + suffix, kind),
-            listen('tags', '/wall_camera/tags', TagArray),
-            listen('area', '/wall_camera/area', PolygonStamped)]
-        subscribers += [listen(topic, topic, Image) for topic in cls.results]
-        names = {'frame', 'tags', 'area'} | set(cls.results)
-
-        def whole():
-            return [parts for parts in cls._parts.values() if set(parts) == names]
-        with cls._ready:
-            done = cls._ready.wait_for(lambda: len(whole()) >= cls.count, TIMEOUT_S)
-            cls.moments = [Moment(parts, cls.results, to_frame) for parts in whole()]
-        for subscriber in subscribers:
-            subscriber.unregister()
-        if not done:
-            raise AssertionError('only %d of %d frames were answered within %d s'
-                                 % (len(cls.moments), cls.count, TIMEOUT_S))
+        topics = {FRAMES + suffix: kind, TAGS: TagArray, AREA: PolygonStamped}
+        topics.update({topic: Image for topic in cls.results})
+        cls.moments = [Moment(parts, parts[FRAMES + suffix], cls.results, to_frame)
+                       for parts in moments(topics, cls.count, TIMEOUT_S)]
         cls.with_area = [moment for moment in cls.moments if moment.area]
         assert cls.with_area, 'no frame in which all four tags are seen'
-
-    @classmethod
-    def _listen(cls, name, topic, kind):
-        def on_message(message):
-            with cls._ready:
-                cls._parts.setdefault(message.header.stamp, {})[name] = message
-                cls._ready.notify_all()
-        return rospy.Subscriber(topic, kind, on_message, queue_size=10, buff_size=BUFFER_BYTES)
 
     def test_the_header_is_kept_and_the_encoding_is_bgr8(self):
         for moment in self.moments:

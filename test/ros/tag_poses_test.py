@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """The poses that tag_poses publishes, against the truth of the simulated camera's drive past its wall."""
-import threading
 import unittest
 
 import numpy as np
@@ -14,7 +13,7 @@ from aruco_ar.wall import load_wall
 from aruco_node.messages import frame_from_image
 from aruco_node.pose_messages import from_transform
 from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
-from listening import Inbox
+from listening import Inbox, moments
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Image
 from unit5.msg import AreaPose, TagPoseArray
@@ -40,25 +39,9 @@ def turn(one, other):
 class TagPoses(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        parts, ready = {}, threading.Condition()
-
-        def listen(topic, kind):
-            def take(message):
-                with ready:
-                    parts.setdefault(message.header.stamp, {})[topic] = message
-                    ready.notify_all()
-            return rospy.Subscriber(topic, kind, take, queue_size=10)
         cls.tf = tf2_ros.Buffer(rospy.Duration(60))
         cls.listener = tf2_ros.TransformListener(cls.tf)
-        subscribers = [listen(topic, kind) for topic, kind in TOPICS.items()]
-
-        def whole():
-            return [each for each in parts.values() if len(each) == len(TOPICS)]
-        with ready:
-            assert ready.wait_for(lambda: len(whole()) >= COUNT, 60), 'only %d frames' % len(whole())
-            cls.moments = whole()
-        for subscriber in subscribers:
-            subscriber.unregister()
+        cls.moments = moments(TOPICS, COUNT, 60)
 
     def truth(self, moment):
         """(R, t) of the wall in the camera's optical frame, where the robot was then."""
@@ -141,21 +124,10 @@ class TagPoses(unittest.TestCase):
         inbox.subscriber.unregister()
 
     def test_the_axes_are_drawn_on_the_frame(self):
-        pair = {}
-        frames, images = Inbox('/camera/rgb/image_raw', Image), Inbox('/tag_poses/image', Image)
-        poses = Inbox('/tag_poses/poses', TagPoseArray)
-        while True:
-            for inbox in frames, images, poses:
-                message = inbox.next()
-                pair.setdefault(message.header.stamp, []).append(message)
-            together = [each for each in pair.values() if len(each) == 3 and each[-1].tags]
-            if together:
-                break
-        for inbox in frames, images, poses:
-            inbox.subscriber.unregister()
-        image = next(message for message in together[0] if getattr(message, 'encoding', '') == 'bgr8')
-        seen = frame_from_image(image)
-        tags = next(message for message in together[0] if isinstance(message, TagPoseArray)).tags
+        topics = {'/tag_poses/image': Image, '/tag_poses/poses': TagPoseArray}
+        moment = moments(topics, 1, keep=lambda each: each['/tag_poses/poses'].tags)[0]
+        seen = frame_from_image(moment['/tag_poses/image'])
+        tags = moment['/tag_poses/poses'].tags
         for tag in tags:
             rotation, translation = placed(tag.pose.pose)
             for axis, color in ((0, (0, 0, 255)), (1, (0, 255, 0))):
