@@ -46,3 +46,11 @@ class BrowserTest(ServerTest):
     def tearDown(self):
         self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])
         self.page.close()
+
+    def wait_for_text(self, selector, words):
+        """Wait until the elements of that kind, of which there must be one, all say these words."""
+        self.page.wait_for_function(
+            """([selector, words]) => {
+                 const texts = [...document.querySelectorAll(selector)].map((element) => element.textContent);
+                 return texts.length > 0 && texts.every((text) => text.includes(words));
+               }""", arg=[selector, words])

@@ -141,7 +141,7 @@ class PageDriving(BrowserTest):
         self.assertEqual(code, 1)
         os.kill(pid, signal.SIGKILL)
         self.robot.wait(lambda x, forward, left: forward == 0)
-        self.page.wait_for_function("() => document.getElementById('status').textContent.includes('does not answer')")
+        self.wait_for_text('#status', 'does not answer')
         for number in range(2, 7):
             image = rospy.wait_for_message('/exercise5_%d/image' % number, Image, WAIT_S)
             self.assertGreater(frame_from_image(image).std(), 20)
