@@ -58,6 +58,7 @@ class Services(NodeTest):
 
     def test_a_snapshot_for_who_listens_is_what_they_get(self):
         self.before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
+        self.see(scene())  # the frames before it are answered, too
         images = []
 
         def answer(message):
