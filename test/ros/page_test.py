@@ -94,17 +94,11 @@ class Page(BrowserTest):
 
     def until_connected(self, topics):
         """Wait until these and no others of the exercises' pictures are subscribed to."""
-        self.until_of_master(lambda listened: sorted(
-            topic for topic, nodes in listened if topic.endswith('image/compressed') and '/page' in nodes
-            and topic.startswith('/exercise')) == topics)
-
-    def until_of_master(self, true):
-        rate = rospy.Rate(10)
-        for _ in range(10 * WAIT_S):
-            if true(rospy.get_master().getSystemState()[2][1]):
-                return
-            rate.sleep()
-        self.fail('it never came true')
+        def connected():
+            listened = rospy.get_master().getSystemState()[2][1]
+            return sorted(topic for topic, nodes in listened if topic.endswith('image/compressed')
+                          and '/page' in nodes and topic.startswith('/exercise'))
+        until(lambda: connected() == topics)
 
     def test_choosing_a_picture_changes_what_is_painted(self):
         self.page.get_by_text('turning earth').click()
