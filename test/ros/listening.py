@@ -22,23 +22,24 @@ class Inbox(queue.Queue):
 def moments(topics, count, seconds=WAIT_S, keep=bool):
     """Wait for stamps with which something came on every topic and which ``keep`` takes.
 
-    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order they began.
+    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order in which they became whole.
     """
-    parts, changed = {}, threading.Condition()
+    parts, whole, changed = {}, {}, threading.Condition()
 
     def listen(topic, kind):
         def take(message):
+            stamp = message.header.stamp
             with changed:
-                parts.setdefault(message.header.stamp, {})[topic] = message
-                changed.notify_all()
+                moment = parts.setdefault(stamp, {})
+                moment[topic] = message
+                if len(moment) == len(topics) and keep(moment):
+                    whole[stamp] = moment
+                    changed.notify_all()
         return rospy.Subscriber(topic, kind, take, queue_size=10, buff_size=1 << 26)
-
-    def whole():
-        return [each for each in parts.values() if len(each) == len(topics) and keep(each)]
     subscribers = [listen(topic, kind) for topic, kind in topics.items()]
     with changed:
-        done = changed.wait_for(lambda: len(whole()) >= count, seconds)
-        found = whole()
+        done = changed.wait_for(lambda: len(whole) >= count, seconds)
+        found = list(whole.values())
     for subscriber in subscribers:
         subscriber.unregister()
     if not done:

@@ -10,7 +10,7 @@ from aruco_ar.files import package_folder
 from aruco_ar.wall import load_wall
 from aruco_node.messages import frame_from_image
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from listening import Diagnoses, Inbox, until
+from listening import Diagnoses, Inbox, moments, until
 from nav_msgs.msg import Odometry
 from nodes import change
 from sensor_msgs.msg import Image
@@ -18,33 +18,20 @@ from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
 ROBOTS = {'one': 'camera/rgb/image_raw', 'two': 'eye/image'}
+COUNT = 10  # frames at a time
 
 
 class TwoRobots(unittest.TestCase):
-    def listen(self, topic, kind):
-        inbox = Inbox(topic, kind)
-        self.addCleanup(inbox.subscriber.unregister)
-        return inbox
-
     def test_each_paints_what_its_own_camera_sees(self):
         for robot, camera in ROBOTS.items():
-            frames = self.listen('/%s/%s' % (robot, camera), Image)
-            answers = self.listen('/%s/exercise5_6/image' % robot, Image)
-            shown = {}
+            frames, answers = '/%s/%s' % (robot, camera), '/%s/exercise5_6/image' % robot
 
-            def painted():
-                answer = answers.next()
-                while answer.header.stamp not in shown:
-                    frame = frames.next()
-                    shown[frame.header.stamp] = frame_from_image(frame)
-                    if frame.header.stamp > answer.header.stamp:
-                        break
-                self.assertEqual(answer.header.frame_id, robot + '/camera_rgb_optical_frame')
-                frame = shown.get(answer.header.stamp)
+            def is_painted(moment):
+                self.assertEqual(moment[answers].header.frame_id, robot + '/camera_rgb_optical_frame')
+                frame, answer = (frame_from_image(moment[topic]).astype(float) for topic in (frames, answers))
                 # What JPEG makes of a frame is not much.
-                return frame is not None and \
-                    (np.abs(frame_from_image(answer) - frame.astype(float)) > 60).any(axis=2).mean() > 0.02
-            until(painted)
+                return (np.abs(answer - frame) > 60).any(axis=2).mean() > 0.02
+            until(lambda: any(map(is_painted, moments({frames: Image, answers: Image}, COUNT))))
 
     def test_frames_are_told_apart_and_tags_are_where_they_hang(self):
         frames = set()
@@ -81,27 +68,21 @@ class TwoRobots(unittest.TestCase):
 
     def test_each_knows_where_it_is_before_its_wall(self):
         for robot in ROBOTS:
-            poses = self.listen('/%s/tag_poses/robot_pose' % robot, PoseWithCovarianceStamped)
-            truth, odometry = {}, self.listen('/%s/odom' % robot, Odometry)
+            poses, odometry = '/%s/tag_poses/robot_pose' % robot, '/%s/odom' % robot
 
-            def is_right():
-                said = poses.next()
-                self.assertEqual(said.header.frame_id, robot + '/wall')
-                while not odometry.empty() or said.header.stamp not in truth:
-                    message = odometry.next()
-                    truth[message.header.stamp] = message.pose.pose.position
-                    if message.header.stamp > said.header.stamp:
-                        break
-                if said.header.stamp not in truth:
-                    return False
-                there, here = truth[said.header.stamp], said.pose.pose.position
+            def is_right(moment):
+                self.assertEqual(moment[poses].header.frame_id, robot + '/wall')
+                there, here = moment[odometry].pose.pose.position, moment[poses].pose.pose.position
                 return np.allclose([-here.z, -here.x, here.y], [there.x, there.y, 0], atol=0.05)
-            until(is_right)
+            topics = {poses: PoseWithCovarianceStamped, odometry: Odometry}
+            until(lambda: any(map(is_right, moments(topics, COUNT))))
 
     def test_diagnostics_parameters_and_services_are_apart(self):
         diagnoses = Diagnoses()
         self.addCleanup(diagnoses.subscriber.unregister)
-        answers = {robot: self.listen('/%s/exercise5_6/image' % robot, Image) for robot in ROBOTS}
+        answers = {robot: Inbox('/%s/exercise5_6/image' % robot, Image) for robot in ROBOTS}
+        for inbox in answers.values():
+            self.addCleanup(inbox.subscriber.unregister)
         for robot in ROBOTS:
             diagnoses.wait(robot + '/exercise5_6', 'frames a second')
             diagnoses.wait(robot + '/wall_camera', 'frames a second')
