@@ -41,9 +41,9 @@ class Tracker:
     which the area stays at most when the tags in sight do not show well enough
     where it is, or none is in sight; it can be set at any time. ``upright``:
     the picture's top is where the tags' own tops are (``tags``) or where the
-    frame's is (``image``).
-    Raises InputError for any other. ``detection``: further keywords of Detector,
-    such as ``search``, which is how frames without an expected area are searched.
+    frame's is (``image``). ``detection``: further keywords of Detector, such as
+    ``search``, which is how frames without an expected area are searched.
+    Raises InputError for any other.
     """
 
     def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags', **detection):

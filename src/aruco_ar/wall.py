@@ -13,7 +13,6 @@ from .errors import InputError
 from .files import within, yaml_entries
 from .tags import SIDE_M, tag_cells
 
-
 DICTIONARY = 'DICT_6X6_250'
 
 
