@@ -8,6 +8,7 @@ import time
 from itertools import cycle
 
 import numpy as np
+import psutil
 import rosgraph
 import rospy
 from aruco_ar.progress import progress, tell
@@ -23,7 +24,6 @@ WARM_UP = 30
 SIZES = ((1280, 720), (640, 360))
 WAIT_S = 30
 MEMORY_FRAMES = 20000
-TICKS_PER_S = os.sysconf('SC_CLK_TCK')
 NODES = {
     'bare relay': [sys.executable, os.path.join(HERE, 'relay_node.py')],
     "course's code": [sys.executable, os.path.join(HERE, 'course_node.py')],
@@ -41,9 +41,8 @@ def free_port():
 
 def processor_seconds(pid):
     """The processor time that a process has taken up so far."""
-    with open('/proc/%d/stat' % pid) as file:
-        fields = file.read().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS_PER_S
+    times = psutil.Process(pid).cpu_times()
+    return times.user + times.system
 
 
 class Master:
@@ -112,8 +111,7 @@ class Node:
         return processor_seconds(self._process.pid)
 
     def resident_bytes(self):
-        with open('/proc/%d/statm' % self._process.pid) as file:
-            return int(file.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+        return psutil.Process(self._process.pid).memory_info().rss
 
 
 def there_and_back(size):
