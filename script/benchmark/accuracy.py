@@ -7,7 +7,7 @@ import numpy as np
 from aruco_ar import Tracker
 from aruco_ar.progress import progress, tell
 from course import Course
-from scenes import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
+from drives import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
 
 WRONG = 0.05  # of the area's longer side: a corner farther off makes an area wrong
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}

@@ -6,7 +6,7 @@ import rospy
 from aruco_ar import load_picture
 from course import Course
 from cv_bridge import CvBridge
-from scenes import PACKAGE
+from drives import PACKAGE
 from sensor_msgs.msg import Image
 
 

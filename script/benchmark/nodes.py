@@ -13,7 +13,7 @@ import rosgraph
 import rospy
 from aruco_ar.progress import progress, tell
 from aruco_node.messages import image_from_frame
-from scenes import WIDE, drive
+from drives import WIDE, drive
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

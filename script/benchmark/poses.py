@@ -11,7 +11,7 @@ from aruco_ar.progress import progress, tell
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.solving import angles_of, square
-from scenes import FRAMES_PER_S, WALL
+from drives import FRAMES_PER_S, WALL
 from speed import timed
 
 FLIP = 10.0          # degrees: a rotation that is farther off is that of the tag's other pose

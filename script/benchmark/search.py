@@ -12,7 +12,7 @@ from aruco_ar.progress import progress, tell
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, Camera, Pose, wall_to_camera
 from aruco_ar.wall import Wall, WallTag
-from scenes import PACKAGE, WIDE, drive
+from drives import PACKAGE, WIDE, drive
 from speed import timed
 
 DICTIONARY = 'DICT_6X6_250'

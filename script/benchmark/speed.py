@@ -8,7 +8,7 @@ import numpy as np
 from aruco_ar import Tracker, load_picture, overlay
 from aruco_ar.progress import progress, tell
 from course import Course
-from scenes import PACKAGE, WIDE, drive
+from drives import PACKAGE, WIDE, drive
 
 SIZES = {(640, 480): (90, 5), (1280, 720): (60, 8), (1920, 1080): (60, 10), (3840, 2160): (40, 8)}
 

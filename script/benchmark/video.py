@@ -7,7 +7,7 @@ from aruco_ar import InputError, Tracker, load_picture, overlay
 from aruco_ar.progress import progress
 from chart import draw, jitter
 from course import Course
-from scenes import PACKAGE
+from drives import PACKAGE
 from speed import timed
 
 USUAL_FRAMES_PER_S = 30.0  # of a video that does not say

@@ -35,8 +35,8 @@ def parse():
 
 def main():
     args = parse()
-    folder = os.path.join(HERE, '..', '..', 'test')
-    sys.path += [os.path.join(folder, name) for name in ('hostile', 'ros')]
+    tests = os.path.join(HERE, '..', '..', 'test')
+    sys.path += [tests, os.path.join(tests, 'ros'), os.path.join(HERE, '..', 'benchmark')]
     parts = [args.only] if args.only else list(PARTS)
     seconds = args.hours and 3600 * args.hours / len(parts)
     found = []

@@ -4,7 +4,7 @@ from aruco_ar import Tag
 from aruco_ar.robot import Camera, wall_to_camera
 from aruco_ar.solving import square, turned
 from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
-from scenes import LIVELY
+from drives import LIVELY
 
 PINHOLE = lens_of(Camera())
 BENT = Camera(distortion=[-0.3, 0.1, 0, 0, 0])

@@ -8,7 +8,7 @@ from aruco_ar import InputError, Tracker
 from aruco_ar.render import WallRenderer, project
 from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.wall import WallTag
-from scenes import FAST, LIVELY, SLOW, STILL, WALL, Frame, at_random, drive
+from drives import FAST, LIVELY, SLOW, STILL, WALL, Frame, at_random, drive
 
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
 
