@@ -9,6 +9,7 @@ from aruco_ar import InputError  # before numpy is, which it gives one thread
 import accuracy
 import browser
 import chart
+import master
 import nodes
 import poses
 import search
@@ -45,7 +46,7 @@ def main():
     if args.only in (None, 'poses'):
         poses.run()
     if args.only in (None, 'nodes', 'memory', 'page'):
-        with nodes.Master():
+        with master.Master():
             for part, work in (('nodes', nodes.run_load), ('memory', nodes.run_memory), ('page', browser.run)):
                 if args.only in (None, part):
                     work()

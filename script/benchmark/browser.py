@@ -10,7 +10,8 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rosgraph
 import rospy
-from nodes import WAIT_S, free_port, processor_seconds
+from master import free_port, processor_seconds
+from nodes import WAIT_S
 from sensor_msgs.msg import CompressedImage
 from tornado.websocket import websocket_connect
 

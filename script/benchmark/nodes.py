@@ -1,7 +1,6 @@
 """Nodes under a roscore: processor time, latency and memory."""
 import os
 import queue
-import socket
 import subprocess
 import sys
 import time
@@ -9,11 +8,11 @@ from itertools import cycle
 
 import numpy as np
 import psutil
-import rosgraph
 import rospy
 from aruco_ar.progress import progress, tell
 from aruco_node.messages import image_from_frame
 from drives import WIDE, drive
+from master import processor_seconds
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -30,37 +29,6 @@ NODES = {
     'exercise5_6.py': [sys.executable, os.path.join(HERE, '..', '..', 'src', 'exercise5_6.py'),
                        'exercise5_6/image:=result'],
 }
-
-
-def free_port():
-    """A port of this machine that nobody has."""
-    with socket.socket() as probe:
-        probe.bind(('localhost', 0))
-        return probe.getsockname()[1]
-
-
-def processor_seconds(pid):
-    """The processor time that a process has taken up so far."""
-    times = psutil.Process(pid).cpu_times()
-    return times.user + times.system
-
-
-class Master:
-    """A roscore of its own, in which this process is the camera and the listener."""
-
-    def __enter__(self):
-        port = free_port()
-        os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
-        self._core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
-        while not rosgraph.is_master_online():
-            time.sleep(0.1)
-        rospy.init_node('bench', disable_signals=True)
-        return self
-
-    def __exit__(self, *_):
-        rospy.signal_shutdown('done')
-        self._core.terminate()
-        self._core.wait()
 
 
 class Node:
