@@ -1,4 +1,5 @@
 """The one exception for what a user, a file or a camera got wrong."""
+from __future__ import annotations
 
 
 class InputError(ValueError):
@@ -9,6 +10,6 @@ class InputError(ValueError):
     each kind once.
     """
 
-    def __init__(self, sentence, kind=None):
+    def __init__(self, sentence: str, kind: str | None = None) -> None:
         super().__init__(sentence)
         self.kind = kind or sentence

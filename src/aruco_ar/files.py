@@ -1,14 +1,17 @@
 """Files: where the package's own are, writing them whole or not at all, and reading YAML."""
+from __future__ import annotations
+
 import os
 import tempfile
 from contextlib import contextmanager
+from typing import Any, Iterator
 
 import yaml
 
 from .errors import InputError
 
 
-def package_folder():
+def package_folder() -> str:
     """Where config/, images/ and Tags/ are: the source folder, or share/unit5 once installed.
 
     Raises InputError in an install space that ROS does not know of.
@@ -24,7 +27,7 @@ def package_folder():
                          'space.') from None
 
 
-def own_folder(name):
+def own_folder(name: str) -> str:
     """The package's folder of that name, to write into, or ./name where that cannot be written."""
     try:
         folder = os.path.join(package_folder(), name)
@@ -33,7 +36,7 @@ def own_folder(name):
     return folder if os.access(folder, os.W_OK) else name
 
 
-def write_whole(path, data):
+def write_whole(path: str, data: bytes) -> None:
     """Write bytes to a file that appears only when it is complete.
 
     Makes the folder if there is none. Raises InputError naming the folder if
@@ -56,14 +59,14 @@ def write_whole(path, data):
                          % (path, error.strerror)) from None
 
 
-def _umask():
+def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
 
 
 @contextmanager
-def yaml_entries(path):
+def yaml_entries(path: str) -> Iterator[Any]:
     """What a YAML file holds, for a ``with`` block that takes its entries from it.
 
     Raises InputError naming the file if it cannot be read, is not YAML, or if
@@ -85,7 +88,7 @@ def yaml_entries(path):
         raise InputError('The file "%s" has an entry of the wrong form: %s.' % (path, error)) from None
 
 
-def within(value, low, high):
+def within(value: Any, low: float, high: float) -> float:
     """The number as a float. Raises ValueError, which yaml_entries explains, if it is out of bounds."""
     number = float(value)
     if not low <= number <= high:

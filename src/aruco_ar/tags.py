@@ -1,9 +1,12 @@
 """Tags: what one is, the dictionaries they come from, and drawing one."""
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from .arrays import Floats, Image
 from .errors import InputError
 
 DICTIONARIES = {name: getattr(cv2.aruco, name)
@@ -27,10 +30,10 @@ class Tag:
     """
 
     id: int
-    corners: np.ndarray
+    corners: Floats
 
     @property
-    def center(self):
+    def center(self) -> Floats:
         """(2,) float32, pixels: where the diagonals cross.
 
         A perspective view keeps straight lines straight, so the crossing
@@ -46,7 +49,7 @@ class Tag:
         return (top_left + along * down).astype(np.float32)
 
 
-def get_dictionary(name):
+def get_dictionary(name: str) -> cv2.aruco.Dictionary:
     """The OpenCV dictionary of that name, such as ``DICT_6X6_250``.
 
     Raises InputError for a name that OpenCV does not predefine.
@@ -57,7 +60,7 @@ def get_dictionary(name):
     return cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
 
 
-def tag_cells(dictionary, tag_id, border=1):
+def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:
     """The cells of a tag: (n, n) uint8, 0 black and 255 white, border included.
 
     ``dictionary`` is a name, ``border`` the width of the black frame in cells.
@@ -75,21 +78,21 @@ def tag_cells(dictionary, tag_id, border=1):
         marker, tag_id, marker.markerSize + 2 * border, borderBits=border)
 
 
-def check_size(cells, size):
+def check_size(cells: int, size: float) -> None:
     """Raise InputError if a tag that many cells wide cannot be drawn with that size in pixels."""
     if not cells <= size <= MAX_SIZE_PX:
         raise InputError('A tag %d cells wide cannot be drawn with a size of %d px; choose from %d to '
                          '%d.' % (cells, size, cells, MAX_SIZE_PX))
 
 
-def check_quiet(quiet):
+def check_quiet(quiet: float) -> None:
     """Raise InputError if a quiet zone of that many cells cannot be drawn."""
     if not 0 <= quiet <= MAX_QUIET_CELLS:
         raise InputError('A quiet zone of %g cells cannot be drawn; choose from 0 to %d.'
                          % (quiet, MAX_QUIET_CELLS))
 
 
-def draw_tag(dictionary, tag_id, size=700, border=1, quiet=0):
+def draw_tag(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quiet: float = 0) -> Image:
     """One tag as a picture, (n, n) uint8, 0 black and 255 white.
 
     ``size`` is the side of the tag itself in pixels; ``quiet`` cells of white
@@ -102,4 +105,4 @@ def draw_tag(dictionary, tag_id, size=700, border=1, quiet=0):
     check_quiet(quiet)
     tag = cv2.aruco.generateImageMarker(get_dictionary(dictionary), tag_id, size, borderBits=border)
     margin = round(quiet * size / cells)
-    return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=255)
+    return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=(255,))
