@@ -7,9 +7,14 @@ anywhere on the plane corrects them as far as what it shows depends on them:
 four tags fix all; one fixes the place and the size near itself, and leaves the
 slant of the far side to what was known a frame ago.
 """
+from __future__ import annotations
+
 from copy import copy
+from typing import Sequence
 
 import numpy as np
+
+from .arrays import Floats, Numbers
 
 # How much speeds change within a second: what robots and hands do. The frame
 # moves as a rigid camera that faces a plane would move it; what moves fast also
@@ -26,7 +31,7 @@ SHAKEN = 0.05, 0.03  # rad and distances to the wall: how far a shaken camera ma
 CLOSE_PX = 0.5    # a correction by more than this is worth another step
 
 
-def homography_to(corners):
+def homography_to(corners: Numbers) -> Floats:
     """(3, 3) float64: from the unit square to the quadrilateral with those corners, (4, 2).
 
     The closed form in P. Heckbert, Fundamentals of Texture Mapping and Image
@@ -42,7 +47,7 @@ def homography_to(corners):
                      [y1 - y0 + g * y1, y3 - y0 + h * y3, y0], [g, h, 1]])
 
 
-def transform(homography, points):
+def transform(homography: Floats, points: Floats) -> Floats:
     """(..., 2): points, (..., 2), through a homography, (3, 3)."""
     seen = points @ homography[:, :2].T + homography[:, 2]
     return seen[..., :2] / seen[..., 2:]
@@ -51,7 +56,8 @@ def transform(homography, points):
 class AreaMotion:
     """The area's corners, their speeds, and how well both are known."""
 
-    def __init__(self, corners, size, points, pixels, deviation):
+    def __init__(self, corners: Floats, size: Sequence[int], points: Floats, pixels: Floats,
+                 deviation: Floats) -> None:
         """An area just found at corners, in a frame of that size, by what was seen (see correct)."""
         self._middle, self._focal = (np.array(size) - 1) / 2, FOCAL * size[0]
         self._place = np.array(corners, np.float64).ravel()
@@ -63,21 +69,21 @@ class AreaMotion:
         self._covariance[8:, 8:] = self._agility(FIRST)
 
     @property
-    def corners(self):
+    def corners(self) -> Floats:
         """(4, 2) float64, pixels."""
         return self._place.reshape(4, 2).copy()
 
     @property
-    def deviation(self):
+    def deviation(self) -> Floats:
         """(4,) pixels: the standard deviation of each corner's place."""
         return np.sqrt(np.maximum(self._covariance.diagonal()[:8].reshape(4, 2).sum(axis=1), 0))
 
     @property
-    def speed(self):
+    def speed(self) -> float:
         """Pixels per second of the fastest corner."""
         return np.linalg.norm(self._speed.reshape(4, 2), axis=1).max()
 
-    def predict(self, seconds, calm=False):
+    def predict(self, seconds: float, calm: bool = False) -> None:
         """Move on by that time. ``calm``: nothing was seen lately, so let the motion die away."""
         if calm:
             self._speed = self._speed * np.exp(-seconds / CALM_S)
@@ -89,7 +95,7 @@ class AreaMotion:
         p[:8, 8:] = p[8:, :8].T
         p[8:, 8:] += change
 
-    def shaken(self):
+    def shaken(self) -> AreaMotion:
         """The AreaMotion after what may have been a jerk of the camera, which leaves the plane as it was."""
         jerk = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES * np.repeat(SHAKEN, 3)
         other = copy(self)
@@ -98,11 +104,11 @@ class AreaMotion:
         other._covariance[8:, 8:] += self._agility(FIRST)
         return other
 
-    def see(self, points):
+    def see(self, points: Floats) -> Floats:
         """(..., 2) pixels: where points of the plane, (..., 2), are."""
         return transform(homography_to(self._place.reshape(4, 2)), points)
 
-    def correct(self, points, pixels, deviation, limit=np.inf):
+    def correct(self, points: Floats, pixels: Floats, deviation: Floats, limit: float = np.inf) -> bool:
         """Take in that points of the plane, (n, 2), are seen at pixels, (n, 2).
 
         ``deviation``: (n,) pixels, how far off that may be. False, and nothing
@@ -123,14 +129,15 @@ class AreaMotion:
         self._covariance = (p + p.T) / 2
         return True
 
-    def unlikeliness(self, points, pixels, deviation):
+    def unlikeliness(self, points: Floats, pixels: Floats, deviation: Floats) -> float:
         """How unlikely it is to see what ``correct`` takes: about 1 if all is well.
 
         It is the squared Mahalanobis distance for each number measured.
         """
         return self._weigh(points, pixels, deviation, self._place)[3]
 
-    def _weigh(self, points, pixels, deviation, before):
+    def _weigh(self, points: Floats, pixels: Floats, deviation: Floats,
+               before: Floats) -> tuple[Floats, Floats, Floats, float]:
         """A measurement against what was believed before it, when the corners were ``before``.
 
         What it tells about the corners, as an inverse covariance (8, 8); what
@@ -145,17 +152,17 @@ class AreaMotion:
         known = weighted @ slope
         shrink = np.linalg.inv(np.eye(8) + known @ p)
         off = (pixels - seen).ravel() + slope @ (self._place - before)
-        asked = weighted @ off
+        asked: Floats = weighted @ off
         toward = shrink @ asked
         return known, shrink, toward, (off @ (weight * off) - asked @ p @ toward) / len(off)
 
-    def _linearize(self, points):
+    def _linearize(self, points: Floats) -> tuple[Floats, Floats]:
         """Where points of the plane, (n, 2), are seen, and how that changes with the corners, (2n, 8)."""
         seen = self.see(points)
         moves = self._moves(np.vstack([self._place.reshape(4, 2), seen]))
         return seen, moves[8:] @ np.linalg.inv(moves[:8])
 
-    def _moves(self, pixels):
+    def _moves(self, pixels: Floats) -> Floats:
         """(2n, 8): how (n, 2) pixels move under each of the eight infinitesimal homographies.
 
         Two shifts, four that are linear, and two of perspective.
@@ -169,7 +176,7 @@ class AreaMotion:
         moves[:, 1, 6] = moves[:, 0, 7] = moves[:, 0, 2] * y
         return moves.reshape(-1, 8)
 
-    def _agility(self, swift=0.0):
+    def _agility(self, swift: float = 0.0) -> Floats:
         """(8, 8): how much the speeds of the corners may change within a second, as a covariance."""
         swift = max(swift, SWIFT * np.sqrt(self._speed @ self._speed / 4) / self._focal)
         moves = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES

@@ -1,9 +1,12 @@
 """Putting centers in order, and choosing four of many."""
+from __future__ import annotations
+
 from itertools import combinations
 
 import cv2
 import numpy as np
 
+from .arrays import Booleans, Floats, Integers, Numbers
 from .errors import InputError
 
 # A corner this close to the line through its two neighbors makes no corner
@@ -19,7 +22,7 @@ DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 ZIGZAG = [0, 1, 3, 2]
 
 
-def order_coordinates(points, zigzag=False):
+def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
     """The four points as top left, top right, bottom right, bottom left.
 
     With ``zigzag``: top left, top right, bottom left, bottom right.
@@ -47,7 +50,7 @@ def order_coordinates(points, zigzag=False):
     return points[order][ZIGZAG] if zigzag else points[order]
 
 
-def _clockwise(points):
+def _clockwise(points: Floats) -> Integers:
     """Indices of (4, 2) points, clockwise as seen, the top left one first."""
     arms = points - points.mean(axis=0)
     around = np.argsort(np.arctan2(arms[:, 1], arms[:, 0]), kind='stable')
@@ -55,10 +58,10 @@ def _clockwise(points):
     fits = [np.sum(arms[turn] * DIRECTIONS) for turn in turns]
     best = max(fits)
     tied = [turn for turn, fit in zip(turns, fits) if np.isclose(fit, best)]
-    return list(min(tied, key=lambda turn: tuple(points[turn[0]][::-1])))
+    return min(tied, key=lambda turn: tuple(points[turn[0]][::-1]))
 
 
-def is_quadrilateral(corners):
+def is_quadrilateral(corners: Numbers) -> Booleans:
     """Whether corners, (..., 4, 2) and in order, make a convex figure that is not flat.
 
     Every corner must stand out of the line through its two neighbors by
@@ -71,11 +74,11 @@ def is_quadrilateral(corners):
     return np.all(height > MIN_HEIGHT_PX, axis=-1) | np.all(height < -MIN_HEIGHT_PX, axis=-1)
 
 
-def _cross(one, other):
+def _cross(one: Floats, other: Floats) -> Floats:
     return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
 
 
-def largest_quadrilateral(points):
+def largest_quadrilateral(points: Numbers) -> Floats | None:
     """The four of n points that enclose the largest area, or None.
 
     ``points``: (n, 2). The result is (4, 2) float32, going around. None if no
@@ -85,13 +88,13 @@ def largest_quadrilateral(points):
     points = np.asarray(points, np.float32).reshape(-1, 2)
     if len(points) < 4:
         return None
-    best = _largest_on_hull(cv2.convexHull(points).reshape(-1, 2))
+    best = _largest_on_hull(np.array(cv2.convexHull(points), np.float32).reshape(-1, 2))
     if best is None and len(points) <= MAX_TRIED:
         best = _largest_of_all(points)
     return best
 
 
-def _largest_on_hull(hull):
+def _largest_on_hull(hull: Floats) -> Floats | None:
     """The largest quadrilateral lies on the convex hull, if that has four proper corners."""
     best, best_area = None, 0.0
     for first, third in combinations(range(len(hull)), 2):
@@ -103,7 +106,7 @@ def _largest_on_hull(hull):
     return best if best is not None and is_quadrilateral(best) else None
 
 
-def _largest_of_all(points):
+def _largest_of_all(points: Floats) -> Floats | None:
     """The largest of all proper quadrilaterals, which may have corners within the hull."""
     fours = points[list(combinations(range(len(points)), 4))]
     figures = fours[:, [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 1, 3]]].reshape(-1, 4, 2)

@@ -4,8 +4,12 @@ A pose is (R, t): point in the camera = R @ point of the thing + t, meters.
 How it may be off is told by six numbers in the order of ROS: a shift of t, then a
 turn by small angles about the camera's axes, R being multiplied from the left.
 """
+from __future__ import annotations
+
 import cv2
 import numpy as np
+
+from .arrays import NO_ARRAY, Booleans, Floats, Numbers
 
 STEPS = 12                 # of Levenberg and Marquardt's method, at most
 DAMPING = 1e-3             # at first
@@ -17,30 +21,30 @@ NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind i
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
 
 
-def square(sizes):
+def square(sizes: Numbers) -> Floats:
     """(n, 4, 3) meters: the corners of tags of sizes (n,) in their own axes, from their own top left."""
     corners = [[-0.5, 0.5, 0], [0.5, 0.5, 0], [0.5, -0.5, 0], [-0.5, -0.5, 0]]
     return np.multiply.outer(np.asarray(sizes, np.float64), corners)
 
 
-def turned(angles):
+def turned(angles: Floats) -> Floats:
     """(n, 3, 3): the rotations by (n, 3) rad about the axes that these point along (O. Rodrigues, 1840)."""
     angle = np.sqrt((angles * angles).sum(axis=1))[:, None, None]
     cross = crossed(angles)
     return np.eye(3) + np.sinc(angle / np.pi) * cross + np.sinc(angle / (2 * np.pi))**2 / 2 * (cross @ cross)
 
 
-def angles_of(rotation):
+def angles_of(rotation: Floats) -> Floats:
     """(3,) rad: the inverse of ``turned``, for one rotation (3, 3)."""
     sines = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
                       rotation[1, 0] - rotation[0, 1]]) / 2
     sine, cosine = np.linalg.norm(sines), (np.trace(rotation) - 1) / 2
     if cosine < HALF_TURN:
-        return cv2.Rodrigues(rotation)[0].ravel()  # which takes small turns for none
+        return np.asarray(cv2.Rodrigues(rotation)[0], np.float64).ravel()  # which takes small turns for none
     return sines / np.sinc(np.arctan2(sine, cosine) / np.pi)
 
 
-def crossed(vectors):
+def crossed(vectors: Floats) -> Floats:
     """(..., 3, 3): the matrices that take the cross product of (..., 3) vectors with what follows."""
     matrix = np.zeros(vectors.shape + (3,))
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
@@ -49,19 +53,19 @@ def crossed(vectors):
     return matrix
 
 
-def guesses(points, rays):
+def guesses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
     """Both poses, (2, 3, 3) and (2, 3), of flat (k, 3) points with z = 0 seen along (k, 2) rays.
 
     None where there are none. T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
     """
     try:
-        _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE)
+        _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
     except cv2.error:
         return None
     if not len(angles):
         return None
-    rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles])
-    shifts = np.array(shifts).reshape(-1, 3)
+    rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles], np.float64)
+    shifts = np.array(shifts, np.float64).reshape(-1, 3)
     good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1) & (shifts[:, 2] > NEAR_M)
     if not good.any():
         return None
@@ -69,7 +73,8 @@ def guesses(points, rays):
     return rotations[keep], shifts[keep]
 
 
-def refine(points, rays, weights, rotation, translation, spread=None):
+def refine(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats,
+           spread: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """The poses near those given at which points are best seen along rays, m of them at once.
 
     They come in pairs, the two poses of one thing after each other; one that
@@ -83,9 +88,11 @@ def refine(points, rays, weights, rotation, translation, spread=None):
     Returns rotations (m, 3, 3), translations (m, 3), those numbers (m, q), the
     squared deviations of all points (m, k), and the covariance (m, 6 + q, 6 + q).
     """
-    count = 0 if spread is None else spread.shape[-1]
+    if spread is None:
+        spread = np.zeros((points.shape[-2], 3, 0))
+    count = spread.shape[-1]
     own = np.zeros((len(rotation), count))
-    here = _look(points, rays, weights, rotation, translation, own, spread)
+    here: tuple[Floats, ...] = _look(points, rays, weights, rotation, translation, own, spread)
     damping = np.full(len(rotation), DAMPING)
     for _ in range(STEPS):
         cost, _, slope, curve = here
@@ -106,11 +113,12 @@ def refine(points, rays, weights, rotation, translation, spread=None):
     return rotation, translation, own, here[1], np.linalg.inv(curve)
 
 
-def _chosen(first, one, other):
+def _chosen(first: Booleans, one: Floats, other: Floats) -> Floats:
     return np.where(first.reshape((-1,) + (1,) * (one.ndim - 1)), one, other)
 
 
-def _look(points, rays, weights, rotation, translation, own, spread):
+def _look(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats, own: Floats,
+          spread: Floats) -> tuple[Floats, Floats, Floats, Floats]:
     """Costs (m,), squared deviations (m, k), and what Gauss and Newton need: slopes (m, 6 + q) and curves."""
     if own.shape[1]:
         points = points + (spread @ own[:, None, :, None])[..., 0]
