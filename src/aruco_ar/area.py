@@ -1,13 +1,17 @@
 """The area: the quadrilateral through the centers of four tags."""
+from __future__ import annotations
+
 from collections import Counter
 from dataclasses import dataclass
-from typing import Optional
+from typing import Sequence
 
 import cv2
 import numpy as np
 
+from .arrays import Floats
 from .motion import homography_to, transform
 from .ordering import largest_quadrilateral, order_coordinates
+from .tags import Tag
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,19 +23,20 @@ class Area:
     times as wide as high the area is on the wall, None where nobody knows.
     """
 
-    corners: np.ndarray
-    ratio: Optional[float] = None
+    corners: Floats
+    ratio: float | None = None
 
-    def homography(self, width, height):
+    def homography(self, width: int, height: int) -> Floats:
         """(3, 3) float64: from pixels of a picture of that size to pixels of the frame.
 
         The picture's corners are (0, 0) and (width, height), as in the course.
         """
-        picture = np.float32([[0, 0], [width, 0], [width, height], [0, height]])
-        return cv2.getPerspectiveTransform(picture, np.asarray(self.corners, np.float32))
+        picture = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
+        found = cv2.getPerspectiveTransform(picture, np.asarray(self.corners, np.float32))
+        return np.asarray(found, np.float64)
 
 
-def find_four_centers(tags):
+def find_four_centers(tags: Sequence[Tag]) -> Floats | None:
     """(4, 2) float32: the four centers that span the area, going around; None if none do.
 
     An id seen more than once does not count: nobody could say which of its
@@ -42,7 +47,7 @@ def find_four_centers(tags):
     return largest_quadrilateral([tag.center for tag in tags if seen[tag.id] == 1])
 
 
-def find_area(tags):
+def find_area(tags: Sequence[Tag]) -> Area | None:
     """The Area between tags, or None if they do not span one (see find_four_centers)."""
     centers = find_four_centers(tags)
     if centers is None:
@@ -50,10 +55,10 @@ def find_area(tags):
     corners = order_coordinates(centers)
     to_plane = np.linalg.inv(homography_to(corners))
     four = [tag for tag in tags if np.any(np.all(tag.center == corners, axis=1))]
-    return Area(corners, ratio_of([transform(to_plane, np.float64(tag.corners)) for tag in four]))
+    return Area(corners, ratio_of([transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in four]))
 
 
-def ratio_of(places):
+def ratio_of(places: Floats | list[Floats]) -> float:
     """How many times as wide as high an area is on the wall, to its tags.
 
     ``places``: (n, 4, 2), the tags' corners in the plane in which the area is

@@ -7,8 +7,13 @@ and does not leap to the other side: so frames add up. Where the camera passes
 right before the thing both poses are the same, and from then on only what is
 seen anew counts.
 """
+from __future__ import annotations
+
+from typing import Hashable, Sequence
+
 import numpy as np
 
+from .arrays import Floats, Integers, Pose
 from .solving import angles_of, crossed
 
 SPEED_M_S = 1.0      # of the camera past the thing: a standard deviation
@@ -24,10 +29,11 @@ IMPOSSIBLE = -60.0   # natural logarithm of a likelihood of which nothing is lef
 class Belief:
     """What was believed about things, by their keys, when they were last in sight."""
 
-    def __init__(self):
-        self._before = {}
+    def __init__(self) -> None:
+        self._before: dict[Hashable, tuple[float, Floats, Floats, Floats, int]] = {}
 
-    def weigh(self, keys, poses, costs, now):
+    def weigh(self, keys: Sequence[Hashable], poses: Pose, costs: Floats,
+              now: float) -> tuple[Integers, Floats]:
         """Which pose of each thing to believe, (n,) int, and the weight of the other, (n,), 0 to 0.5.
 
         ``poses``: both of each, rotations (n, 2, 3, 3), translations (n, 2, 3)
@@ -53,7 +59,8 @@ class Belief:
             self._before[key] = now, weight[number], place[number], spread[number], believed[number]
         return believed, np.minimum(np.exp(weight[every, 1 - believed]), 0.5)
 
-    def _carried(self, keys, weight, place, spread, now):
+    def _carried(self, keys: Sequence[Hashable], weight: Floats, place: Floats, spread: Floats,
+                 now: float) -> tuple[Floats, Integers]:
         """The weights, with what was known before about those things; and what follows what was believed."""
         times, known, places, spreads, believed = (np.array(part) for part in
                                                    zip(*(self._before[key] for key in keys)))
@@ -69,7 +76,7 @@ class Belief:
         return weight + np.logaddexp(known[:, 0, None] + leads[:, 0], known[:, 1, None] + leads[:, 1]), follows
 
 
-def mixture(one, other, weight):
+def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:
     """How far off the first of two poses may be, (6, 6), if with that weight the other one is right.
 
     Each is (rotation, translation, covariance). Returned with the weight, which

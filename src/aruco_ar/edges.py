@@ -6,10 +6,14 @@ edge crosses it, to some hundredths of a pixel and however blurred it is. Here
 a point of the frame is one complex number, x + y j: turning by a right angle
 is then a multiplication by 1j.
 """
+from __future__ import annotations
+
 from functools import lru_cache
 
 import cv2
 import numpy as np
+
+from .arrays import NO_ARRAY, Booleans, Complexes, Floats, Image
 
 SAMPLES = 12             # profiles along each edge
 BEGIN, END = 0.08, 0.92  # of the edge, between which they lie: a corner's rounding stays out
@@ -35,7 +39,7 @@ ENDS[:END_POINTS, 0] = ENDS[-END_POINTS:, 1] = 1 / END_POINTS
 ALL = np.ones(PROFILE_POINTS, np.float32)
 
 
-def fit_tags(frame, quads, cells):
+def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Booleans, Floats]:
     """Put quadrilaterals onto the edges of the tags that they nearly lie on.
 
     ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``quads``: (n, 4, 2)
@@ -62,13 +66,13 @@ def fit_tags(frame, quads, cells):
     return quads, good, _likeness(frame, quads, cells)
 
 
-def side_of(quads):
+def side_of(quads: Floats) -> Floats:
     """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
     along = quads - quads[:, [1, 2, 3, 0]]
     return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
 
 
-def _depth_of(quads):
+def _depth_of(quads: Complexes) -> Floats:
     """(n, 4) pixels: how far (n, 4) complex quadrilaterals reach across each of their edges.
 
     Seen from the side, a tag's cells are much narrower across its upright edges
@@ -80,7 +84,7 @@ def _depth_of(quads):
     return area[:, None] / np.maximum(np.abs(along), 1e-6)
 
 
-def look_at_cells(frame, quads, count, margin=0):
+def look_at_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:
     """The gray in the middles of cells, (n, k) float32, row by row, of quadrilaterals, (n, 4, 2) float32.
 
     ``frame``: see fit_tags. The quadrilaterals are ``count`` cells wide;
@@ -89,13 +93,13 @@ def look_at_cells(frame, quads, count, margin=0):
     return _look(frame, _cell_weights(count, margin) @ quads)
 
 
-def _look(frame, points):
+def _look(frame: Image, points: Floats) -> Floats:
     """(n, k) float32: the gray at (n, k, 2) float32 pixels, between pixels by linear interpolation."""
-    seen = cv2.remap(frame, points, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.float32(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY))
+    seen = cv2.remap(frame, points, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
-def _fit_edges(frame, quads, reach):
+def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes, Booleans]:
     """Fit (n, 4) complex quadrilaterals, reaching (n, 4) pixels far; and whether all edges were seen."""
     along = quads[:, [1, 2, 3, 0]] - quads
     length = np.abs(along)
@@ -118,7 +122,7 @@ def _fit_edges(frame, quads, reach):
     # A straight line through the offsets, and once more without those unlike the rest.
     middle, slope, left = _fit_lines(offset, np.ones_like(offset))
     typical = _median(left)
-    weight = np.float32(left <= 3 * typical[..., None] + 0.01 * reach[..., None])
+    weight = (left <= 3 * typical[..., None] + 0.01 * reach[..., None]).astype(np.float32)
     middle, slope, left = _fit_lines(offset, weight)
     first = quads + (middle - slope * MIDDLE) * outward
     along = along + slope * outward
@@ -132,7 +136,7 @@ def _fit_edges(frame, quads, reach):
     return corners.astype(np.complex64), (seen & near).all(axis=1)
 
 
-def _fit_lines(offset, weight):
+def _fit_lines(offset: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:
     """The lines middle + slope * ARM through offsets, (n, 4), and how far each is off, (n, 4, samples)."""
     powers, sums = weight @ POWERS, (weight * offset) @ POWERS
     count, first, second = powers[..., 0], powers[..., 1], powers[..., 2]
@@ -142,24 +146,24 @@ def _fit_lines(offset, weight):
     return middle, slope, np.abs(offset - middle[..., None] - slope[..., None] * ARM)
 
 
-def _median(values):
+def _median(values: Floats) -> Floats:
     """The upper median over the last axis: numpy's own takes ten times as long on so few."""
     middle = values.shape[-1] // 2
     return np.partition(values, middle, axis=-1)[..., middle]
 
 
-@lru_cache()
-def _cell_weights(count, margin):
+@lru_cache
+def _cell_weights(count: int, margin: int) -> Floats:
     """(k, 4): the middles of a tag's cells, without so many around, as weighted means of its corners."""
     middle = (np.arange(margin, count - margin) + 0.5) / count
     y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
-    return np.float32([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y]).T
+    return np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], np.float32).T
 
 
-def _likeness(frame, quads, cells):
+def _likeness(frame: Image, quads: Floats, cells: Image) -> Floats:
     """(n,): the correlation of the frame with each tag's inner cells, 1 if they are the same."""
     gray = look_at_cells(frame, quads, cells.shape[1], 1)
-    wanted = np.float32(cells[:, 1:-1, 1:-1]).reshape(len(quads), -1)
+    wanted = np.array(cells[:, 1:-1, 1:-1], np.float32).reshape(len(quads), -1)
     gray -= gray.sum(axis=1, keepdims=True) / gray.shape[1]
     wanted -= wanted.sum(axis=1, keepdims=True) / gray.shape[1]
     norm = np.einsum('nk,nk->n', gray, gray) * np.einsum('nk,nk->n', wanted, wanted)

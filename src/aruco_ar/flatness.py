@@ -5,7 +5,13 @@ from near, or by many frames. The mean of the last ones counts, each as much as
 it says. It is taken to be no surer than one of them is, since the errors of
 corners repeat from frame to frame, and a sheet of paper bulges in all of them.
 """
+from __future__ import annotations
+
+from typing import Iterable
+
 import numpy as np
+
+from .arrays import Floats
 
 MEMORY_FRAMES = 15  # about so many frames, the last ones, count
 FADE = 1 - 1 / MEMORY_FRAMES
@@ -14,10 +20,11 @@ FADE = 1 - 1 / MEMORY_FRAMES
 class Flatness:
     """What is known of tags, by their ids."""
 
-    def __init__(self):
-        self._known = {}  # sums over frames: how surely, (3, 3), that times how far off, (3,), and of how many
+    def __init__(self) -> None:
+        # Sums over frames: how surely, (3, 3), that times how far off, (3,), and of how many.
+        self._known: dict[int, tuple[Floats, Floats, float]] = {}
 
-    def update(self, ids, offs, spreads):
+    def update(self, ids: Iterable[int], offs: Floats, spreads: Floats) -> tuple[Floats, Floats]:
         """Take in how far off n tags are in a frame, (n, 3) and covariances (n, 3, 3); the same of the mean."""
         means, covariances = [], []
         for tag_id, off, certain in zip(ids, offs, np.linalg.inv(spreads)):
