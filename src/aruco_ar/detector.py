@@ -1,12 +1,16 @@
 """Finding tags in a frame."""
-from collections import namedtuple
+from __future__ import annotations
+
+from typing import Iterable, NamedTuple, Sequence
 
 import cv2
 import numpy as np
 
+from .arrays import Booleans, Floats, Image
 from .edges import fit_tags, look_at_cells, side_of
 from .errors import InputError
 from .tags import Tag, get_dictionary, tag_cells
+
 
 # How a frame is searched. ``scale``: of the picture that is searched to the
 # frame. ``windows``: smallest, largest, step, pixels of that picture, of the
@@ -14,7 +18,13 @@ from .tags import Tag, get_dictionary, tag_cells
 # tag's perimeter as a part of the picture's longer side. ``rereads``: whatever
 # is like a quadrilateral is fitted to its edges and read in the frame itself,
 # which finds more and takes less for a tag than OpenCV's own reading.
-_Preset = namedtuple('_Preset', 'scale windows smallest rereads')
+class _Preset(NamedTuple):
+    scale: float
+    windows: tuple[int, int, int]
+    smallest: float
+    rereads: bool
+
+
 _PRESETS = {
     'fast': _Preset(0.5, (11, 11, 1), 0.03, False),
     'normal': _Preset(1, (3, 23, 10), 0.03, False),
@@ -32,7 +42,7 @@ SEARCH_WINDOWS = (11, 11, 1)
 MIN_LIKENESS = 0.8
 # What is reread is sharpened by this, cell by cell: in a far tag each cell is
 # blurred into those beside it.
-SHARPEN = np.float32([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]])
+SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32)
 # As large a part may be light of the black border, and dark of the white ring
 # around it, of what is reread.
 MAX_WRONG = 0.15
@@ -54,8 +64,8 @@ class Detector:
     for any other.
     """
 
-    def __init__(self, dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0,
-                 likeness=MIN_LIKENESS, min_side=0):
+    def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), search: str = 'normal',
+                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0) -> None:
         if search not in _PRESETS:
             raise InputError('There is no search "%s"; choose one of %s.' % (search, ', '.join(SEARCHES)))
         for name, value in ('correction', correction), ('likeness', likeness):
@@ -67,7 +77,7 @@ class Detector:
         self._marker = get_dictionary(dictionary)
         self._ids = frozenset(ids)
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
-        self._cells = {}
+        self._cells: dict[int, Image] = {}
         self._preset = _PRESETS[search]
         # For tags whose edges cannot be fitted: else their corners are whole pixels,
         # which for what is reread are small enough.
@@ -76,7 +86,7 @@ class Detector:
         self._of_a_size = self._finder(SEARCH_WINDOWS, _PRESETS['normal'].smallest,
                                        cv2.aruco.CORNER_REFINE_NONE)
 
-    def detect(self, frame):
+    def detect(self, frame: Image) -> list[Tag]:
         """The tags in a frame, a list of Tag in the order in which they were found.
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
@@ -84,18 +94,19 @@ class Detector:
         return self._fitted(frame, *self._find(
             self._anywhere, frame, self._preset.scale, self._preset.rereads))
 
-    def search(self, frame, side):
+    def search(self, frame: Image, side: float) -> list[Tag]:
         """The same for tags at least ``side`` pixels wide, in a fraction of the time."""
         return self._fitted(frame, *self._find(self._of_a_size, frame, min(1.0, SEARCH_SIDE_PX / side)))
 
-    def fit(self, frame, ids, quads):
+    def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""
         for tag_id in ids:
             if tag_id not in self._cells:
                 self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
         return fit_tags(frame, quads, np.array([self._cells[tag_id] for tag_id in ids]))
 
-    def _finder(self, windows, smallest, refinement):
+    def _finder(self, windows: tuple[int, int, int], smallest: float,
+                refinement: int) -> cv2.aruco.ArucoDetector:
         """OpenCV's detector with a preset's windows and smallest perimeter."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
@@ -107,14 +118,15 @@ class Detector:
         parameters.cornerRefinementMethod = refinement
         return cv2.aruco.ArucoDetector(self._marker, parameters)
 
-    def _find(self, finder, frame, scale, rereads=False):
+    def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
+              rereads: bool = False) -> tuple[list[int], Floats]:
         """Ids and quadrilaterals, (n, 4, 2) float32, of what may be tags, seen in the scaled frame."""
         scale = max(scale, 1 / min(frame.shape[:2]))  # leaves a pixel of it
         picture = frame if scale == 1 else cv2.resize(frame, None, fx=scale, fy=scale)
         gray = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
         corners, ids, rejected = finder.detectMarkers(gray)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
-        quads = np.float32(corners + rejected if rereads else corners).reshape(-1, 4, 2)
+        quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
         # The middle of the first pixel is (0, 0), before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
         if rereads and len(quads):
@@ -122,20 +134,21 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
-    def _reread(self, frame, quads):
+    def _reread(self, frame: Image, quads: Floats) -> tuple[list[int], Floats]:
         """Ids and quadrilaterals, (n, 4, 2) float32, of those that are tags, as given or fitted to edges."""
         count = self._marker.markerSize + 2
         unknown = np.zeros((len(quads), count, count))
-        quads, found = np.concatenate([quads, fit_tags(frame, quads, unknown)[0]]), []
-        for quad, gray in zip(quads, np.uint8(look_at_cells(frame, quads, count, -1))):
-            gray = gray.reshape(count + 2, count + 2)
+        quads, found, places = np.concatenate([quads, fit_tags(frame, quads, unknown)[0]]), [], []
+        grays = look_at_cells(frame, quads, count, -1).astype(np.uint8)
+        for quad, gray in zip(quads, grays.reshape(-1, count + 2, count + 2)):
             inside = _light(cv2.filter2D(gray, -1, SHARPEN))[2:-2, 2:-2]
-            good, tag_id, turns = self._marker.identify(np.uint8(inside), float(self._correction))
+            good, tag_id, turns = self._marker.identify(inside.astype(np.uint8), float(self._correction))
             if good and _wrong(_light(gray)) <= MAX_WRONG:
-                found.append((tag_id, np.roll(quad, turns, axis=0)))
-        return [tag_id for tag_id, _ in found], np.float32([quad for _, quad in found]).reshape(-1, 4, 2)
+                found.append(tag_id)
+                places.append(np.roll(quad, turns, axis=0))
+        return found, np.array(places, np.float32).reshape(-1, 4, 2)
 
-    def _fitted(self, frame, ids, quads):
+    def _fitted(self, frame: Image, ids: list[int], quads: Floats) -> list[Tag]:
         """Tags, fitted to their edges where those can be seen."""
         if not ids:
             return []
@@ -146,13 +159,14 @@ class Detector:
         return [Tag(ids[number], fitted[number]) for number in good]
 
 
-def _once(quads, likeness, numbers):
+def _once(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:
     """Those of the numbers of quadrilaterals, (n, 4, 2), that are the most alike in their place.
 
     A tag can be found several times: by the contours on both sides of its
     edges, as given and as fitted.
     """
-    centers, sides, kept = quads.mean(axis=1), side_of(quads), []
+    centers, sides = quads.mean(axis=1), side_of(quads)
+    kept: list[int] = []
     for number in sorted(numbers, key=lambda number: -likeness[number]):
         off = np.abs(centers[kept] - centers[number]).max(axis=1) + np.abs(sides[kept] - sides[number])
         if (off > np.maximum(sides[kept], sides[number]) / 2).all():
@@ -160,13 +174,13 @@ def _once(quads, likeness, numbers):
     return sorted(kept)
 
 
-def _light(gray):
+def _light(gray: Image) -> Booleans:
     """(n, n) bool: which cells, (n, n) uint8, of a tag and the ring around it are light, by the tag's own."""
     middle, _ = cv2.threshold(gray[1:-1, 1:-1].copy(), 0, 1, cv2.THRESH_OTSU)
     return gray > middle
 
 
-def _wrong(light):
+def _wrong(light: Booleans) -> float:
     """The part of the ring around a tag, (n, n) bool with it, that is dark, or of its border that is light."""
     around, border, inside = light.sum(), light[1:-1, 1:-1].sum(), light[2:-2, 2:-2].sum()
     ring = 4 * (len(light) - 1)
