@@ -1,14 +1,17 @@
 """Fitting a picture of one shape into an area of another."""
+from __future__ import annotations
+
 import numpy as np
 
 from .area import Area
+from .arrays import Image
 from .errors import InputError
 from .motion import homography_to, transform
 
 FITS = 'stretch', 'contain', 'cover'
 
 
-def fit_picture(picture, area, fit):
+def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
     """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
 
     ``fit``: with ``stretch`` all of the picture fills all of the area; with
@@ -29,10 +32,10 @@ def fit_picture(picture, area, fit):
         return picture[top:top + kept_height, left:left + kept_width], area
     across, down = min(wider, 1) / 2, min(1 / wider, 1) / 2
     inner = np.array([[-across, -down], [across, -down], [across, down], [-across, down]]) + 0.5
-    return picture, Area(np.float32(transform(homography_to(area.corners), inner)))
+    return picture, Area(transform(homography_to(area.corners), inner).astype(np.float32))
 
 
-def _ratio_in_the_frame(area):
+def _ratio_in_the_frame(area: Area) -> float:
     """What is best known about the proportions of an Area where no tag tells about the wall."""
     top, right, bottom, left = np.hypot(*(area.corners - np.roll(area.corners, -1, axis=0)).T)
     return (top + bottom) / max(left + right, 1e-9)

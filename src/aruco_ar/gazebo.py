@@ -3,11 +3,17 @@
 Coordinates are odometry coordinates (see robot.py), meters: the tags' faces
 are in the plane x = 0, where the simulated camera has them.
 """
+from __future__ import annotations
+
+from typing import Sequence
+
 import cv2
 import numpy as np
 
+from .arrays import Floats
 from .render import FLOOR_COLOR, ROOM_COLOR
 from .robot import WALL_IN_ODOMETRY
+from .wall import Wall, WallTag
 
 MODEL = 'unit5_wall'
 MESHES = 'models/%s/meshes/' % MODEL
@@ -26,7 +32,7 @@ SUN_DIRECTION = 0.8, 0.0, -0.6
 AMBIENT, SUN = 0.5, 0.5
 
 
-def wall_files(wall):
+def wall_files(wall: Wall) -> dict[str, bytes]:
     """{path: bytes} of all files for a Wall, with paths as they are in the package's gazebo/."""
     files = {'models/%s/model.config' % MODEL: _CONFIG % {'model': MODEL},
              'models/%s/model.sdf' % MODEL: _model(wall),
@@ -39,7 +45,7 @@ def wall_files(wall):
     return files
 
 
-def _mesh(wall):
+def _mesh(wall: Wall) -> str:
     """The tags' papers in Wavefront's OBJ format: the front with the texture on it, and four sides.
 
     Gazebo wants one material to an object, and a normal and a place in the
@@ -64,13 +70,13 @@ def _mesh(wall):
     return '\n'.join(lines) + '\n'
 
 
-def _materials(wall):
+def _materials(wall: Wall) -> str:
     """A material for each tag: white under its texture, and not shiny."""
     return '\n'.join('newmtl tag_%d\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nillum 1\nmap_Kd tag_%d.png\n' % (id, id)
                      for id in dict.fromkeys(tag.id for tag in wall.tags))
 
 
-def _texture(wall, tag):
+def _texture(wall: Wall, tag: WallTag) -> bytes:
     """A tag on its paper as a PNG, the tag's own top left first."""
     cells, _ = wall.paper(tag)
     texture = cells.repeat(CELL_TEXELS, 0).repeat(CELL_TEXELS, 1)
@@ -78,13 +84,13 @@ def _texture(wall, tag):
                         [cv2.IMWRITE_PNG_COMPRESSION, 9])[1].tobytes()
 
 
-def _model(wall):
+def _model(wall: Wall) -> str:
     return _MODEL % {'model': MODEL, 'color': _color(wall.color),
                      # Robots bump into the plane of the tags' faces.
                      'collision': _box(wall, 0.0), 'visual': _box(wall, PAPER_M)}
 
 
-def _box(wall, behind):
+def _box(wall: Wall, behind: float) -> str:
     """Pose and geometry of the wall, its face that far behind the tags', as SDF."""
     center = WALL_IN_ODOMETRY @ [0, wall.height / 2, -(behind + WALL_M) / 2]
     size = np.abs(WALL_IN_ODOMETRY @ [wall.width, wall.height, WALL_M - behind])
@@ -92,17 +98,17 @@ def _box(wall, behind):
         _numbers(center), _numbers(size))
 
 
-def _world():
+def _world() -> str:
     return _WORLD % {'model': MODEL, 'room': _color(ROOM_COLOR), 'floor': _color(FLOOR_COLOR),
                      'ambient': _numbers([AMBIENT] * 3), 'sun': _numbers([SUN] * 3),
                      'direction': _numbers(SUN_DIRECTION)}
 
 
-def _color(bgr):
+def _color(bgr: Sequence[float]) -> str:
     return _numbers(np.array(bgr[::-1]) / 255)
 
 
-def _numbers(values):
+def _numbers(values: Floats | Sequence[float]) -> str:
     """Numbers as text, to a micrometer."""
     return ' '.join('%.10g' % value for value in np.round(values, 6) + 0.0)  # + 0.0: no -0
 

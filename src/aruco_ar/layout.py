@@ -3,10 +3,15 @@
 In that plane the area's corners, the centers of four tags, are (0, 0), (1, 0),
 (1, 1), (0, 1). Seen from anywhere, one homography takes all of it to the frame.
 """
+from __future__ import annotations
+
+from typing import Iterable, Mapping, Sequence
+
 import cv2
 import numpy as np
 
 from .area import find_area, ratio_of
+from .arrays import Booleans, Floats
 from .edges import side_of
 from .motion import homography_to, transform
 from .ordering import is_quadrilateral
@@ -16,7 +21,7 @@ UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
 
 
-def tolerance_of(quads):
+def tolerance_of(quads: Floats) -> Floats:
     """(n,) pixels: farther off than this, a corner is not where it was learned to be."""
     return 1.0 + 0.03 * side_of(quads)
 
@@ -30,33 +35,34 @@ class Layout:
     ``ratio``: how many times as wide as high the area is on the wall.
     """
 
-    def __init__(self, tags, corners, upright):
+    def __init__(self, tags: Sequence[Tag], corners: Floats, upright: str) -> None:
         """From tags seen in one frame, and the area's corners in it, (4, 2)."""
         near = [min(tags, key=lambda tag: np.linalg.norm(tag.center - corner)) for corner in corners]
         to_plane = np.linalg.inv(homography_to(corners))
-        tops = {_top_of(transform(to_plane, np.float64(tag.corners))) for tag in near}
+        tops = {_top_of(transform(to_plane, np.asarray(tag.corners, np.float64))) for tag in near}
         self.upright = upright == 'tags' and len(tops) == 1
         turn = tops.pop() if self.upright else 0
         self.ids = [near[(place + turn) % 4].id for place in range(4)]
         to_plane = np.linalg.inv(homography_to(np.roll(corners, -turn, axis=0)))
-        self.places = {tag.id: transform(to_plane, np.float64(tag.corners)) for tag in tags}
-        self._sights = {tag_id: 1 for tag_id in self.places}
+        self.places = {tag.id: transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in tags}
+        self._sights = dict.fromkeys(self.places, 1)
         self.ratio = ratio_of(self.quads(self.ids))
 
     @classmethod
-    def from_tags(cls, tags, upright):
+    def from_tags(cls, tags: Sequence[Tag], upright: str) -> Layout | None:
         """The Layout of tags seen in one frame, or None if they do not span an area."""
         area = find_area(tags)
         if area is None:
             return None
         ids = [tag.id for tag in tags]
-        return cls([tag for tag in tags if ids.count(tag.id) == 1], np.float64(area.corners), upright)
+        single = [tag for tag in tags if ids.count(tag.id) == 1]
+        return cls(single, np.asarray(area.corners, np.float64), upright)
 
-    def quads(self, ids):
+    def quads(self, ids: Iterable[int]) -> Floats:
         """(n, 4, 2): the places of those tags."""
         return np.array([self.places[tag_id] for tag_id in ids])
 
-    def learn(self, ids, places):
+    def learn(self, ids: Iterable[int], places: Iterable[Floats]) -> None:
         """Take the mean of where tags were seen in the plane, now at places (n, 4, 2), and before."""
         for tag_id, place in zip(ids, places):
             known = self.places.setdefault(tag_id, place)
@@ -67,12 +73,12 @@ class Layout:
         self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
         self.ratio = ratio_of(self.quads(self.ids))
 
-    def forget(self, tag_id):
+    def forget(self, tag_id: int) -> None:
         """Forget a tag that is none of the four, if it is known."""
         self.places.pop(tag_id, None)
         self._sights.pop(tag_id, None)
 
-    def locate(self, seen):
+    def locate(self, seen: Mapping[int, Floats]) -> tuple[Floats | None, list[int]]:
         """Where the area must be for tags, {id: (4, 2) pixels}, to be where they are seen.
 
         Returns its corners, (4, 2), and the ids of the tags that agree with
@@ -84,25 +90,32 @@ class Layout:
             return None, []
         points, quads = self.quads(ids), np.stack([seen[tag_id] for tag_id in ids])
         limits = tolerance_of(quads)
-        homography, _ = cv2.findHomography(points.reshape(-1, 2), quads.reshape(-1, 2), cv2.RANSAC,
-                                           float(limits.min()))
+        homography = _homography(points, quads, cv2.RANSAC, float(limits.min()))
         if homography is None:
             return None, []
 
-        def agree():
+        def agree(homography: Floats) -> Booleans:
             off = np.linalg.norm(transform(homography, points.reshape(-1, 2)) - quads.reshape(-1, 2), axis=1)
             return off.reshape(-1, 4).max(axis=1) < limits
-        good = agree()
+        good = agree(homography)
         if 2 * good.sum() <= len(ids):
             return None, []
-        homography, _ = cv2.findHomography(points[good].reshape(-1, 2), quads[good].reshape(-1, 2))
-        corners = None if homography is None else transform(homography, UNIT_SQUARE)
-        if corners is None or not is_quadrilateral(corners):
+        homography = _homography(points[good], quads[good])
+        if homography is None:
             return None, []
-        return corners, [tag_id for tag_id, fits in zip(ids, agree()) if fits]
+        corners = transform(homography, UNIT_SQUARE)
+        if not is_quadrilateral(corners):
+            return None, []
+        return corners, [tag_id for tag_id, fits in zip(ids, agree(homography)) if fits]
 
 
-def _top_of(place):
+def _homography(points: Floats, quads: Floats, method: int = 0, limit: float = 3.0) -> Floats | None:
+    """(3, 3): from points of the plane, (n, 4, 2), to quads, (n, 4, 2) pixels; see cv2.findHomography."""
+    found, _ = cv2.findHomography(points.reshape(-1, 2), quads.reshape(-1, 2), method, limit)
+    return None if found is None else np.asarray(found, np.float64)
+
+
+def _top_of(place: Floats) -> int:
     """Which side of the unit square a tag's own top points to: 0, 1, 2, 3 for up, right, down, left."""
     x, y = place[:2].sum(axis=0) - place[2:].sum(axis=0)
     return int(np.argmax([-y, x, y, -x]))

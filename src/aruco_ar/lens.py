@@ -1,9 +1,12 @@
 """The lens of a calibrated camera: which ray of light each pixel sees."""
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from .arrays import NO_ARRAY, Floats, Numbers
 from .edges import ARM, MIDDLE, PART
 
 STEPS = 20        # of Newton's method, at most
@@ -25,16 +28,16 @@ class Lens:
 
     width: int
     height: int
-    matrix: np.ndarray
-    distortion: np.ndarray
+    matrix: Floats
+    distortion: Floats
     fisheye: bool = False
 
     @property
-    def bends(self):
+    def bends(self) -> bool:
         """Whether straight lines may look bent through it."""
         return self.fisheye or bool(np.any(self.distortion))
 
-    def rays(self, pixels):
+    def rays(self, pixels: Numbers) -> Floats:
         """(..., 2) float64: the rays, x/z and y/z in the optical frame, that (..., 2) pixels see.
 
         Exact, by Newton's method on the model that ``project`` applies; NaN
@@ -51,15 +54,16 @@ class Lens:
             rays[finite] = self._inverted(wanted[finite])
         return rays.reshape(pixels.shape)
 
-    def _inverted(self, wanted):
+    def _inverted(self, wanted: Floats) -> Floats:
         """The same for (n, 2) finite pixels, n > 0."""
         points = wanted[:, None]
         with np.errstate(all='ignore'):
             if self.fisheye:
-                rays = cv2.fisheye.undistortPoints(points, self.matrix, self.distortion)[:, 0]
+                first = cv2.fisheye.undistortPoints(points, self.matrix, self.distortion)
             else:
-                rays = cv2.undistortPointsIter(points, self.matrix, self.distortion, None, None,
-                                               FIRST_STEPS)[:, 0]
+                first = cv2.undistortPointsIter(points, self.matrix, self.distortion, NO_ARRAY, NO_ARRAY,
+                                                FIRST_STEPS)
+            rays = np.asarray(first, np.float64)[:, 0]
             for _ in range(STEPS):
                 seen, slopes = self.look(rays)
                 off = wanted - seen
@@ -71,7 +75,7 @@ class Lens:
         good = (np.abs(wanted - seen).max(axis=1) < FAR_PX) & (np.linalg.det(slopes) > 0)
         return np.where(good[:, None], rays, np.nan)
 
-    def look(self, rays):
+    def look(self, rays: Floats) -> tuple[Floats, Floats]:
         """(n, 2) pixels that see (n, 2) rays, and how they move with the rays, (n, 2, 2)."""
         if not self.bends:
             slope = self.matrix[:2, :2]
@@ -84,9 +88,9 @@ class Lens:
         else:
             pixels, slopes = cv2.projectPoints(points, none, none, self.matrix, self.distortion)
             slopes = slopes[:, 3:5]    # after those of the rotation
-        return pixels[:, 0], slopes.reshape(-1, 2, 2)
+        return np.asarray(pixels, np.float64)[:, 0], np.asarray(slopes, np.float64).reshape(-1, 2, 2)
 
-    def project(self, points):
+    def project(self, points: Numbers) -> Floats:
         """(n, 2) float64: the pixels that see (n, 3) points, meters in the optical frame; NaN behind it."""
         points = np.asarray(points, np.float64).reshape(-1, 3)
         pixels = np.full((len(points), 2), np.nan)
@@ -95,7 +99,7 @@ class Lens:
             pixels[before] = self.look(points[before, :2] / points[before, 2:])[0]
         return pixels
 
-    def corner_rays(self, quads):
+    def corner_rays(self, quads: Numbers) -> Floats:
         """(n, 4, 2) float64: the rays to the corners of tags found at quads, (n, 4, 2) pixels.
 
         A detected corner is where the straight lines through two edges cross
@@ -115,14 +119,14 @@ class Lens:
         return self.rays(2 * quads - crossing)
 
 
-def _divided(off, slopes):
+def _divided(off: Floats, slopes: Floats) -> Floats:
     """(n, 2): the steps by which (n, 2, 2) slopes give off, (n, 2); NaN where they are flat."""
     a, b, c, d = slopes[:, 0, 0], slopes[:, 0, 1], slopes[:, 1, 0], slopes[:, 1, 1]
     x, y = off.T
     return np.stack([d * x - b * y, a * y - c * x], axis=1) / (a * d - b * c)[:, None]
 
 
-def _crossings(first, along):
+def _crossings(first: Floats, along: Floats) -> Floats:
     """(n, 4, 2): where each of four lines, first + k along, crosses the one before it."""
     toward, before = np.roll(along, 1, axis=1), np.roll(first, 1, axis=1)
     gap = first - before
