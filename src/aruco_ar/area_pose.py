@@ -1,10 +1,16 @@
 """The pose of the area on its wall."""
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 
+from .area import Area
+from .arrays import Floats
 from .belief import mixture
+from .lens import Lens
 from .ordering import is_quadrilateral
+from .sight import View
 from .solving import NEAR_M, angles_of, turned
 
 AREA_PX = 0.1       # how far off a corner of the area may be
@@ -22,16 +28,16 @@ class AreaPose:
     TagPose. ``width`` and ``height``: meters, the means of opposite sides.
     """
 
-    corners: np.ndarray
-    points: np.ndarray
-    rotation: np.ndarray
-    translation: np.ndarray
-    covariance: np.ndarray
+    corners: Floats
+    points: Floats
+    rotation: Floats
+    translation: Floats
+    covariance: Floats
     width: float
     height: float
 
 
-def area_pose(view, area, lens):
+def area_pose(view: View, area: Area, lens: Lens) -> AreaPose | None:
     """The AreaPose of an Area, seen through a Lens, on the wall of a View, or None if it cannot be there."""
     pixels = np.asarray(area.corners, np.float64)
     rays = lens.rays(pixels)
@@ -60,7 +66,8 @@ def area_pose(view, area, lens):
                     float(width[0]), float(height[0]))
 
 
-def _area_on(rotation, translation, rays):
+def _area_on(rotation: Floats, translation: Floats,
+             rays: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats] | None:
     """Corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
 
     The walls are at rotations (m, 3, 3), translations (m, 3); along rays,

@@ -4,11 +4,16 @@ A tag's place is (x, y, turn): its center, meters, and its turn counterclockwise
 radians, in wall coordinates. How places may be off is told together, by a
 matrix whose q columns are independent deviations, the last one that of all sizes.
 """
+from __future__ import annotations
+
 from math import radians
+from typing import Iterable
 
 import numpy as np
 
+from .arrays import Floats
 from .solving import square
+from .wall import Wall
 
 NOTHING = 1e-12           # meters and radians: a deviation by less is none
 ANYWHERE = 1.0, 1.0, 1.0  # m, m, rad: how far off the place of a new tag may be, which is only a guess
@@ -24,7 +29,7 @@ SIZE_DEVIATION = 0.001
 class Places:
     """The tags known on one wall."""
 
-    def __init__(self, wall=None):
+    def __init__(self, wall: Wall | None = None) -> None:
         """Those of a wall.Wall, or none."""
         tags = () if wall is None else wall.tags
         self._index = {tag.id: number for number, tag in enumerate(tags)}
@@ -33,13 +38,13 @@ class Places:
         self._deviation = np.zeros((3 * len(tags), 0))
         self._size_deviation = SIZE_DEVIATION if wall is None else 0.0
 
-    def __contains__(self, tag_id):
+    def __contains__(self, tag_id: int) -> bool:
         return tag_id in self._index
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self._index)
 
-    def poses(self, ids):
+    def poses(self, ids: Iterable[int]) -> tuple[Floats, Floats, Floats]:
         """Of those tags: rotations (n, 3, 3), centers (n, 3), and how these may be off, (n, 6, q)."""
         number = [self._index[tag_id] for tag_id in ids]
         x, y, turn = self._places[number].T
@@ -54,7 +59,7 @@ class Places:
         off[:, :3, -1] = self._size_deviation * center
         return rotation, center, off
 
-    def points(self, ids):
+    def points(self, ids: Iterable[int]) -> tuple[Floats, Floats]:
         """Their corners, (n, 4, 3) wall meters, and how these may be off, (n, 4, 3, q): see refine."""
         rotation, center, off = self.poses(ids)
         arms = square(self._sizes[[self._index[tag_id] for tag_id in ids]]) @ rotation.transpose(0, 2, 1)
@@ -64,7 +69,7 @@ class Places:
         spread[..., -1] += self._size_deviation * arms
         return arms + center[:, None], spread
 
-    def add(self, tag_id, place, size, exact=False):
+    def add(self, tag_id: int, place: Floats, size: float, exact: bool = False) -> None:
         """A tag that was seen at a place, (3,), which is exactly or only about its own."""
         before = self._deviation.shape
         self._index[tag_id] = len(self._index)
@@ -74,7 +79,7 @@ class Places:
         if not exact:
             self._deviation[before[0]:, before[1]:] = np.diag(ANYWHERE)
 
-    def learn(self, own, covariance):
+    def learn(self, own: Floats, covariance: Floats) -> None:
         """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q)."""
         self._places = self._places + (self._deviation @ own[:-1]).reshape(-1, 3)
         # Before, all were 1. What a lesson does not tell is known no less after it: with the first tag
@@ -82,7 +87,7 @@ class Places:
         variance, axes = np.linalg.eigh(covariance[:-1, :-1])
         self._deviation = self._deviation @ (axes * np.sqrt(np.clip(variance * (1 + 1 / LESSONS), 0, 1)))
 
-    def forget(self, tag_id):
+    def forget(self, tag_id: int) -> None:
         """Forget a tag; what was learned about the others stays."""
         number = self._index.pop(tag_id)
         self._index = {other: place - (place > number) for other, place in self._index.items()}

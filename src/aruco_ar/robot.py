@@ -4,12 +4,15 @@ Odometry coordinates are meters: x forward, y to the left, z up, with the wall
 in the plane x = 0, so that a robot before it stands at a negative x and looks
 at it with a heading of 0.
 """
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from math import cos, sin, tan
-from typing import List, NamedTuple, Tuple
+from typing import NamedTuple
 
 import numpy as np
 
+from .arrays import Floats
 from .errors import InputError
 from .files import within, yaml_entries
 
@@ -31,7 +34,7 @@ class Pose(NamedTuple):
     heading: float
 
 
-def drive(pose, linear, angular, seconds):
+def drive(pose: Pose, linear: float, angular: float, seconds: float) -> Pose:
     """The Pose after driving at a constant speed, m/s and rad/s: exactly along the arc."""
     heading = pose.heading + angular * seconds
     if abs(angular) < 1e-9:
@@ -47,14 +50,14 @@ class Path:
     """A scripted drive: legs of (seconds, linear m/s, angular rad/s) from a start, over and over."""
 
     start: Pose
-    legs: Tuple[Tuple[float, float, float], ...]
+    legs: tuple[tuple[float, float, float], ...]
 
     @property
-    def seconds(self):
+    def seconds(self) -> float:
         """How long one round takes."""
         return sum(leg[0] for leg in self.legs)
 
-    def at(self, seconds):
+    def at(self, seconds: float) -> tuple[Pose, float, float]:
         """(Pose, linear, angular) that long after the start; each round begins at the start."""
         pose, left = self.start, seconds % self.seconds
         for duration, linear, angular in self.legs:
@@ -64,7 +67,7 @@ class Path:
         return pose, 0.0, 0.0
 
 
-def load_path(path):
+def load_path(path: str) -> Path:
     """Read a Path from its YAML file (config/drive.yaml shows all there is).
 
     Raises InputError naming the file and what is wrong.
@@ -90,17 +93,17 @@ class Camera:
     width: int = 640
     height: int = 480
     fov: float = 1.047
-    distortion: List[float] = field(default_factory=lambda: [0.0] * 5)
+    distortion: list[float] = field(default_factory=lambda: [0.0] * 5)
 
     @property
-    def matrix(self):
+    def matrix(self) -> Floats:
         """(3, 3) float64, K; the middle of the top left pixel is (0, 0)."""
         focal = self.width / 2 / tan(self.fov / 2)
         return np.array([[focal, 0, (self.width - 1) / 2], [0, focal, (self.height - 1) / 2],
                          [0, 0, 1]])
 
 
-def wall_to_camera(pose):
+def wall_to_camera(pose: Pose) -> tuple[Floats, Floats]:
     """(R, t) that take wall points to the camera's optical frame (x right, y down, z forward).
 
     R is (3, 3), t (3,), meters: point = R @ wall_point + t.

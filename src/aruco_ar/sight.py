@@ -1,14 +1,16 @@
 """What one frame shows: the tags and both poses of each, and the wall and both poses of it."""
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Tuple
 
 import numpy as np
 
+from .arrays import Floats, Integers, Pose
 from .belief import mixture
 from .solving import crossed
 from .tags import Tag
 
-BULGE = np.diag([0.003, 0.02, 0.02])**2  # m, rad: by so much paper on a wall is off its plane
+BULGE = np.diag([0.003**2, 0.02**2, 0.02**2])  # m, rad: by so much paper on a wall is off its plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,22 +24,22 @@ class Sight:
     deviations from what is seen; ``likely``: (n, 2), their weights.
     """
 
-    tags: Tuple[Tag, ...]
-    quads: np.ndarray
-    sizes: np.ndarray
-    rays: np.ndarray
-    weights: np.ndarray
-    deviation: np.ndarray
-    poses: Tuple[np.ndarray, np.ndarray, np.ndarray]
-    costs: np.ndarray
-    likely: np.ndarray
+    tags: tuple[Tag, ...]
+    quads: Floats
+    sizes: Floats
+    rays: Floats
+    weights: Floats
+    deviation: Floats
+    poses: Pose
+    costs: Floats
+    likely: Floats
 
     @property
-    def ids(self):
+    def ids(self) -> tuple[int, ...]:
         """A tuple of the tags' ids."""
         return tuple(tag.id for tag in self.tags)
 
-    def believed(self):
+    def believed(self) -> Pose:
         """Of each tag its more likely pose: rotations (n, 3, 3), translations (n, 3), covariances (n, 6, 6).
 
         These allow for the other pose as well.
@@ -48,13 +50,16 @@ class Sight:
             one, other = ((rotation[which], translation[which], covariance[which])
                           for which in (first, 1 - first))
             found.append((*one[:2], mixture(one, other, likely[1 - first])[0]))
-        return tuple(np.array(part) for part in zip(*found))
+        rotations, translations, covariances = (np.array(part) for part in zip(*found))
+        return rotations, translations, covariances
 
-    def some(self, numbers):
+    def some(self, numbers: Integers | list[int]) -> Sight:
         """The Sight of those tags alone."""
+        rotation, translation, covariance = self.poses
         return Sight(tuple(self.tags[number] for number in numbers), self.quads[numbers], self.sizes[numbers],
                      self.rays[numbers], self.weights[numbers], self.deviation[numbers],
-                     tuple(part[numbers] for part in self.poses), self.costs[numbers], self.likely[numbers])
+                     (rotation[numbers], translation[numbers], covariance[numbers]), self.costs[numbers],
+                     self.likely[numbers])
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,23 +74,23 @@ class View:
     second pose.
     """
 
-    ids: Tuple[int, ...]
-    rotation: np.ndarray
-    translation: np.ndarray
-    own: np.ndarray
-    covariance: np.ndarray
-    off: np.ndarray
-    cost: np.ndarray
+    ids: tuple[int, ...]
+    rotation: Floats
+    translation: Floats
+    own: Floats
+    covariance: Floats
+    off: Floats
+    cost: Floats
     scale: float
     weight: float = 0.0
 
     @property
-    def poses(self):
+    def poses(self) -> list[Pose]:
         """Both as (rotation, translation, covariance (6, 6))."""
         return list(zip(self.rotation, self.translation, self.covariance[:, :6, :6]))
 
 
-def off_others(poses, axes, bulge=BULGE):
+def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats, Floats]:
     """How far each of n > 1 things is off the plane of the others, (n, 3), and the covariances, (n, 3, 3).
 
     Their height over it, meters, and two numbers of their normals, in ``axes``
@@ -107,7 +112,7 @@ def off_others(poses, axes, bulge=BULGE):
     return off[..., 0], spread + model @ others @ model.swapaxes(1, 2)
 
 
-def off_plane(one, others):
+def off_plane(one: Pose, others: Pose) -> tuple[Floats, Floats]:
     """How far n things are off the plane of another one: see off_others; in its axes.
 
     ``one``: a rotation (3, 3), translation (3,), covariance (6, 6); ``others``: the same of n things.
@@ -125,11 +130,11 @@ def off_plane(one, others):
                  + other_moves @ other_covariance @ other_moves.swapaxes(1, 2) + BULGE)
 
 
-def squared(off, spread):
+def squared(off: Floats, spread: Floats) -> Floats:
     """(n,): numbers (n, k) as squared deviations, by their covariances (n, k, k)."""
     return (off * np.linalg.solve(spread, off[..., None])[..., 0]).sum(axis=1)
 
 
-def height_deviation(spread):
+def height_deviation(spread: Floats) -> Floats:
     """(n,) meters: how surely the height of things that are parallel to a plane is seen: see off_others."""
     return np.linalg.inv(spread)[:, 0, 0]**-0.5

@@ -3,12 +3,15 @@
 Wall coordinates are meters: x to the right and y up for who looks at the
 wall, z out of it towards them; the origin is on the floor in the middle.
 """
+from __future__ import annotations
+
 from dataclasses import dataclass
 from math import cos, radians, sin
-from typing import Tuple
+from typing import Any
 
 import numpy as np
 
+from .arrays import Color, Floats, Image, Numbers
 from .errors import InputError
 from .files import within, yaml_entries
 from .tags import SIDE_M, tag_cells
@@ -26,7 +29,7 @@ class WallTag:
     side: float
     turn: float = 0.0
 
-    def on_wall(self, across, down):
+    def on_wall(self, across: Numbers, down: Numbers) -> Floats:
         """Wall points, (..., 3) float64, of places on the tag.
 
         ``across`` and ``down`` run from -0.5 to 0.5 over the tag's own side,
@@ -39,7 +42,7 @@ class WallTag:
                          np.zeros(np.shape(right))], axis=-1)
 
     @property
-    def corners(self):
+    def corners(self) -> Floats:
         """(4, 3) float64, wall meters, clockwise from the tag's own top left."""
         return self.on_wall([-.5, .5, .5, -.5], [-.5, -.5, .5, .5])
 
@@ -50,19 +53,19 @@ class Wall:
 
     width: float
     height: float
-    color: Tuple[int, int, int]
+    color: Color
     dictionary: str
     quiet: float
-    tags: Tuple[WallTag, ...]
-    area: Tuple[int, ...]
+    tags: tuple[WallTag, ...]
+    area: tuple[int, ...]
 
     @property
-    def area_corners(self):
-        """(4, 3) float64, wall meters: the centers of the area's tags, in the area's order; (0, 3) without one."""
+    def area_corners(self) -> Floats:
+        """(4, 3) float64, wall meters: the centers of the area's tags, in its order; (0, 3) without one."""
         by_id = {tag.id: tag for tag in self.tags}
         return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area]).reshape(-1, 3)
 
-    def paper(self, tag):
+    def paper(self, tag: WallTag) -> tuple[Image, Floats]:
         """A tag's cells on its white paper, and where the paper's corners are.
 
         The cells are (n, n) uint8, 0 black and 255 white; the corners (4, 3)
@@ -74,7 +77,7 @@ class Wall:
         return paper, tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
 
 
-def load_wall(path):
+def load_wall(path: str) -> Wall:
     """Read a Wall from its YAML file (config/wall.yaml shows all there is).
 
     Raises InputError naming the file and the entry that is wrong.
@@ -83,11 +86,11 @@ def load_wall(path):
         tags = tuple(WallTag(_id(entry['id']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
                              within(entry['side'], *SIDE_M), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
-        look = data.get('wall', {})
+        look, first_four = data.get('wall', {}), [tag.id for tag in tags[:4]] if len(tags) > 3 else []
         wall = Wall(within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100),
                     _color(look.get('color', (214, 203, 186))), str(data.get('dictionary', DICTIONARY)),
                     within(data.get('quiet', 1), 0, 10), tags,
-                    tuple(_id(id) for id in data.get('area', [tag.id for tag in tags[:4]] if len(tags) > 3 else [])))
+                    tuple(_id(id) for id in data.get('area', first_four)))
     ids = [tag.id for tag in wall.tags]
     if not ids or len(ids) > len(set(ids)):
         raise InputError('The wall "%s" has the tags %s; give at least one, and each id once.' % (path, ids))
@@ -99,12 +102,12 @@ def load_wall(path):
     return wall
 
 
-def _color(value):
+def _color(value: Any) -> Color:
     red, green, blue = (within(part, 0, 255) for part in value)
     return blue, green, red
 
 
-def _id(value):
+def _id(value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
         raise ValueError('%s is no id' % (value,))
     return value
