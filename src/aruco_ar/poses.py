@@ -1,17 +1,23 @@
 """Poses: of tags, of the area on their wall, and of the camera before it."""
+from __future__ import annotations
+
 from collections import Counter
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from .area_pose import area_pose
+from .area import Area
+from .area_pose import AreaPose, area_pose
+from .arrays import Floats, Pose
 from .belief import Belief, mixture
 from .errors import InputError
+from .lens import Lens
 from .ordering import is_quadrilateral
 from .sight import Sight
 from .solving import NEAR_M, crossed, guesses, refine, square
-from .tags import SIDE_M
+from .tags import SIDE_M, Tag
+from .wall import Wall
 from .wall_view import WallView
 
 USUAL_S = 1 / 30         # between frames whose stamps do not tell
@@ -40,11 +46,11 @@ class TagPose:
     """
 
     id: int
-    corners: np.ndarray
+    corners: Floats
     size: float
-    rotation: np.ndarray
-    translation: np.ndarray
-    covariance: np.ndarray
+    rotation: Floats
+    translation: Floats
+    covariance: Floats
     ambiguity: float
 
 
@@ -57,12 +63,12 @@ class CameraPose:
     that say so.
     """
 
-    rotation: np.ndarray
-    translation: np.ndarray
-    covariance: np.ndarray
-    ids: Tuple[int, ...]
+    rotation: Floats
+    translation: Floats
+    covariance: Floats
+    ids: tuple[int, ...]
 
-    def carry(self, rotation, translation):
+    def carry(self, rotation: Floats, translation: Floats) -> CameraPose:
         """The pose of what is at ``rotation``, ``translation`` in the optical frame, such as the robot."""
         arm = self.rotation @ translation
         moves = np.eye(6)
@@ -81,7 +87,8 @@ class PoseEstimator:
     the lowest id. Raises InputError for a size that no tag has.
     """
 
-    def __init__(self, tag_size=0.18, sizes=None, wall=None):
+    def __init__(self, tag_size: float = 0.18, sizes: Mapping[int, float] | None = None,
+                 wall: Wall | None = None) -> None:
         self._tag_size = _size(tag_size, 'a tag')
         self._sizes = {tag_id: _size(size, 'tag %s' % (tag_id,)) for tag_id, size in dict(sizes or {}).items()}
         if wall is not None:
@@ -89,13 +96,15 @@ class PoseEstimator:
         self._given = wall
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget the learned wall and all that was seen."""
-        self._stamp, self._now = None, 0.0
+        self._stamp: float | None = None
+        self._now = 0.0
         self._belief, self._wall = Belief(), WallView(self._given)
-        self._noise = {}  # of tags: their squared deviations, and of how many frames, lately
+        # Of tags: their squared deviations, and of how many frames, lately.
+        self._noise: dict[int, tuple[float, float]] = {}
 
-    def update(self, tags, lens, stamp):
+    def update(self, tags: Sequence[Tag], lens: Lens, stamp: float) -> list[TagPose]:
         """The poses of tags in a frame, a list of TagPose in their order.
 
         ``tags``: a list of Tag. ``lens``: the Lens that they were seen through.
@@ -135,7 +144,7 @@ class PoseEstimator:
                                  *mixture(one, other, of_two)))
         return poses
 
-    def camera(self):
+    def camera(self) -> CameraPose | None:
         """The CameraPose in the last update, or None if no tag of a wall was in sight that agrees with it."""
         view = self._wall.view
         if view is None:
@@ -143,14 +152,14 @@ class PoseEstimator:
         one, other = (_seen_from_the_wall(*pose) for pose in view.poses)
         return CameraPose(one[0], one[1], mixture(one, other, view.weight)[0], view.ids)
 
-    def area(self, area, lens):
+    def area(self, area: Area, lens: Lens) -> AreaPose | None:
         """The AreaPose of an Area on the wall in the last update, or None if that was not in sight.
 
         ``lens``: the Lens that it was seen through.
         """
         return None if self._wall.view is None else area_pose(self._wall.view, area, lens)
 
-    def _sight(self, tags, lens):
+    def _sight(self, tags: Sequence[Tag], lens: Lens) -> Sight | None:
         """The Sight of those tags that can be real ones, or None."""
         quads = np.array([tag.corners for tag in tags], np.float64)
         real = np.isfinite(quads).all(axis=(1, 2))
@@ -162,16 +171,17 @@ class PoseEstimator:
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
         starts = [guesses(points, ray) if fine else None
                   for points, ray, fine in zip(square(sizes), rays, good)]
-        keep = [number for number, start in enumerate(starts) if start is not None]
-        if not keep:
+        begun = [(number, start) for number, start in enumerate(starts) if start is not None]
+        if not begun:
             return None
+        keep = [number for number, _ in begun]
         rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
         deviation = corner_deviation(quads)
         weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
             np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
-            np.array([starts[number][0] for number in keep]).reshape(-1, 3, 3),
-            np.array([starts[number][1] for number in keep]).reshape(-1, 3))
+            np.concatenate([rotations for _, (rotations, _) in begun]),
+            np.concatenate([translations for _, (_, translations) in begun]))
         rotation, translation = rotation.reshape(-1, 2, 3, 3), translation.reshape(-1, 2, 3)
         costs = squares.sum(axis=1).reshape(-1, 2)
         # A tag shows its face.
@@ -187,7 +197,7 @@ class PoseEstimator:
             costs, likely / likely.sum(axis=1, keepdims=True))
         return sight.some(np.flatnonzero(faces.any(axis=1)))
 
-    def _scales(self, ids, costs):
+    def _scales(self, ids: Sequence[int], costs: Floats) -> Floats:
         """(n,): by how much the variance of tags' corners is greater than usual, to the costs of their poses.
 
         Eight numbers that six others are fitted to leave a cost of about 2.
@@ -200,7 +210,7 @@ class PoseEstimator:
         return np.array(scales)
 
 
-def corner_deviation(quads):
+def corner_deviation(quads: Floats) -> Floats:
     """(n,) pixels: how far off the corners of tags, (n, 4, 2), found by the Detector, may be."""
     lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
     sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
@@ -208,7 +218,7 @@ def corner_deviation(quads):
     return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3, MAX_CORNER_PX)
 
 
-def _seen_from_the_wall(rotation, translation, covariance):
+def _seen_from_the_wall(rotation: Floats, translation: Floats, covariance: Floats) -> Pose:
     """The camera's pose in wall coordinates from the wall's in the camera's, each with its covariance."""
     moves = np.zeros((6, 6))
     moves[:3, :3] = moves[3:, 3:] = -rotation.T
@@ -216,7 +226,7 @@ def _seen_from_the_wall(rotation, translation, covariance):
     return rotation.T, -rotation.T @ translation, moves @ covariance @ moves.T
 
 
-def _size(value, name):
+def _size(value: Any, name: str) -> float:
     """The side of a tag as a float; InputError if none has it."""
     try:
         size = float(value)
