@@ -5,10 +5,19 @@ returns a new one of the same shape. Positions are in pixels and stay
 fractions of a pixel until they are drawn; the middle of the top left pixel
 is (0, 0). Colors are (blue, green, red).
 """
+from __future__ import annotations
+
+from typing import Iterable, Sequence
+
 import cv2
 import numpy as np
 
+from .area import Area
+from .arrays import NO_ARRAY, Color, Floats, Image, Integers, Numbers
 from .fitting import fit_picture
+from .lens import Lens
+from .poses import TagPose
+from .tags import Tag
 
 GREEN = (0, 255, 0)
 RED = (0, 0, 255)
@@ -29,11 +38,11 @@ MIN_AREA_PX = 0.1  # of less, nobody sees anything
 STEP, STRIP_PX = 8, 1 << 16  # pixels, see _remap
 
 
-def _fixed(points):
-    return np.int32(np.round(np.asarray(points, np.float64) * (1 << SHIFT)))
+def _fixed(points: Numbers) -> Integers:
+    return np.round(np.asarray(points, np.float64) * (1 << SHIFT)).astype(np.int32)
 
 
-def mark_tags(frame, tags):
+def mark_tags(frame: Image, tags: Iterable[Tag]) -> Image:
     """Outline every tag, mark its first corner (its own top left), and write its id."""
     image = _outlined(frame, tags)
     for tag in tags:  # after all outlines, so that no line crosses a number
@@ -41,7 +50,8 @@ def mark_tags(frame, tags):
     return image
 
 
-def mark_poses(frame, tags, poses, lens, area=None):
+def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens: Lens | None,
+               area: Area | None = None) -> Image:
     """Outline every tag, and draw the axes of every TagPose, x red, y green, z blue; the id stands above.
 
     ``lens``: the Lens of the frame, which may be None if there are no poses.
@@ -51,18 +61,23 @@ def mark_poses(frame, tags, poses, lens, area=None):
     if area is not None:
         cv2.polylines(image, [_fixed(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
     for pose in poses:
-        ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
-        pixels = lens.project(ends)
-        if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
-            origin, *tips = (tuple(map(int, point)) for point in _fixed(pixels))
-            for tip, color in zip(tips, (RED, GREEN, BLUE)):
-                cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
+        if lens is not None:
+            _draw_axes(image, pose, lens)
     for tag in tags:
         _write(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
     return image
 
 
-def _outlined(frame, tags):
+def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
+    ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
+    pixels = lens.project(ends)
+    if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
+        origin, *tips = (tuple(map(int, point)) for point in _fixed(pixels))
+        for tip, color in zip(tips, (RED, GREEN, BLUE)):
+            cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
+
+
+def _outlined(frame: Image, tags: Iterable[Tag]) -> Image:
     image = frame.copy()
     for tag in tags:
         cv2.polylines(image, [_fixed(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
@@ -71,7 +86,7 @@ def _outlined(frame, tags):
     return image
 
 
-def _write(image, text, center):
+def _write(image: Image, text: str, center: Sequence[float] | Floats) -> None:
     """Write text around a center, dark-rimmed to be readable on black and on white."""
     font, scale = cv2.FONT_HERSHEY_SIMPLEX, 0.7
     (width, height), _ = cv2.getTextSize(text, font, scale, 2)
@@ -81,7 +96,7 @@ def _write(image, text, center):
     cv2.putText(image, text, (left, foot), font, scale, YELLOW, 2, cv2.LINE_AA)
 
 
-def mark_centers(frame, centers):
+def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
     """Put a dot on every center, (n, 2)."""
     image = frame.copy()
     for center in centers:
@@ -91,7 +106,7 @@ def mark_centers(frame, centers):
     return image
 
 
-def fill_polygon(frame, points, color=PURPLE):
+def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color = PURPLE) -> Image:
     """Fill the polygon through points, (n, 2), in the order in which they are given.
 
     Fewer than three points make no polygon and change nothing.
@@ -102,7 +117,7 @@ def fill_polygon(frame, points, color=PURPLE):
     return image
 
 
-def area_mask(frame, area):
+def area_mask(frame: Image, area: Area | None) -> Image:
     """White where the area is, black elsewhere; all black if ``area`` is None.
 
     On the area's rim it is as gray as the part of the pixel that the area covers.
@@ -111,11 +126,11 @@ def area_mask(frame, area):
     if area is not None:
         cv2.fillConvexPoly(mask, _fixed(area.corners), WHITE, cv2.LINE_8, SHIFT)
         rim, cover = _rim(area.corners, frame.shape)
-        mask.reshape(-1, 3)[rim] = np.uint8(cover * 255 + 0.5)[:, None]
+        mask.reshape(-1, 3)[rim] = (cover * 255 + 0.5).astype(np.uint8)[:, None]
     return mask
 
 
-def _rim(corners, shape):
+def _rim(corners: Floats, shape: Sequence[int]) -> tuple[Integers, Floats]:
     """The pixels that an area's sides cross, and how much of each the area covers.
 
     (n,) int64 indices into all pixels of a frame of that shape, row by row,
@@ -123,7 +138,7 @@ def _rim(corners, shape):
     half a pixel out of the nearest side is all, half, or nothing.
     """
     height, width = shape[:2]
-    x0, y0 = np.float64(corners).T
+    x0, y0 = np.asarray(corners, np.float64).T
     x1, y1 = x0[[1, 2, 3, 0]], y0[[1, 2, 3, 0]]
     x, y = [], []
     for side in range(4):
@@ -132,7 +147,7 @@ def _rim(corners, shape):
             (y0[side], x0[side], y1[side], x1[side], height)
         along = np.arange(max(int(min(a0, a1)) - 1, 0), min(int(max(a0, a1)) + 3, end))
         # At 45 degrees at most, only these two are less than half a pixel from the side.
-        across = np.int64(np.floor(b0 + (along - a0) * ((b1 - b0) / (a1 - a0 or 1))))
+        across = np.floor(b0 + (along - a0) * ((b1 - b0) / (a1 - a0 or 1))).astype(np.int64)
         across = np.concatenate([across, across + 1])
         along = np.concatenate([along, along])
         x.append(along if flat else across)
@@ -144,15 +159,16 @@ def _rim(corners, shape):
     length = np.maximum(np.hypot(x1 - x0, y1 - y0), 1e-9) * inward
     right, down = (y0 - y1) / length, (x1 - x0) / length
     cover = (np.outer(right, x) + np.outer(down, y) + (0.5 - right * x0 - down * y0)[:, None]).min(axis=0)
-    return y * width + x, np.float32(np.clip(cover, 0, 1))
+    return y * width + x, np.clip(cover, 0, 1).astype(np.float32)
 
 
-def subtract(frame, mask):
+def subtract(frame: Image, mask: Image) -> Image:
     """The frame without what is white in the mask: black there, untouched where the mask is black."""
     return cv2.subtract(frame, mask)
 
 
-def overlay(frame, picture, area, out=None, fit='stretch', opacity=1.0):
+def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image | None = None,
+            fit: str = 'stretch', opacity: float = 1.0) -> Image:
     """The frame with a picture painted into the area; the frame itself if one of the two is None.
 
     ``picture``: (h, w, 3) BGR, or (h, w, 4) BGRA, whose alpha lets the frame
@@ -169,7 +185,7 @@ def overlay(frame, picture, area, out=None, fit='stretch', opacity=1.0):
     if area is None or picture is None:
         return out
     picture, area = fit_picture(picture, area, fit)
-    if cv2.contourArea(np.float32(area.corners)) < MIN_AREA_PX:
+    if cv2.contourArea(np.asarray(area.corners, np.float32)) < MIN_AREA_PX:
         return out
     low = np.maximum(np.floor(area.corners.min(axis=0)) - 1, 0).astype(int)
     high = np.minimum(np.ceil(area.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
@@ -182,16 +198,16 @@ def overlay(frame, picture, area, out=None, fit='stretch', opacity=1.0):
         painted = cv2.addWeighted(painted, opacity, part, 1 - opacity, 0)
     rim, cover = _rim(area.corners - low, part.shape)
     inside = np.zeros(part.shape[:2], np.uint8)
-    cv2.fillConvexPoly(inside, _fixed(area.corners - low), 255, cv2.LINE_8, SHIFT)
+    cv2.fillConvexPoly(inside, _fixed(area.corners - low), (255,), cv2.LINE_8, SHIFT)
     rows, columns = np.divmod(rim, part.shape[1])
-    around = np.float32(part[rows, columns])
+    around = np.asarray(part[rows, columns], np.float32)
     mixed = around + cover[:, None] * (painted.reshape(-1, 3)[rim] - around)
     cv2.copyTo(painted, inside, part)
     part[rows, columns] = mixed + 0.5
     return out
 
 
-def _warp(frame, picture, homography):
+def _warp(frame: Image, picture: Image, homography: Floats) -> Image:
     """The picture on the frame, everywhere: beyond its own edges as at its edges."""
     if picture.shape[2] == 3:
         return _remap(picture, homography, frame.shape)
@@ -202,7 +218,7 @@ def _warp(frame, picture, homography):
     return cv2.add(cv2.multiply(frame, clear, scale=1 / 255), _remap(weighted, homography, frame.shape))
 
 
-def _remap(picture, homography, shape):
+def _remap(picture: Image, homography: Floats, shape: Sequence[int]) -> Image:
     """As cv2.warpPerspective, which divides for every pixel, to the eye, but faster.
 
     Where to look in the picture is exact at every STEP-th pixel and linear
@@ -216,19 +232,19 @@ def _remap(picture, homography, shape):
     inverse = np.linalg.inv(homography)
     across, down = np.outer(inverse[:, 0], x), np.outer(inverse[:, 1], y) + inverse[:, 2:]
     seen = across[:, None, :] + down[:, :, None]
-    coarse = np.float32(np.stack([seen[0] / seen[2], seen[1] / seen[2]], axis=-1))
+    coarse = np.stack([seen[0] / seen[2], seen[1] / seen[2]], axis=-1).astype(np.float32)
     painted = np.empty((height, width, 3), np.uint8)
     rows = max(STRIP_PX // width // STEP, 1)
     for first in range(0, -(-height // STEP), rows):
         strip = painted[first * STEP:(first + rows) * STEP]
         fine = cv2.resize(coarse[first:first + rows + 2], None, fx=STEP, fy=STEP)
         fine = fine[STEP:STEP + len(strip), STEP:STEP + width]
-        cv2.remap(picture, *cv2.convertMaps(fine, None, cv2.CV_16SC2), cv2.INTER_LINEAR, strip,
-                  cv2.BORDER_REPLICATE)
+        whole, parts = cv2.convertMaps(fine, NO_ARRAY, cv2.CV_16SC2)
+        cv2.remap(picture, whole, parts, cv2.INTER_LINEAR, strip, cv2.BORDER_REPLICATE)
     return painted
 
 
-def blend(frame, picture, cover):
+def blend(frame: Image, picture: Image, cover: Image) -> Image:
     """The picture where ``cover`` is white, the frame where it is black, their mixture between.
 
     All three are (h, w, 3) uint8, and so is the result.

@@ -1,9 +1,16 @@
 """Rendering the wall as a camera sees it, and where the truth of it lies in the frame."""
+from __future__ import annotations
+
+from typing import Collection
+
 import cv2
 import numpy as np
 
+from .arrays import NO_ARRAY, Floats, Image, Integers
 from .errors import InputError
 from .paint import blend
+from .robot import Camera
+from .wall import Wall
 
 NEAR_M = 0.05         # nothing nearer to the camera than this is seen
 TAG_CELL_TEXELS = 32  # resolution of a tag's texture, halved again and again for far views
@@ -17,15 +24,15 @@ CARD_COLOR = (120, 128, 134)
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
-def project(points, rotation, translation, camera):
+def project(points: Floats, rotation: Floats, translation: Floats, camera: Camera) -> tuple[Floats, bool]:
     """Pixels, (n, 2) float64, of wall points, (n, 3), and whether all lie before the camera.
 
     The pinhole model with plumb_bob distortion, as OpenCV's projectPoints.
     """
     depth = points @ rotation[2] + translation[2]
-    pixels, _ = cv2.projectPoints(np.float64(points), cv2.Rodrigues(rotation)[0], translation,
-                                  camera.matrix, np.float64(camera.distortion))
-    return pixels.reshape(-1, 2), bool(np.all(depth > NEAR_M))
+    pixels, _ = cv2.projectPoints(np.asarray(points, np.float64), cv2.Rodrigues(rotation)[0], translation,
+                                  camera.matrix, np.array(camera.distortion, np.float64))
+    return np.asarray(pixels, np.float64).reshape(-1, 2), bool(np.all(depth > NEAR_M))
 
 
 class WallRenderer:
@@ -37,7 +44,8 @@ class WallRenderer:
     ``seed`` makes the noise repeatable.
     """
 
-    def __init__(self, wall, camera, noise=0.0, blur=0.0, light=0.0, seed=0, smear=1):
+    def __init__(self, wall: Wall, camera: Camera, noise: float = 0.0, blur: float = 0.0, light: float = 0.0,
+                 seed: int = 0, smear: int = 1) -> None:
         self._wall, self._camera = wall, camera
         self._blur, self._smear, self._light = blur, smear, light
         self._random = np.random.RandomState(seed)
@@ -53,7 +61,7 @@ class WallRenderer:
         width, height = self._lens[1]
         self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
 
-    def render(self, rotation, translation, covered=()):
+    def render(self, rotation: Floats, translation: Floats, covered: Collection[int] = ()) -> Image:
         """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera).
 
         ``covered``: ids of tags before which something gray is held.
@@ -72,7 +80,7 @@ class WallRenderer:
                 if card is not None:
                     cv2.fillPoly(frame, [card], CARD_COLOR, cv2.LINE_AA, 4)
         if lens is not None:
-            frame = cv2.remap(frame, lens, None, cv2.INTER_LINEAR)
+            frame = cv2.remap(frame, lens, NO_ARRAY, cv2.INTER_LINEAR)
         if self._blur > 0:
             frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
         if self._smear > 1:
@@ -83,44 +91,44 @@ class WallRenderer:
             frame = cv2.add(frame, window, dtype=cv2.CV_8U)
         return frame
 
-    def _light_at(self, x):
+    def _light_at(self, x: Floats) -> Floats:
         return 1 - self._light * np.clip(x / self._wall.width + 0.5, 0, 1)
 
-    def _paint_wall(self):
+    def _paint_wall(self) -> Image:
         """The wall's texture: its color, a soft pattern of plaster, and a skirting board."""
         shape = int(self._wall.height * WALL_TEXELS_M), int(self._wall.width * WALL_TEXELS_M)
-        plaster = sum(cv2.resize(self._random.normal(0, strength, (shape[0] // grain + 2,
-                                                                  shape[1] // grain + 2)),
-                                 shape[::-1], interpolation=cv2.INTER_CUBIC)
-                      for grain, strength in ((64, 5), (16, 4), (5, 3)))
+        plaster = np.zeros(shape)
+        for grain, strength in (64, 5), (16, 4), (5, 3):
+            coarse = self._random.normal(0, strength, (shape[0] // grain + 2, shape[1] // grain + 2))
+            plaster += cv2.resize(coarse, shape[::-1], interpolation=cv2.INTER_CUBIC)
         board = int(0.06 * WALL_TEXELS_M)
         plaster[-board:] = 25
         x = (np.arange(shape[1]) + 0.5) / WALL_TEXELS_M - self._wall.width / 2
-        color = (np.float64(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
-        return np.uint8(np.clip(color, 0, 255))
+        color = (np.array(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
+        return np.clip(color, 0, 255).astype(np.uint8)
 
-    def _paint_tag(self, cells, paper):
+    def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
         """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
         texture = cells.repeat(TAG_CELL_TEXELS, 0).repeat(TAG_CELL_TEXELS, 1)
         place = (np.arange(len(texture)) + 0.5) / len(texture)
         left, right, _, foot = paper[:, 0]
         x = left + (right - left) * place + (foot - left) * place[:, None]
         # Paper is not a light source, ink not a hole.
-        pyramid = [np.uint8((20 + texture * (225 / 255)) * self._light_at(x))]
+        pyramid: list[Image] = [((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)]
         while len(pyramid[-1]) > 2 * len(cells):  # until two texels are left of a cell
             pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5,
                                       interpolation=cv2.INTER_AREA))
         return pyramid
 
-    def _outline(self, points, rotation, translation):
+    def _outline(self, points: Floats, rotation: Floats, translation: Floats) -> Integers | None:
         """A flat piece of the scene as a polygon in the frame, in 16ths of a pixel, or None."""
         seen = clip_near(points @ rotation.T + translation)
         if len(seen) < 3:
             return None
         pixels = (seen / seen[:, 2:]) @ self._lens[0].T
-        return np.int32(np.clip(np.round(pixels[:, :2] * 16), -2**24, 2**24))
+        return np.clip(np.round(pixels[:, :2] * 16), -2**24, 2**24).astype(np.int32)
 
-    def _draw_wall(self, frame, to_image, rotation, translation):
+    def _draw_wall(self, frame: Image, to_image: Floats, rotation: Floats, translation: Floats) -> None:
         half, height = self._wall.width / 2, self._wall.height
         outline = self._outline(np.array([[-half, height, 0], [half, height, 0], [half, 0, 0],
                                           [-half, 0, 0]]), rotation, translation)
@@ -136,10 +144,11 @@ class WallRenderer:
                                    flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         seen = cv2.resize(seen, size, interpolation=cv2.INTER_LINEAR)
         mask = np.zeros(frame.shape[:2], np.uint8)
-        cv2.fillPoly(mask, [outline], 255, cv2.LINE_8, 4)
+        cv2.fillPoly(mask, [outline], (255,), cv2.LINE_8, 4)
         cv2.copyTo(seen, mask, frame)
 
-    def _draw_tag(self, frame, paper, pyramid, to_image, rotation, translation):
+    def _draw_tag(self, frame: Image, paper: Floats, pyramid: list[Image], to_image: Floats, rotation: Floats,
+                  translation: Floats) -> None:
         """Warp a tag's paper, by its corners on the wall, into the part of the frame that it covers.
 
         Each pixel is the mean over samples in it, that is, over its square;
@@ -160,23 +169,23 @@ class WallRenderer:
             level += 1
         texture = pyramid[level]
         side = len(texture)
-        fine = np.float32((ends + 0.5 - low) * SAMPLES - 0.5)
+        fine = np.asarray((ends + 0.5 - low) * SAMPLES - 0.5, np.float32)
         # Texel i covers i to i + 1, its middle being i + 0.5; pixels are alike.
-        to_fine = cv2.getPerspectiveTransform(
-            np.float32([[-.5, -.5], [side - .5, -.5], [side - .5, side - .5], [-.5, side - .5]]), fine)
+        rim = np.array([[-.5, -.5], [side - .5, -.5], [side - .5, side - .5], [-.5, side - .5]], np.float32)
+        to_fine = cv2.getPerspectiveTransform(rim, fine)
         seen = cv2.warpPerspective(texture, to_fine, (width * SAMPLES, height * SAMPLES),
                                    flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         cover = np.zeros_like(seen)
-        cv2.fillConvexPoly(cover, np.int32(np.round(fine * 16)), 255, cv2.LINE_8, 4)
+        cv2.fillConvexPoly(cover, np.round(fine * 16).astype(np.int32), (255,), cv2.LINE_8, 4)
 
-        def mean(samples):
+        def mean(samples: Image) -> Image:
             pixels = cv2.resize(samples, (width, height), interpolation=cv2.INTER_AREA)
             return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR)
         part = frame[low[1]:high[1], low[0]:high[0]]
         part[:] = blend(part, mean(seen), mean(cover))
 
 
-def clip_near(points):
+def clip_near(points: Floats) -> Floats:
     """The polygon, (n, 3) in the optical frame, without what is nearer than NEAR_M."""
     kept = []
     for start, end in zip(points, np.roll(points, -1, axis=0)):
@@ -187,7 +196,7 @@ def clip_near(points):
     return np.array(kept).reshape(-1, 3)
 
 
-def _lens(camera):
+def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
     """(K, (width, height), map): the pinhole picture to render, and how the lens bends it.
 
     Without distortion the picture is the frame, and map is None. With it, the
@@ -198,8 +207,8 @@ def _lens(camera):
         return camera.matrix, (camera.width, camera.height), None
     grid = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
     rays = cv2.undistortPointsIter(
-        np.float64(grid).reshape(-1, 1, 2), camera.matrix, np.float64(camera.distortion), None, None,
-        (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
+        np.array(grid, np.float64).reshape(-1, 1, 2), camera.matrix, np.array(camera.distortion), NO_ARRAY,
+        NO_ARRAY, (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
     looks = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
     low, high = np.floor(looks.min(axis=0)) - 1, np.ceil(looks.max(axis=0)) + 1
     if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
@@ -207,5 +216,5 @@ def _lens(camera):
                          % (list(camera.distortion),))
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= low
-    size = tuple(int(length) for length in high - low + 1)
-    return matrix, size, np.float32(looks - low).reshape(camera.height, camera.width, 2)
+    width, height = (int(length) for length in high - low + 1)
+    return matrix, (width, height), np.asarray(looks - low, np.float32).reshape(camera.height, camera.width, 2)

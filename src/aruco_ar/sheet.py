@@ -1,10 +1,14 @@
 """Tags on paper: SVG files, and PDF pages to print and cut."""
+from __future__ import annotations
+
 import io
+from typing import Sequence
 
 from reportlab.lib.pagesizes import A4, LETTER
 from reportlab.lib.units import mm
 from reportlab.pdfgen.canvas import Canvas
 
+from .arrays import Image
 from .errors import InputError
 from .progress import progress
 from .tags import check_quiet, check_size, tag_cells
@@ -17,7 +21,7 @@ FOOT_MM = 18         # the strip at the page's foot that holds the ruler
 CAPTION_MM = 4       # the line under each tag that holds its id
 
 
-def black_runs(cells):
+def black_runs(cells: Image) -> list[tuple[int, int, int]]:
     """The black cells of a tag as rectangles one cell high: (row, column, length) of each run."""
     runs = []
     for row, line in enumerate(cells):
@@ -32,7 +36,7 @@ def black_runs(cells):
     return runs
 
 
-def tag_svg(dictionary, tag_id, size=700, border=1, quiet=0):
+def tag_svg(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quiet: float = 0) -> str:
     """One tag as SVG text; the arguments are those of ``draw_tag``.
 
     All cells are one path, so that no viewer leaves hairlines between them.
@@ -51,7 +55,8 @@ def tag_svg(dictionary, tag_id, size=700, border=1, quiet=0):
             '</svg>\n' % (side, side, total, total, dictionary, tag_id, total, total, path))
 
 
-def tag_sheet(dictionary, ids, side_mm, page='A4', border=1, quiet=1):
+def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = 'A4', border: int = 1,
+              quiet: float = 1) -> bytes:
     """Pages to print, as the bytes of a PDF file.
 
     ``side_mm`` is the side of each tag, exact if printed at 100 %; ``quiet``
@@ -95,7 +100,7 @@ def tag_sheet(dictionary, ids, side_mm, page='A4', border=1, quiet=1):
     return file.getvalue()
 
 
-def _draw_cells(canvas, cells, left, foot, cell_mm):
+def _draw_cells(canvas: Canvas, cells: Image, left: float, foot: float, cell_mm: float) -> None:
     """Fill the black cells, as one path; a PDF's y goes up, rows go down."""
     path = canvas.beginPath()
     for row, column, length in black_runs(cells):
@@ -104,7 +109,7 @@ def _draw_cells(canvas, cells, left, foot, cell_mm):
     canvas.drawPath(path, fill=1, stroke=0)
 
 
-def _draw_cut_line(canvas, left, foot, side):
+def _draw_cut_line(canvas: Canvas, left: float, foot: float, side: float) -> None:
     canvas.saveState()
     canvas.setLineWidth(0.3)
     canvas.setStrokeGray(0.5)
@@ -113,7 +118,7 @@ def _draw_cut_line(canvas, left, foot, side):
     canvas.restoreState()
 
 
-def _draw_ruler(canvas):
+def _draw_ruler(canvas: Canvas) -> None:
     """A ruler of RULER_MM at the foot of the page."""
     foot = MARGIN_MM + 4
     canvas.setLineWidth(0.3)

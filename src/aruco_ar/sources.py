@@ -1,12 +1,16 @@
 """Where a picture comes from over time: a still, or a video or GIF that plays over and over."""
+from __future__ import annotations
+
 import os
 import time
 import warnings
+from typing import Callable, Iterator
 
 import cv2
 import numpy as np
-from PIL import Image
+import PIL.Image
 
+from .arrays import Image
 from .errors import InputError
 from .picture import load_picture, shrink_to_warp
 
@@ -16,14 +20,14 @@ CATCH_UP_S = 0.05    # the longest for which frames wait for a clip that is behi
 MAX_BEHIND_S = 2.0   # a clip that nobody looked at for longer goes on where it was
 
 
-def open_source(path, say=warnings.warn):
+def open_source(path: str, say: Callable[[str], None] = warnings.warn) -> Still | Clip:
     """A Still or a Clip from a file: a picture, a GIF, or a video that OpenCV can read.
 
     ``say`` is called with a sentence when something becomes of the file later
     on. Raises InputError if the file is missing or is none of these.
     """
     try:
-        with Image.open(path) as image:
+        with PIL.Image.open(path) as image:
             moving = image.format in ANIMATED and getattr(image, 'is_animated', False)
     except Exception:  # whatever Pillow cannot make out, OpenCV may
         moving = False
@@ -40,10 +44,10 @@ def open_source(path, say=warnings.warn):
 class Still:
     """A picture that stays the same."""
 
-    def __init__(self, picture):
+    def __init__(self, picture: Image) -> None:
         self._picture = picture
 
-    def at(self, stamp):
+    def at(self, stamp: float) -> Image:
         """The picture."""
         return self._picture
 
@@ -51,18 +55,20 @@ class Still:
 class Clip:
     """A picture that moves with the time of the frames, at its own rate, over and over."""
 
-    def __init__(self, path, frames, say):
+    def __init__(self, path: str, frames: Callable[[str], Iterator[tuple[float, Image]]],
+                 say: Callable[[str], None]) -> None:
         """``frames``: a function of the path that iterates over (seconds, picture) once."""
         self._path, self._open, self._say = path, frames, say
-        self._frames = iter(())
-        self._picture = None
-        self._stamp = None
-        self._advance()
-        if self._picture is None:
+        self._frames = frames(path)
+        first = next(self._frames, None)
+        if first is None:
             raise InputError('"%s" is neither a picture nor a video that OpenCV can read; give a JPEG, '
                              'PNG, GIF or MP4.' % path)
+        self._shown, self._picture = first
+        self._stamp: float | None = None
+        self._until = 0.0
 
-    def at(self, stamp):
+    def at(self, stamp: float) -> Image:
         """The picture, (h, w, 3 or 4) uint8, that is shown at that time, seconds.
 
         The clip begins at the first of these times; it goes on where it was
@@ -81,24 +87,23 @@ class Clip:
                 self._until = stamp + self._shown
         return self._picture
 
-    def _advance(self):
+    def _advance(self) -> None:
         """On to the next picture; after the last, to the first."""
         found = next(self._frames, None)
         if found is None:
             self._frames = self._open(self._path)
             found = next(self._frames, None)
         if found is None:
-            if self._picture is not None:
-                self._say('"%s" cannot be read any more; its last picture stays.' % self._path)
+            self._say('"%s" cannot be read any more; its last picture stays.' % self._path)
             self._frames, self._shown = iter(()), float('inf')
         else:
             self._shown, self._picture = found
 
 
-def _animation(path):
+def _animation(path: str) -> Iterator[tuple[float, Image]]:
     """(seconds, picture) of a GIF, animated PNG or WebP."""
     try:
-        with Image.open(path) as image:
+        with PIL.Image.open(path) as image:
             for number in range(image.n_frames):
                 image.seek(number)
                 picture = cv2.cvtColor(np.asarray(image.convert('RGBA')), cv2.COLOR_RGBA2BGRA)
@@ -111,7 +116,7 @@ def _animation(path):
         return
 
 
-def _video(path):
+def _video(path: str) -> Iterator[tuple[float, Image]]:
     """(seconds, picture) of a video."""
     capture = cv2.VideoCapture(path, cv2.CAP_FFMPEG)
     shown, picture, begun = USUAL_S, None, 0.0
