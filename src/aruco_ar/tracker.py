@@ -1,7 +1,12 @@
 """The area over time: it stays on the wall while tags come and go."""
+from __future__ import annotations
+
+from typing import Any, Iterable, Mapping, Sequence
+
 import numpy as np
 
 from .area import Area
+from .arrays import Floats, Image
 from .detector import Detector
 from .edges import side_of
 from .errors import InputError
@@ -46,7 +51,8 @@ class Tracker:
     Raises InputError for any other.
     """
 
-    def __init__(self, dictionary='DICT_6X6_250', ids=(), hold=HOLD_S, upright='tags', **detection):
+    def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), hold: float = HOLD_S,
+                 upright: str = 'tags', **detection: Any) -> None:
         if not isinstance(hold, (int, float)) or not hold >= 0:
             raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
         if upright not in UPRIGHT:
@@ -57,17 +63,18 @@ class Tracker:
         self.reset()
 
     @property
-    def tags(self):
+    def tags(self) -> list[Tag]:
         """A list of Tag: those seen in the last frame."""
-        return [Tag(tag_id, np.float32(corners)) for tag_id, corners in self._seen.items()]
+        return [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()]
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget everything seen so far."""
-        self._stamp = self._shape = None
+        self._stamp: float | None = None
+        self._shape: tuple[int, ...] = ()
         self._now = 0.0  # goes on also where stamps stand still
-        self._begin(None)
+        self._begin([])
 
-    def update(self, frame, stamp):
+    def update(self, frame: Image, stamp: float) -> Area | None:
         """The Area in a frame, or None.
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``stamp``: its time in
@@ -83,23 +90,25 @@ class Tracker:
             self._begin(self._detector.detect(frame))
         else:
             self._predict(passed)
-            self._look(frame)
+            self._look(frame, self._layout)
         return self._area()
 
-    def _begin(self, tags):
+    def _begin(self, tags: Sequence[Tag]) -> None:
         """Start afresh, with the area that these tags span, if they do."""
-        self._seen = {tag.id: tag.corners for tag in tags or []}
-        self._layout = Layout.from_tags(tags, self._upright) if tags else None
-        self._motion = None
-        self._displaced = set()  # tags seen where they do not belong, and not where they do since
-        self._rival, self._rival_since, self._rival_sights = None, None, 0
-        self._further = {}       # tags besides the four: id -> (place, how often seen there)
+        self._seen = {tag.id: tag.corners for tag in tags}
+        self._layout = Layout.from_tags(tags, self._upright)
+        self._motion: AreaMotion | None = None
+        self._displaced: set[int] = set()  # tags seen where they do not belong, and not where they do since
+        self._rival: Layout | None = None
+        self._rival_since, self._rival_sights = 0.0, 0
+        # Tags besides the four: id -> (place, how often seen there).
+        self._further: dict[int, tuple[Floats, int]] = {}
         self._searched = self._sighted = self._sure = -np.inf
         if self._layout is not None:
             self._searched = self._now
-            self._believe({tag.id: tag.corners for tag in tags})
+            self._believe(self._layout, self._seen)
 
-    def _predict(self, passed):
+    def _predict(self, passed: float) -> None:
         """Move on by that time, seconds; after too long, nobody knows where to."""
         if self._motion is not None:
             unseen = self._now - self._sighted
@@ -108,50 +117,53 @@ class Tracker:
             else:
                 self._motion.predict(passed, calm=unseen > passed)
 
-    def _look(self, frame):
+    def _look(self, frame: Image, layout: Layout) -> None:
         """Find the tags, where they should be or else anywhere, and correct the motion by them.
 
         What a search of the whole frame finds also tells about other scenes,
         moved tags and further ones.
         """
-        seen, missing = ({}, True) if self._motion is None else self._follow(frame)
+        seen, missing = self._follow(frame, layout, self._motion)
         due = self._now - self._searched >= SEARCH_S
         if not (missing or due or self._displaced):
             self._seen = seen
-            self._believe(seen)
+            self._believe(layout, seen)
             return
         self._searched = self._now
-        expected = self._expected()
+        expected = self._expected(layout)
         tags = self._search(frame, expected)
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
         self._seen = seen
-        known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in self._layout.places}
-        agreed, moved_on = self._believe(known)
+        known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in layout.places}
+        agreed, moved_on = self._believe(layout, known)
         others = len(seen) - len(known)
         # A few that are known may hang in another scene as well.
         if not moved_on and others > len(agreed) and Layout.from_tags(tags, self._upright):
             self._begin(tags)  # another scene
             return
         self._displaced.update(set(known) - set(agreed))
-        for tag_id in self._displaced - set(self._layout.ids):
-            self._layout.forget(tag_id)
-        self._displaced &= set(self._layout.ids)
+        for tag_id in self._displaced - set(layout.ids):
+            layout.forget(tag_id)
+        self._displaced &= set(layout.ids)
         if self._displaced:
             self._consider_rearranged(tags)
-        elif len(agreed) >= 3:
-            self._learn(seen, agreed)
+        elif self._motion is not None and len(agreed) >= 3:
+            self._learn(layout, self._motion, seen, agreed)
 
-    def _expected(self):
+    def _expected(self, layout: Layout) -> dict[int, Floats]:
         """{id: (4, 2) pixels}: where the known tags should be, in the frame or out of it."""
         return {} if self._motion is None else \
-            {tag_id: self._motion.see(place) for tag_id, place in self._layout.places.items()}
+            {tag_id: self._motion.see(place) for tag_id, place in layout.places.items()}
 
-    def _follow(self, frame):
+    def _follow(self, frame: Image, layout: Layout,
+                motion: AreaMotion | None) -> tuple[dict[int, Floats], bool]:
         """{id: corners} of the tags found where they should be, and whether one of the four is not."""
-        ids = list(self._layout.places)
-        quads = self._motion.see(self._layout.quads(ids))
+        if motion is None:
+            return {}, True
+        ids = list(layout.places)
+        quads = motion.see(layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
         inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
         ids, quads = [tag_id for tag_id, fits in zip(ids, inside) if fits], quads[inside]
@@ -160,71 +172,53 @@ class Tracker:
         fitted, found, likeness = self._detector.fit(frame, ids, quads)
         found &= likeness > MIN_LIKENESS
         seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found) if fits}
-        return seen, any(tag_id in self._layout.ids and tag_id not in seen for tag_id in ids)
+        return seen, any(tag_id in layout.ids and tag_id not in seen for tag_id in ids)
 
-    def _search(self, frame, expected):
+    def _search(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags anywhere in the frame: of about the size of those expected, if any are."""
         if not expected:
             return self._detector.detect(frame)
         sides = side_of(np.array(list(expected.values())))
         return self._detector.search(frame, max(sides.min(), MIN_SIDE_PX))
 
-    def _believe(self, seen):
+    def _believe(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Take in where known tags are seen, {id: corners}.
 
         Returns the ids of those that agree, and whether they moved on as they did before.
         """
-        agreed, moved_on = self._correct(seen)
+        agreed, moved_on = self._correct(layout, seen)
         if agreed:
             self._sighted = self._now
             self._displaced -= set(agreed)
         return agreed, moved_on
 
-    def _correct(self, seen):
+    def _correct(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Correct the motion by what is seen; the same as ``_believe``."""
         if not seen:
             return [], False
         if self._motion is None:
-            return self._locate(seen), False
-        if self._motion.correct(*self._measured(seen, seen), UNLIKELY):
+            return self._locate(layout, seen), False
+        if self._motion.correct(*_measured(layout, seen, seen), UNLIKELY):
             return list(seen), True
         # Not all are where they should be; some may be so nearly, or all after a jerk.
         for motion, limit in (self._motion, UNLIKELY), (self._motion.shaken(), SHAKEN_UNLIKELY):
-            agreed = self._likely(seen, motion, limit)
+            agreed = _likely(layout, seen, motion, limit)
             if agreed:
                 moved_on, self._motion = motion is self._motion, motion
-                motion.correct(*self._measured(seen, agreed))
+                motion.correct(*_measured(layout, seen, agreed))
                 return agreed, moved_on
         # One tag alone may just have been moved.
-        return self._locate(seen) if len(seen) > 1 else [], False
+        return self._locate(layout, seen) if len(seen) > 1 else [], False
 
-    def _locate(self, seen):
+    def _locate(self, layout: Layout, seen: Mapping[int, Floats]) -> list[int]:
         """Begin to follow the area from where one frame shows it; the ids of the tags that agree."""
-        corners, agreed = self._layout.locate(seen)
-        if agreed:
-            self._motion = AreaMotion(corners, self._shape[::-1], *self._measured(seen, agreed))
+        corners, agreed = layout.locate(seen)
+        if corners is not None:
+            self._motion = AreaMotion(corners, self._shape[::-1], *_measured(layout, seen, agreed))
             self._sure = -np.inf
         return agreed
 
-    def _measured(self, seen, ids):
-        """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
-        quads = np.float64([seen[tag_id] for tag_id in ids])
-        deviation = 0.15 + 0.002 * side_of(quads)
-        return (self._layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
-
-    def _likely(self, seen, motion, limit):
-        """The ids of the tags that, so moving, can be where they are seen, all together."""
-        def unlikeliness(some):
-            points, pixels, _ = self._measured(seen, some)
-            deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
-            return motion.unlikeliness(points, pixels, deviation)
-        ids = list(seen)
-        while ids and unlikeliness(ids) > limit:
-            ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
-                      key=lambda some: unlikeliness(some) if some else 0)
-        return ids
-
-    def _consider_rearranged(self, tags):
+    def _consider_rearranged(self, tags: list[Tag]) -> None:
         """Some tags are elsewhere; if they stay there, that is the new arrangement."""
         seen = {tag.id: tag.corners for tag in tags}
         if self._rival is not None:
@@ -237,26 +231,26 @@ class Tracker:
         self._rival = Layout.from_tags(tags, self._upright)
         self._rival_since, self._rival_sights = self._now, 1
 
-    def _learn(self, seen, agreed):
+    def _learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats], agreed: list[int]) -> None:
         """Learn more exactly where the tags are, and further tags on the same plane."""
-        to_plane = np.linalg.inv(homography_to(self._motion.corners))
-        places = {tag_id: transform(to_plane, np.float64(quad)) for tag_id, quad in seen.items()}
-        if set(agreed) >= set(self._layout.ids):
-            self._layout.learn(agreed, [places[tag_id] for tag_id in agreed])
-        for tag_id in set(seen) - set(self._layout.ids):
+        to_plane = np.linalg.inv(homography_to(motion.corners))
+        places = {tag_id: transform(to_plane, np.asarray(quad, np.float64)) for tag_id, quad in seen.items()}
+        if set(agreed) >= set(layout.ids):
+            layout.learn(agreed, [places[tag_id] for tag_id in agreed])
+        for tag_id in set(seen) - set(layout.ids):
             place, sights = self._further.get(tag_id, (places[tag_id], 0))
-            off = np.abs(self._motion.see(place) - seen[tag_id]).max()
-            if off > SAME_PLACE * side_of(np.float64(seen[tag_id])[None])[0] + 1:
+            off = np.abs(motion.see(place) - seen[tag_id]).max()
+            if off > SAME_PLACE * side_of(np.asarray(seen[tag_id], np.float64)[None])[0] + 1:
                 # Moved, or not on the plane: seen from elsewhere, it is beside its place.
                 place, sights = places[tag_id], 0
-                self._layout.forget(tag_id)
+                layout.forget(tag_id)
             self._further[tag_id] = place, sights + 1
-            if sights + 1 >= SIGHTS and tag_id not in self._layout.places:
-                self._layout.learn([tag_id], [place])
+            if sights + 1 >= SIGHTS and tag_id not in layout.places:
+                layout.learn([tag_id], [place])
 
-    def _area(self):
+    def _area(self) -> Area | None:
         """What is known about the area, if it is known well enough to be shown."""
-        if self._motion is None or self._displaced:
+        if self._layout is None or self._motion is None or self._displaced:
             return None
         corners = self._motion.corners
         if not is_quadrilateral(corners):  # seen from behind, or along the wall
@@ -272,9 +266,29 @@ class Tracker:
         if deviation > MAX_HELD_DEVIATION * longer and unsure * self._motion.speed > MAX_HELD_MOVE * longer:
             self._sure = -np.inf
             return None
-        corners, ratio = np.float32(corners), self._layout.ratio
+        corners, ratio = corners.astype(np.float32), self._layout.ratio
         if self._layout.upright:
             return Area(corners, ratio)
         ordered = order_coordinates(corners)
         on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
         return Area(ordered, 1 / ratio if on_its_side else ratio)
+
+
+def _measured(layout: Layout, seen: Mapping[int, Floats], ids: Iterable[int]) -> tuple[Floats, Floats, Floats]:
+    """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
+    quads = np.array([seen[tag_id] for tag_id in ids], np.float64)
+    deviation = 0.15 + 0.002 * side_of(quads)
+    return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
+
+
+def _likely(layout: Layout, seen: Mapping[int, Floats], motion: AreaMotion, limit: float) -> list[int]:
+    """The ids of the tags that, so moving, can be where they are seen, all together."""
+    def unlikeliness(some: list[int]) -> float:
+        points, pixels, _ = _measured(layout, seen, some)
+        deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
+        return motion.unlikeliness(points, pixels, deviation)
+    ids = list(seen)
+    while ids and unlikeliness(ids) > limit:
+        ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
+                  key=lambda some: unlikeliness(some) if some else 0)
+    return ids
