@@ -3,15 +3,20 @@
 One pose of the wall must explain the corners of all its tags in sight; so they
 say where the camera is much better than each of them alone.
 """
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import Hashable
 
 import numpy as np
 
+from .arrays import Booleans, Floats, Pose
 from .belief import Belief, mixture
 from .flatness import Flatness
 from .places import Places
-from .sight import View, height_deviation, off_others, off_plane, squared
+from .sight import Sight, View, height_deviation, off_others, off_plane, squared
 from .solving import NEAR_M, crossed, guesses, refine, turned
+from .wall import Wall
 
 SIGHTS = 3               # as often must tags be seen in one plane, to be believed
 FORGET_S = 0.5           # so long, and as often, a tag is seen elsewhere before its place is forgotten
@@ -29,18 +34,18 @@ TRIED = 6                # of tags that contradict each other, so many, the wors
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
 UNLIKELY = 12.0          # learned tags must be off by more, of which 1 in 140 is, to be learned anew
-ALL = None               # what stands for all tags among those that are not where they belong
+ALL = -1                 # in place of an id: all tags, among those that are not where they belong
 
 
 class WallView:
     """Follows one wall through a sequence of frames."""
 
-    def __init__(self, wall=None):
+    def __init__(self, wall: Wall | None = None) -> None:
         """``wall``: a wall.Wall, or None to learn one."""
         self._wall = wall
         self.reset()
 
-    def reset(self):
+    def reset(self) -> None:
         """Forget what was learned and seen.
 
         Of the last frame, ``view`` is a View or None, and ``tag_poses`` are {id: (pose, other pose, its
@@ -50,18 +55,22 @@ class WallView:
         self.miss()
         self._places = Places(self._wall)
         self._belief = Belief()
-        self._sights = {}     # how often in a row tags were seen in one plane
+        self._sights: dict[Hashable, int] = {}  # how often in a row tags were seen in one plane
         self._flatness = Flatness()
-        self._elsewhere = {}  # of a known tag not where it belongs: since when, and how often seen so
-        self._taught = {}     # where tags were in the frame when they last taught their places
+        # Of a known tag not where it belongs: since when, and how often seen so.
+        self._elsewhere: dict[int, tuple[float, int]] = {}
+        # Where tags were in the frame when they last taught their places.
+        self._taught: dict[int, Floats] = {}
         self._teachings = 0
-        self._last = None     # when and where the camera was last known to be
+        # When and where the camera was last known to be.
+        self._last: tuple[float, Floats] | None = None
 
-    def miss(self):
+    def miss(self) -> None:
         """Take in a frame without tags."""
-        self.view, self.tag_poses = None, {}
+        self.view: View | None = None
+        self.tag_poses: dict[int, tuple[Pose, Pose, float]] = {}
 
-    def update(self, sight, now):
+    def update(self, sight: Sight, now: float) -> None:
         """Find the wall in a frame, by the Sight of its tags."""
         self.miss()
         known = [number for number, tag_id in enumerate(sight.ids) if tag_id in self._places]
@@ -86,9 +95,9 @@ class WallView:
         if not len(self._places) and len(sight.ids) > 1:
             self._begin(sight)
 
-    def _poses_of_tags(self, view):
+    def _poses_of_tags(self, view: View) -> dict[int, tuple[Pose, Pose, float]]:
         rotation, center, spread = self._places.poses(view.ids)
-        found = {tag_id: [] for tag_id in view.ids}
+        found: dict[int, list[Pose]] = {tag_id: [] for tag_id in view.ids}
         for which in (0, 1):
             turn = view.rotation[which]
             off = spread @ view.own[which]
@@ -102,9 +111,9 @@ class WallView:
             for number, tag_id in enumerate(view.ids):
                 found[tag_id].append((turn @ own_turn[number] @ rotation[number],
                                       arms[number] + view.translation[which], covariance[number]))
-        return {tag_id: (*poses, view.weight) for tag_id, poses in found.items()}
+        return {tag_id: (one, other, view.weight) for tag_id, (one, other) in found.items()}
 
-    def _solve(self, sight, some):
+    def _solve(self, sight: Sight, some: list[int]) -> View | None:
         """The View that best explains those tags, the better pose first; or None."""
         ids = [sight.ids[number] for number in some]
         points, spread = self._places.points(ids)
@@ -118,8 +127,8 @@ class WallView:
             return None
         weights = sight.weights[some].reshape(-1, 2, 2)
         rotation, translation, own, squares, covariance = refine(
-            points.reshape(-1, 3), sight.rays[some].reshape(-1, 2), weights, *guess,
-            spread=spread.reshape(4 * len(some), 3, spread.shape[-1]))
+            points.reshape(-1, 3), sight.rays[some].reshape(-1, 2), weights, guess[0], guess[1],
+            spread.reshape(4 * len(some), 3, spread.shape[-1]))
         off = squares.reshape(2, len(some), 4).sum(axis=2)
         scale = max(1.0, off.sum(axis=1).min() / (8 * len(some) - 6)) if len(some) > 1 else 1.0
         cost = off.sum(axis=1) + (own * own).sum(axis=1)
@@ -129,7 +138,7 @@ class WallView:
                     covariance[order] * np.outer(inflate, inflate),
                     off[order[0]], cost[order], scale)
 
-    def _agreed(self, sight, some, now):
+    def _agreed(self, sight: Sight, some: list[int], now: float) -> tuple[list[int], View | None]:
         """Those of some tags that agree where the wall is, more than half of them, and the View by them."""
         view, rest = self._solve(sight, some) if some else None, list(some)
         while view is not None:
@@ -147,7 +156,7 @@ class WallView:
             view, rest = min(views, key=lambda pair: pair[0].cost[0])
         return [], None
 
-    def _nearest(self, views, now):
+    def _nearest(self, views: list[tuple[View, list[int]]], now: float) -> tuple[list[int], View | None]:
         """Of tags that contradict each other, the one that leaves the camera where it was."""
         if self._last is None or now - self._last[0] > GAP_S:
             return [], None
@@ -158,11 +167,11 @@ class WallView:
         view, rest = views[int(np.argmin(leaps))]
         return rest, view
 
-    def _fits(self, sight, some, off):
+    def _fits(self, sight: Sight, some: list[int], off: Floats) -> Booleans:
         """(n,) bool: whether tags, off by squared deviations (n,), are where they should be."""
         return np.sqrt(off / 8) * sight.deviation[some] < OFF_DEVIATIONS * sight.deviation[some] + OFF_PX
 
-    def _believed(self, view, now):
+    def _believed(self, view: View, now: float) -> View:
         """The View with the pose first that all frames together speak for."""
         poses = view.rotation[None], view.translation[None], view.covariance[None, :, :6, :6]
         believed, weight = self._belief.weigh(['wall'], poses, view.cost[None] / view.scale, now)
@@ -170,7 +179,7 @@ class WallView:
         return replace(view, rotation=view.rotation[order], translation=view.translation[order],
                        own=view.own[order], covariance=view.covariance[order], weight=float(weight[0]))
 
-    def _astray(self, sight, rest, view):
+    def _astray(self, sight: Sight, rest: list[int], view: View) -> list[int]:
         """Those of known tags that are not where they belong, going by a View that others gave."""
         if not rest:
             return []
@@ -181,7 +190,7 @@ class WallView:
         fits = self._fits(sight, rest, (off * off).sum(axis=(1, 2, 3)))
         return [number for number, fit in zip(rest, fits) if not fit]
 
-    def _forget(self, sight, astray, now):
+    def _forget(self, sight: Sight, astray: list[int], now: float) -> None:
         """Trust the tags in sight again but for those astray, and forget these if they stay so."""
         for number, tag_id in enumerate(sight.ids):
             if number in astray:
@@ -191,18 +200,18 @@ class WallView:
         self._elsewhere.pop(ALL, None)
         for tag_id in [tag_id for tag_id in self._elsewhere if self._is_gone(tag_id, now)]:
             self._places.forget(tag_id)
-            for memory in (self._elsewhere, self._taught):
-                memory.pop(tag_id, None)
+            self._elsewhere.pop(tag_id)
+            self._taught.pop(tag_id, None)
 
-    def _doubt(self, tag_id, now):
+    def _doubt(self, tag_id: int, now: float) -> None:
         since, times = self._elsewhere.get(tag_id, (now, 0))
         self._elsewhere[tag_id] = since, times + 1
 
-    def _is_gone(self, tag_id, now):
+    def _is_gone(self, tag_id: int, now: float) -> bool:
         since, times = self._elsewhere[tag_id]
         return now - since >= FORGET_S and times >= SIGHTS
 
-    def _learn(self, sight, agreed, view):
+    def _learn(self, sight: Sight, agreed: list[int], view: View) -> None:
         """Learn the places better, if the tags are seen from elsewhere than before."""
         quads = {sight.ids[number]: sight.quads[number] for number in agreed}
         moved = [np.abs(quad - self._taught.get(tag_id, np.inf)).max() for tag_id, quad in quads.items()]
@@ -211,15 +220,15 @@ class WallView:
             self._taught.update(quads)
             self._teachings += 1
 
-    def _is_flat(self, sight, view):
+    def _is_flat(self, sight: Sight, view: View) -> bool:
         """Whether the tags that were learned are in one plane, by their own poses in the last frames."""
         if self._wall is not None or len(view.ids) < 2:
             return True
         some = sight.some([sight.ids.index(tag_id) for tag_id in view.ids])
         off, spread = self._flatness.update(view.ids, *off_others(some.believed(), view.rotation[0]))
-        return (squared(off, spread) < UNLIKELY).all()
+        return bool((squared(off, spread) < UNLIKELY).all())
 
-    def _find_more(self, sight, view):
+    def _find_more(self, sight: Sight, view: View) -> None:
         """Look for further tags on the wall's plane."""
         some = [number for number, tag_id in enumerate(sight.ids) if tag_id not in self._places]
         if not some:
@@ -234,12 +243,12 @@ class WallView:
             if self._sights[tag_id] >= SIGHTS:
                 self._add(sight, number, rotation, translation)
 
-    def _begin(self, sight):
+    def _begin(self, sight: Sight) -> None:
         """Learn a wall of tags seen in one plane, if there are some."""
-        poses = sight.believed()
+        rotation, translation, covariance = sight.believed()
         group = sorted(range(len(sight.ids)), key=lambda number: sight.ids[number])
         while len(group) > 1:
-            some, axes = tuple(part[group] for part in poses), poses[0][group[0]]
+            some, axes = (rotation[group], translation[group], covariance[group]), rotation[group[0]]
             off = squared(*off_others(some, axes))
             height = height_deviation(off_others(some, axes, bulge=np.zeros((3, 3)))[1])
             if off.max() > LIKELY:
@@ -254,9 +263,9 @@ class WallView:
             self._sights.clear()
             self._places.add(key[0], np.zeros(3), sight.sizes[group[0]], exact=True)
             for number in group[1:]:
-                self._add(sight, number, poses[0][group[0]], poses[1][group[0]])
+                self._add(sight, number, rotation[group[0]], translation[group[0]])
 
-    def _add(self, sight, number, rotation, translation):
+    def _add(self, sight: Sight, number: int, rotation: Floats, translation: Floats) -> None:
         """Take a tag for one of the wall, which has that pose."""
         which = int(np.argmax(sight.likely[number]))
         axes = rotation.T @ sight.poses[0][number, which]
@@ -267,11 +276,11 @@ class WallView:
         self._teachings = 0
 
 
-def _sure_height(translation):
+def _sure_height(translation: Floats) -> float:
     """Meters: how surely heights over a plane must be known of tags at a place (3,) in the optical frame."""
-    return max(SURE_M, SURE_PART * np.linalg.norm(translation))
+    return max(SURE_M, SURE_PART * float(np.linalg.norm(translation)))
 
 
-def _camera(view, which=0):
+def _camera(view: View, which: int = 0) -> Floats:
     """(3,) meters: where the camera is in wall coordinates."""
     return -view.rotation[which].T @ view.translation[which]
