@@ -23,7 +23,7 @@ from .tags import DICTIONARIES, Tag, draw_tag, get_dictionary
 from .tracker import Tracker
 
 __all__ = [
-    'Area', 'AreaPose', 'CameraPose', 'DICTIONARIES', 'Detector', 'InputError', 'Lens', 'PoseEstimator', 'Tag',
+    'DICTIONARIES', 'Area', 'AreaPose', 'CameraPose', 'Detector', 'InputError', 'Lens', 'PoseEstimator', 'Tag',
     'TagPose', 'Tracker', 'area_mask', 'draw_tag', 'fill_polygon', 'find_area', 'find_four_centers',
     'get_dictionary', 'largest_quadrilateral', 'load_picture', 'mark_centers', 'mark_tags', 'order_coordinates',
     'overlay', 'subtract',
