@@ -9,7 +9,6 @@ import os
 import sys
 
 import cv2
-
 from aruco_ar import InputError, draw_tag
 from aruco_ar.files import own_folder, write_whole
 from aruco_ar.progress import progress
@@ -21,7 +20,7 @@ MAX_ID = 10000  # above those of every dictionary
 
 def read_ids(text):
     """Ids from text such as "1-4" or "1,4,7-9"."""
-    ids = []
+    ids: list[int] = []
     try:
         for part in text.split(','):
             first, dash, last = part.partition('-')

@@ -2,7 +2,6 @@
 """A live page in the browser: what all exercises show, side by side, driving, and what is painted."""
 from aruco_node.manual import Manual
 from aruco_node.node import run_node
-
 from page_server.server import Settings, serve
 
 if __name__ == '__main__':

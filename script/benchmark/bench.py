@@ -4,7 +4,7 @@ import argparse
 import os
 import sys
 
-from aruco_ar import InputError  # before numpy is, which it gives one thread
+from aruco_ar import InputError  # isort: skip  # before numpy is, which it gives one thread
 
 import accuracy
 import browser

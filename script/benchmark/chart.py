@@ -3,7 +3,7 @@ import matplotlib
 import numpy as np
 
 matplotlib.use('Agg')
-from matplotlib import pyplot  # noqa: E402  (the backend comes first)
+from matplotlib import pyplot  # the backend comes first
 
 COLORS = {"the course's code": 'tab:orange', 'unit5': 'tab:blue'}
 

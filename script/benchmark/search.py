@@ -133,7 +133,7 @@ def run():
 
 def run_crowds():
     """Print how many of the crowds' tags each method finds."""
-    print('\nCrowded photos, %s: tags found with all corners within %g px of AprilTag\'s; found besides\n'
+    print("\nCrowded photos, %s: tags found with all corners within %g px of AprilTag's; found besides\n"
           '(AprilTag does not find all); ids other than 0, which no tag there has.\n'
           % (CROWDS_DICTIONARY, SAME_CORNER_PX))
     for method in METHODS:

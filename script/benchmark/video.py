@@ -40,10 +40,10 @@ def run(path, dictionary, chart):
     corners = {name: np.float64(rows) for name, rows in corners.items()}
     print('\n%s: %d frames, %g a second\n\n%-8s %18s %16s %22s' % (
         path, len(stamps), rate, '', 'ms/frame, median', '99 % below', 'frames with an area'))
-    for name in times:
+    for name, took in times.items():
         have = ~np.isnan(corners[name][:, 0, 0])
-        print('%-8s %18.2f %16.2f %20.1f %%' % (name, np.median(times[name]),
-                                                np.percentile(times[name], 99), 100 * have.mean()))
+        print('%-8s %18.2f %16.2f %20.1f %%' % (name, np.median(took),
+                                                np.percentile(took, 99), 100 * have.mean()))
     both = ~np.isnan(corners['course'][:, 0, 0] + corners['ours'][:, 0, 0])
     if both.any():
         course, ours = (np.median(np.array(times[name])[both]) for name in ('course', 'ours'))

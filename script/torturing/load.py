@@ -19,7 +19,7 @@ def run(seconds, seed):
         'camera', 'node', 'frames/s', 'median ms', '99 % ms', 'max ms', 'old', 'ms/min'))
     with Master():
         for case in (dict(), dict(rate=120), dict(rate=1)):
-            with nodes(ALL) as (running, viewer):
+            with nodes(ALL) as (_, viewer):
                 found += measure(case, ALL, seconds)
                 if viewer.fault or not viewer.shown:
                     found.append('The page has shown %d frames; %s' % (viewer.shown, viewer.fault))

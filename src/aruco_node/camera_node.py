@@ -2,6 +2,7 @@
 import threading
 import time
 import traceback
+from typing import Sequence
 
 import rospy
 from aruco_ar.errors import InputError
@@ -33,13 +34,13 @@ class CameraNode:
     class of its parameters.
     """
 
-    results = []  # names of the topics of more than images, for who asks why nothing comes
+    results: Sequence[str] = ()  # names of the topics of more than images, for who asks why nothing comes
     scale = 1.0  # by which the frame was resized
     ready = True  # whether what is made of frames is all that there will be: a snapshot waits for that
 
     def __init__(self, takes, topics, kind_of_settings):
         self.settings = read(kind_of_settings, parameter)
-        self._areas = [{}]  # of each area, the parameters that are its own
+        self._areas: list[dict[str, object]] = [{}]  # of each area, the parameters that are its own
         if getattr(self.settings, 'areas', 'none') != 'none':
             self._areas = load_areas(self.settings.areas)
         self._inputs = [Inputs(takes, of_area, package_folder()) for of_area in self._of_areas(self.settings)]
@@ -121,7 +122,7 @@ class CameraNode:
     def _of_areas(self, settings):
         """The Settings of each area: its own before the node's."""
         values = plain(settings)
-        return [read(type(settings), lambda name, default: own.get(name, values[name])) for own in self._areas]
+        return [read(type(settings), {**values, **own}.get) for own in self._areas]
 
     def _reconfigure(self, settings):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
@@ -159,7 +160,7 @@ class CameraNode:
         own = [output.name for output in self._outputs.values()]
         if self._subscriber is None and published.get(self._topic) == self._kind._type:
             return 'Nobody listens to %s, so nothing is computed. To see it: open the page, or rosrun ' \
-                   'image_view image_view image:=%s' % (', '.join(self.results + own), own[-1]), True
+                   'image_view image_view image:=%s' % (', '.join([*self.results, *own]), own[-1]), True
         return explain_silence(self.camera, self.settings.transport, published,
                                own + [name + '/compressed' for name in own]), False
 

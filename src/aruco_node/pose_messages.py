@@ -2,8 +2,15 @@
 import cv2
 import numpy as np
 from aruco_ar.solving import angles_of
-from geometry_msgs.msg import (Point, Pose, PoseWithCovariance, PoseWithCovarianceStamped, Quaternion,
-                               TransformStamped, Vector3)
+from geometry_msgs.msg import (
+    Point,
+    Pose,
+    PoseWithCovariance,
+    PoseWithCovarianceStamped,
+    Quaternion,
+    TransformStamped,
+    Vector3,
+)
 from rospy import Duration
 from std_msgs.msg import ColorRGBA, Header
 from unit5.msg import AreaPose as AreaPoseMessage

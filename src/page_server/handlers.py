@@ -23,10 +23,9 @@ def refusal_of(request):
     if not is_own_name(request.host):
         return ('This server does not go by the name "%s"; open it by its IP address or as localhost.'
                 % request.host)
-    if request.method != 'GET' or 'Upgrade' in request.headers:
-        if not is_same_site(request.headers.get('Origin'), request.host):
-            return ('Only the page of this server itself may do that, not one of "%s".'
-                    % request.headers['Origin'])
+    acts = request.method != 'GET' or 'Upgrade' in request.headers
+    if acts and not is_same_site(request.headers.get('Origin'), request.host):
+        return 'Only the page of this server itself may do that, not one of "%s".' % request.headers['Origin']
     return None
 
 
@@ -146,7 +145,7 @@ class Stream(Handler):
             except StreamClosedError:
                 pass
             except asyncio.TimeoutError:
-                self.request.connection.stream.close()
+                self.request.connection.stream.close()  # type: ignore[union-attr]  # it is an HTTP1Connection
 
     async def _send(self, topic, options):
         stamp = topic.message.header.stamp
@@ -189,7 +188,8 @@ class Picture(Handler):
 
     def prepare(self):
         self._body, self._bytes = [], 0
-        self.request.connection.set_max_body_size(1 << 62)  # else tornado refuses without a word
+        # Else tornado refuses without a word. The connection is an HTTP1Connection.
+        self.request.connection.set_max_body_size(1 << 62)  # type: ignore[union-attr]
         super().prepare()
         announced = self.request.headers.get('Content-Length', '0')
         if not self._finished and announced.isdecimal() and int(announced) > MAX_BYTES:

@@ -31,7 +31,8 @@ class View:
     def __init__(self, name, tags):
         self.name, self.tags = name, tags
         self.shown = asyncio.Event()
-        self.stamp, self.latencies = None, deque(maxlen=15)
+        self.stamp = None
+        self.latencies: deque[float] = deque(maxlen=15)
         self.task = None
 
     def figures(self, topic):
@@ -59,6 +60,7 @@ class Live(Guarded, WebSocketHandler):
     def initialize(self, parts):
         self.parts = parts
         self._views = {}
+        self._tasks = set()  # asyncio itself forgets those that nobody else keeps
 
     def check_origin(self, origin):
         return True  # prepare has refused what is not of this site
@@ -87,11 +89,17 @@ class Live(Guarded, WebSocketHandler):
             elif 'drive' in said and self.parts.driver:
                 self.parts.driver.command(self, *said['drive'])
             elif 'picture' in said:
-                asyncio.ensure_future(self._choose(self.parts.choices.choose(said['picture'])))
+                self._begin(self._choose(self.parts.choices.choose(said['picture'])))
             elif 'slide' in said:
-                asyncio.ensure_future(self._choose(self.parts.choices.slide(*said['slide'])))
+                self._begin(self._choose(self.parts.choices.slide(*said['slide'])))
         except (ValueError, TypeError, OverflowError, RecursionError):
             self.close(1003, 'not the language of this page')
+
+    def _begin(self, work):
+        """Have a coroutine run, and wait for nothing."""
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
 
     async def _choose(self, choosing):
         """Await a choice, which may take a while: driving does not wait for it."""
@@ -150,7 +158,7 @@ class Live(Guarded, WebSocketHandler):
 
     def tell(self, message):
         """Send the page a JSON object."""
-        asyncio.ensure_future(self._send(json.dumps(message)))
+        self._begin(self._send(json.dumps(message)))
 
     async def _send(self, message):
         """Send text or bytes; a browser that does not take them for long is given up."""
@@ -159,4 +167,5 @@ class Live(Guarded, WebSocketHandler):
         except WebSocketClosedError:
             pass
         except asyncio.TimeoutError:
-            self.ws_connection.stream.close()
+            if self.ws_connection is not None and self.ws_connection.stream is not None:  # not closed meanwhile
+                self.ws_connection.stream.close()

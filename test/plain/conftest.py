@@ -4,7 +4,6 @@ import sys
 import aruco_ar  # before numpy, which it gives one thread
 import numpy as np
 import pytest
-
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall

@@ -3,8 +3,8 @@ import numpy as np
 from aruco_ar import Tag
 from aruco_ar.robot import Camera, wall_to_camera
 from aruco_ar.solving import square, turned
-from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
 from drives import LIVELY
+from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
 
 PINHOLE = lens_of(Camera())
 BENT = Camera(distortion=[-0.3, 0.1, 0, 0, 0])

@@ -75,7 +75,7 @@ def test_what_is_wrong_with_a_camera_info_is_said(message, words):
     ('/camera/rgb/image_raw', 'auto', False), ('/camera/rgb/image_rect_color', 'auto', True),
     ('/camera/image_rect', 'auto', True), ('/camera/image_rect', False, False), ('/usb/image', True, True)])
 def test_a_rectified_topic_is_known_by_its_name(topic, wish, rectified):
-    settings = read(PoseSettings, lambda name, default: {'rectified': wish}.get(name, default))
+    settings = read(PoseSettings, {'rectified': wish}.get)
     calibration = Calibration(settings, topic)
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'

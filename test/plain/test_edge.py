@@ -6,8 +6,14 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_node.messages import (TRANSPORTS, compressed_from_frame, frame_from_compressed,
-                                 frame_from_image, image_from_frame, picture_from_image)
+from aruco_node.messages import (
+    TRANSPORTS,
+    compressed_from_frame,
+    frame_from_compressed,
+    frame_from_image,
+    image_from_frame,
+    picture_from_image,
+)
 from aruco_node.waiting import IMAGE_TYPES, explain_silence
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header

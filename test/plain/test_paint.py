@@ -2,8 +2,19 @@
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import (Area, Detector, Tag, area_mask, fill_polygon, find_area, load_picture,
-                      mark_centers, mark_tags, overlay, subtract)
+from aruco_ar import (
+    Area,
+    Detector,
+    Tag,
+    area_mask,
+    fill_polygon,
+    find_area,
+    load_picture,
+    mark_centers,
+    mark_tags,
+    overlay,
+    subtract,
+)
 from aruco_ar.render import project
 from aruco_ar.robot import Camera
 

@@ -7,9 +7,9 @@ from aruco_ar.belief import Belief
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.solving import angles_of, turned
+from drives import LIVELY
 from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
 from posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
-from drives import LIVELY
 
 
 @pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])

@@ -6,7 +6,7 @@ from aruco_node.settings import PictureSettings, PoseSettings, load_areas
 
 
 def settings(kind=PictureSettings, **parameters):
-    return read(kind, lambda name, default: parameters.get(name, default))
+    return read(kind, parameters.get)
 
 
 def test_without_parameters_nothing_is_to_be_configured():

@@ -78,13 +78,13 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
     ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not from'),
     ('wall: {width: 1, height: 1, color: [1, 1, 999]}\ndictionary: DICT_4X4_50\ntags: []', '999 is not'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\nquiet: -1\ntags: []', '-1 is not'),
-    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-     'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}', '4.7 is no id'),
-    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-     'tags:\n- {id: true, x: 0, y: 0, side: 1}', 'True is no id'),
+    (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+      'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}'), '4.7 is no id'),
+    (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+      'tags:\n- {id: true, x: 0, y: 0, side: 1}'), 'True is no id'),
     ('wall: {width: 1, height: 1, color: [1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'wrong form'),
-    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-     'tags:\n- {id: 1, x: 0, y: 0, side: 1}\narea: [1]', 'four different'),
+    (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
+      'tags:\n- {id: 1, x: 0, y: 0, side: 1}\narea: [1]'), 'four different'),
 ])
 def test_a_wrong_wall_file_is_named(assert_refused, text, words):
     assert_refused(load_wall, text, words)

@@ -50,7 +50,7 @@ class BrowserTest(ServerTest):
     def wait_for_text(self, selector, words):
         """Wait until the elements of that kind, of which there must be one, all say these words."""
         self.page.wait_for_function(
-            """([selector, words]) => {
+            '''([selector, words]) => {
                  const texts = [...document.querySelectorAll(selector)].map((element) => element.textContent);
                  return texts.length > 0 && texts.every((text) => text.includes(words));
-               }""", arg=[selector, words])
+               }''', arg=[selector, words])

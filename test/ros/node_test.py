@@ -137,9 +137,8 @@ class Node(NodeTest):
             self.assertEqual(node.ends(), 1, name)
             node.wait_for(*words)
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
-            name = argument.partition(':=')[0].replace('_', '', 1)
             self.assertFalse([topic for topic, nodes in Master('/test').getSystemState()[0]
-                              if any(node.endswith(name) for node in nodes)])
+                              if '/' + name.replace('.py', '') in nodes])
 
 
 if __name__ == '__main__':

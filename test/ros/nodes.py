@@ -95,7 +95,7 @@ class NodeTest(unittest.TestCase):
         """Start a node before a camera and listen to its images and ~tags, and to ``others``: {topic: type}."""
         self.publisher, self.connections = self.camera()
         self.node = self.start(name + '.py', *arguments)
-        kinds = dict({topic: Image for topic in topics}, tags=TagArray, **others)
+        kinds = dict(dict.fromkeys(topics, Image), tags=TagArray, **others)
         self.attend({topic: self.listen('/%s/%s' % (name, topic), kind) for topic, kind in kinds.items()})
 
     def attend(self, inboxes):

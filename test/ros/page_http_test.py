@@ -68,7 +68,7 @@ class PageHttp(ServerTest):
         other = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(other.unregister)
         self.listed('/eye/image')
-        status, headers, body = ask(self.port, '/')
+        _, headers, body = ask(self.port, '/')
         self.assertIn('href="/stream?topic=/eye/image"', body.decode())
         self.assertIn('href="/snapshot?topic=/eye/image"', body.decode())
         self.assertNotIn('/words', body.decode())
@@ -99,9 +99,8 @@ class PageHttp(ServerTest):
         stream.close()
 
     def test_a_snapshot_and_one_of_a_camera_that_is_only_there_compressed(self):
-        for topic, kind in (('/eye/image', Image), ('/lens/image/compressed', CompressedImage)):
-            publish, connections = self.camera(topic, kind)
-            topic = topic.replace('/compressed', '')
+        for topic, suffix, kind in (('/eye/image', '', Image), ('/lens/image', '/compressed', CompressedImage)):
+            publish, connections = self.camera(topic + suffix, kind)
             self.listed(topic)
             self.publish_always(publish)
             status, headers, body = ask(self.port, '/snapshot?topic=' + topic)

@@ -28,10 +28,10 @@ class Page(BrowserTest):
     def wait_for_color(self, color):
         """Wait until the middle of what 5.6 shows has about that color, (blue, green, red)."""
         self.page.wait_for_function(
-            """([selector, x, y, [blue, green, red]]) => {
+            '''([selector, x, y, [blue, green, red]]) => {
                  const [r, g, b] = document.querySelector(selector).getContext('2d').getImageData(x, y, 1, 1).data;
                  return Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue) < 60;
-               }""", arg=[PAINTED + ' canvas', *self.middle(), list(color)])
+               }''', arg=[PAINTED + ' canvas', *self.middle(), list(color)])
 
     def wait_for_chosen(self, name):
         self.page.wait_for_function("(name) => document.querySelector(`input[value='${name}']`).checked", arg=name)
@@ -72,9 +72,9 @@ class Page(BrowserTest):
 
     def test_everything_has_a_name_for_a_screen_reader(self):
         nameless = self.page.evaluate(
-            """[...document.querySelectorAll('button, input, canvas, section, select')].filter((element) =>
+            '''[...document.querySelectorAll('button, input, canvas, section, select')].filter((element) =>
                  !element.ariaLabel && !element.getAttribute('aria-labelledby')
-                 && !element.closest('label')?.textContent.trim()).map((element) => element.outerHTML)""")
+                 && !element.closest('label')?.textContent.trim()).map((element) => element.outerHTML)''')
         self.assertEqual(nameless, [])
         for name in ('Forward', 'Backward', 'Turn left', 'Turn right', '5.6 A picture in its place: enlarge'):
             self.assertEqual(self.page.get_by_role('button', name=name).count(), 1, name)
@@ -103,7 +103,6 @@ class Page(BrowserTest):
     def test_choosing_a_picture_changes_what_is_painted(self):
         self.page.get_by_text('turning earth').click()
         self.wait_for_chosen('turning_earth.mp4')
-        x, y = self.middle()
         turned = [self.shot(PAINTED + ' canvas')]
         until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
               np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
@@ -113,11 +112,11 @@ class Page(BrowserTest):
         self.wait_for_text('#status', 'green.png is the picture now.')
         blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
         self.page.evaluate(
-            """(bytes) => {
+            '''(bytes) => {
                  const dataTransfer = new DataTransfer();
                  dataTransfer.items.add(new File([new Uint8Array(bytes)], 'blue.png', { type: 'image/png' }));
                  document.querySelector('h1').dispatchEvent(new DragEvent('drop', { bubbles: true, cancelable: true, dataTransfer }));
-               }""", np.ravel(blue).tolist())
+               }''', np.ravel(blue).tolist())
         self.wait_for_color((220, 30, 10))
         self.expected = '422'  # the browser tells its console of answers that are none
         self.page.locator('#file').set_input_files({'name': 'no.png', 'mimeType': 'image/png', 'buffer': b'no'})

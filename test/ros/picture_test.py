@@ -3,6 +3,7 @@
 import os
 import tempfile
 import unittest
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -157,7 +158,7 @@ class Picture(unittest.TestCase):
 
     def test_several_areas_each_with_its_own_picture(self):
         red = self.file('red.png', lambda path: cv2.imwrite(path, plain(RED)))
-        areas = self.file('areas.yaml', lambda path: open(path, 'w').write(
+        areas = self.file('areas.yaml', lambda path: Path(path).write_text(
             'areas:\n- {ids: [1, 2, 3, 4]}\n- {ids: [5, 6, 7, 8], picture: %s, opacity: 0.5}\n' % red))
         green = self.file('green.png', lambda path: cv2.imwrite(path, plain(GREEN)))
         self.start('_areas:=' + areas, '_picture:=' + green)
@@ -176,7 +177,7 @@ class Picture(unittest.TestCase):
 
     def test_where_all_areas_have_their_own_picture_another_is_refused(self):
         red = self.file('red.png', lambda path: cv2.imwrite(path, plain(RED)))
-        areas = self.file('areas.yaml', lambda path: open(path, 'w').write(
+        areas = self.file('areas.yaml', lambda path: Path(path).write_text(
             'areas: [{ids: [1, 2, 3, 4], picture: %s}]' % red))
         self.start('_areas:=' + areas)
         client = Client('/exercise5_6', timeout=WAIT_S)
@@ -185,7 +186,7 @@ class Picture(unittest.TestCase):
         self.node.wait_for('Each area has a picture of its own')
 
     def test_what_cannot_be_painted_ends_it_with_a_sentence(self):
-        few = self.file('few.yaml', lambda path: open(path, 'w').write('areas: [{ids: [1, 2, 3]}]'))
+        few = self.file('few.yaml', lambda path: Path(path).write_text('areas: [{ids: [1, 2, 3]}]'))
         for argument, words in (('_picture:=topic:a b', 'no name of a topic'),
                                 ('_picture:=topic:/exercise5_6/image', 'publishes itself'),
                                 ('_areas:=' + few, 'four different')):

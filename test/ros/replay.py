@@ -48,7 +48,7 @@ class ReplayTest(unittest.TestCase):
     def setUpClass(cls):
         suffix, kind, to_frame = TRANSPORTS[cls.transport]
         topics = {FRAMES + suffix: kind, TAGS: TagArray, AREA: PolygonStamped}
-        topics.update({topic: Image for topic in cls.results})
+        topics.update(dict.fromkeys(cls.results, Image))
         cls.moments = [Moment(parts, parts[FRAMES + suffix], cls.results, to_frame)
                        for parts in moments(topics, cls.count, TIMEOUT_S)]
         cls.with_area = [moment for moment in cls.moments if moment.area]
