@@ -86,7 +86,7 @@ class TagPoses(CameraNode):
 
     def answer(self, frame, given, header, stamp):
         tags, area = given[0]
-        faults = {}
+        faults: dict[str, str] = {}
         lens = self._lens(frame.shape[1::-1], faults)
         self.ready = lens is not None or bool(faults)
         poses = []

@@ -107,7 +107,8 @@ class WallCamera:
         path = self._settings.path
         self._driver = Driver(load_path(path) if path != 'none' else None)
         Reconfigurer(self._settings, self._reconfigure)
-        self._diagnostics, self._shown, self._late = Diagnostics(self._report), deque(), 0
+        self._diagnostics, self._late = Diagnostics(self._report), 0
+        self._shown: deque[float] = deque()  # when frames were, monotonic
         self._watched = None  # since when, monotonic
 
         self._image = ImagePublisher(CAMERA, encoding='rgb8')

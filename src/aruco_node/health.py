@@ -57,7 +57,8 @@ class FrameCount:
         self._lock = threading.Lock()  # frames come in one thread, the report is made in another
         self._came = self._answered = self._dropped = 0
         self._number = None
-        self._recent = deque()  # (when, pipeline s, latency s or nan, dropped before it)
+        # When, pipeline s, latency s or nan, dropped before it.
+        self._recent: deque[tuple[float, float, float, int]] = deque()
         self._tags, self._sighted, self._area_seen = 0, time.monotonic(), None
 
     def begin(self):
@@ -97,7 +98,8 @@ class FrameCount:
                 self._recent.popleft()
             recent = np.array(self._recent).reshape(-1, 4)
             unseen, area_seen = now - self._sighted, self._area_seen
-            values = {'frames in': self._came, 'frames out': self._answered, 'frames dropped': self._dropped}
+            values: dict[str, object] = {
+                'frames in': self._came, 'frames out': self._answered, 'frames dropped': self._dropped}
             tags = self._tags
         rate = (len(recent) - 1) / max(np.ptp(recent[:, 0]), 1e-3) if len(recent) > 1 else 0.0
         values['frame rate (Hz)'] = '%.1f' % rate

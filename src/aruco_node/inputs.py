@@ -2,6 +2,7 @@
 import os
 import threading
 import time
+from typing import Any
 
 import rospy
 from aruco_ar.detector import Detector
@@ -32,7 +33,7 @@ class Inputs:
         self._lock = threading.Lock()  # topics are followed in one thread, settings changed in another
         self._detected, self.has_area = [], False
         self._detector, self._tracker = self._begin(settings)
-        self._source = self._open(settings.picture) if 'picture' in takes else None
+        self._source: Any = self._open(settings.picture) if 'picture' in takes else None
 
     @property
     def tags(self):

@@ -1,6 +1,7 @@
 """Between sensor_msgs and frames; a frame is (h, w, 3) BGR uint8."""
 import os
 import struct
+from typing import Any
 
 import cv2
 import numpy as np
@@ -27,6 +28,8 @@ class FrameMessage(Image):
     What genpy makes copies the data twice on its way out, which takes longer
     than painting.
     """
+
+    data: Any
 
     def serialize(self, buff):
         """Write the message to a file-like object, as every message does."""
@@ -127,7 +130,7 @@ def image_from_frame(frame, header, encoding='bgr8'):
     height, width, channels = frame.shape
     return FrameMessage(header=header, height=height, width=width, is_bigendian=0,
                         encoding='bgra8' if channels == 4 else encoding, step=channels * width,
-                        data=memoryview(np.ascontiguousarray(frame).reshape(-1)))
+                        data=np.ascontiguousarray(frame).reshape(-1).data)
 
 
 def compressed_from_frame(frame, header):

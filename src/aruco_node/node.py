@@ -1,4 +1,5 @@
 """What every node of this package does when it starts and when it ends."""
+import io
 import sys
 import threading
 import traceback
@@ -18,11 +19,12 @@ def run_node(name, work, manual):
     if any(argument in ('--help', '-h') for argument in sys.argv[1:]):
         print(manual.text(name, sys.modules['__main__'].__doc__))
         return
-    sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)
-    errors = []
+    errors: list[object] = []
 
     def guarded():
         try:

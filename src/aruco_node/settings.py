@@ -112,7 +112,7 @@ class PoseSettings(AreaSettings):
                             live=False)
     rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '
                                              'topic is called image_rect...')
-    tag_frame: str = text('tag_' + ID, 'a name with {id} in it', "TF frame of a tag", _tag_frame, live=False)
+    tag_frame: str = text('tag_' + ID, 'a name with {id} in it', 'TF frame of a tag', _tag_frame, live=False)
     wall_frame: str = text(AUTO, 'auto, or the name of a TF frame', "frame in which the camera's and the robot's "
                            "poses are given; auto: wall, or learned_wall where it is learned", live=False)
     robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',

@@ -73,7 +73,7 @@ def true_tags(wall, view, camera, header):
     """Where all corners of the tags before the camera are, in or out of the frame: a TagArray."""
     seen = []
     for tag in wall.tags:
-        pixels, before_camera = project(tag.corners, *view, camera)
+        pixels, before_camera = project(tag.corners, view[0], view[1], camera)
         if before_camera:
             seen.append((tag.id, pixels))
     return tags_from_pixels(seen, header)
@@ -81,7 +81,7 @@ def true_tags(wall, view, camera, header):
 
 def true_area(wall, view, camera, header):
     """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
-    pixels, before_camera = project(wall.area_corners, *view, camera) if wall.area else ([], True)
+    pixels, before_camera = project(wall.area_corners, view[0], view[1], camera) if wall.area else ([], True)
     return polygon_from_pixels(pixels if before_camera else [], header)
 
 

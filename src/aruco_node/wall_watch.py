@@ -2,6 +2,7 @@
 import numpy as np
 
 PATIENCE_S = 3.0     # a wrong file is wrong for longer
+NOWHERE = -1         # in place of the id of what is wrong: the tags do not agree where the camera is
 OFF_M, OFF_PART = 0.02, 0.02  # meters, and of the distance: a tag farther from its place is elsewhere
 
 
@@ -24,7 +25,7 @@ class WallWatch:
             return None
         wrong = set()
         if camera is None:
-            wrong.add(None)
+            wrong.add(NOWHERE)
         else:
             for pose in known:
                 place = camera.rotation @ pose.translation + camera.translation
@@ -33,7 +34,7 @@ class WallWatch:
                     wrong.add(pose.id)
         self._since = {what: min(self._since.get(what, stamp), stamp) for what in wrong}
         lasting = [what for what in wrong if stamp - self._since[what] > PATIENCE_S]
-        if None in lasting:
+        if NOWHERE in lasting:
             return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is not known. Are their ' \
                    'places and sides there right, in meters?' % self._name
         if lasting:

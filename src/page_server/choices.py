@@ -50,12 +50,12 @@ class Node:
         What is wished for while the node is at the wish before goes to it together.
         """
         with self._lock:
-            waiting = bool(self._wanted)
+            job = self._job if self._wanted else None
             self._wanted.update(values)
-        if not waiting:
-            self._job = asyncio.get_event_loop().run_in_executor(self._worker, self._set_wanted)
+        if job is None:
+            self._job = job = asyncio.get_event_loop().run_in_executor(self._worker, self._set_wanted)
         try:
-            await asyncio.wait_for(asyncio.shield(self._job), ANSWER_S)
+            await asyncio.wait_for(asyncio.shield(job), ANSWER_S)
         except asyncio.TimeoutError:
             raise InputError('%s does not answer.' % self.name) from None
 

@@ -70,9 +70,9 @@ class Parts:
     """What the handlers share. ``driver`` is None where driving is off."""
 
     topics: Topics
-    choices: Optional[Choices]
     driver: Optional[Driver]
     tiles: List[Tile]
+    choices: Choices = field(init=False)  # which tells the browsers
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
     told: Any = None
@@ -131,7 +131,7 @@ def serve():
     Reconfigurer(settings, driver.set_speeds if driver else lambda settings: None)
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
-    parts = Parts(Topics(), None, driver, tiles)
+    parts = Parts(Topics(), driver, tiles)
     parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
     # What is chosen elsewhere tells of itself; a node that ends does not.
     PeriodicCallback(parts.tell_browsers, LOOK_MS).start()

@@ -29,7 +29,7 @@ class Watched:
         self._kind, self._registrar, self._loop = kind, registrar, asyncio.get_event_loop()
         self._watchers, self._subscriber = 0, None
         self._arrival = self._loop.create_future()
-        self._times = deque(maxlen=256)
+        self._times: deque[float] = deque(maxlen=256)
 
     @contextmanager
     def watched(self):
