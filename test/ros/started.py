@@ -17,10 +17,11 @@ class Started:
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self):
-        for line in self.process.stdout:
-            with self._arrived:
-                self.lines.append(line)
-                self._arrived.notify_all()
+        with self.process.stdout as lines:
+            for line in lines:
+                with self._arrived:
+                    self.lines.append(line)
+                    self._arrived.notify_all()
 
     def wait_for(self, *words):
         """Wait until a line has all these words; that line."""

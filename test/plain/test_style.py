@@ -1,0 +1,14 @@
+"""What ruff and mypy find (.ruff.toml, .mypy.ini say what they look for): nothing."""
+import subprocess
+import sys
+
+import pytest
+
+
+@pytest.mark.parametrize('command', [['ruff', 'check'], ['mypy']], ids=['ruff', 'mypy'])
+def test_nothing_is_found(command, package):
+    if command == ['mypy'] and sys.version_info < (3, 10):
+        pytest.skip('mypy 2 needs Python 3.10')
+    done = subprocess.run([sys.executable, '-m', *command], cwd=package, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
