@@ -52,7 +52,8 @@ class TagPoses(CameraNode):
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.results = [publisher.resolved_name for publisher in self._publishers.values()]
         self._transforms = tf2_ros.TransformBroadcaster()
-        self._frames, self._listener = tf2_ros.Buffer(), None  # the TF of others, while the robot's pose is wanted
+        # The TF of others, while the robot's pose is wanted.
+        self._frames, self._listener = tf2_ros.Buffer(), None
 
     def is_wanted(self):
         others = self._transforms.pub_tf.get_num_connections() - (self._listener is not None)
@@ -116,9 +117,9 @@ class TagPoses(CameraNode):
         if settings.wall != LEARN:
             wall = load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
             if wall.dictionary != settings.dictionary:
-                raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give the '
-                                 'same: dictionary:=%s.' % (settings.wall, wall.dictionary, settings.dictionary,
-                                                            wall.dictionary))
+                raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give '
+                                 'the same: dictionary:=%s.' % (settings.wall, wall.dictionary,
+                                                                settings.dictionary, wall.dictionary))
         return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
 
     def _lens(self, size, faults):
@@ -139,8 +140,8 @@ class TagPoses(CameraNode):
         if 'markers' in publish:
             publish['markers'](pose_messages.markers(poses, area, header))
         if not header.frame_id:
-            faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set it ' \
-                                 'in the camera driver.'
+            faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set ' \
+                                 'it in the camera driver.'
         else:
             self._publish_frames(poses, header)
         if camera is None:
@@ -159,9 +160,9 @@ class TagPoses(CameraNode):
         ids = [pose.id for pose in poses]
         single = [pose for pose in poses if ids.count(pose.id) == 1]
         if single:
-            self._transforms.sendTransform([
-                pose_messages.transform(pose, header, frame_name(self.settings.tag_frame.replace(ID, str(pose.id))))
-                for pose in single])
+            names = [frame_name(self.settings.tag_frame.replace(ID, str(pose.id))) for pose in single]
+            self._transforms.sendTransform([pose_messages.transform(pose, header, name)
+                                            for pose, name in zip(single, names)])
 
     def _robot(self, camera, header, faults):
         """The robot's pose by the camera's, or None if nobody knows where on the robot the camera is."""

@@ -52,12 +52,12 @@ class Settings:
 
     wall: str = text('config/wall.yaml', 'the path of a YAML file, which may be within the package',
                      'the wall and its tags', live=False)
-    path: str = text('none', 'none, or the path of a YAML file', 'where to drive, until the first command comes',
-                     live=False)
+    path: str = text('none', 'none, or the path of a YAML file',
+                     'where to drive, until the first command comes', live=False)
     rate: float = number(30.0, 0.1, 1000, 'frames a second', live=False)
     seed: float = number(0.0, 0, 2**31, 'of the noise', live=False)
-    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens', coefficients,
-                                         list, live=False)
+    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens',
+                                         coefficients, list, live=False)
     noise: float = number(2.0, 0, 100, 'standard deviation of the noise, gray levels')
     blur: float = number(0.0, 0, 20, 'standard deviation of the blur, pixels')
     light: float = number(0.3, 0, 1, "how much darker the wall's right end is than its left")

@@ -20,10 +20,12 @@ PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page')
 
 
 def parse():
-    parser = argparse.ArgumentParser(prog='script/bench', description=__doc__ + ' About twelve minutes without arguments.')
+    parser = argparse.ArgumentParser(
+        prog='script/bench', description=__doc__ + ' About twelve minutes without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
-    parser.add_argument('--dictionary', default='DICT_6X6_250', help="of the video's tags (default: DICT_6X6_250)")
+    parser.add_argument('--dictionary', default='DICT_6X6_250',
+                        help="of the video's tags (default: DICT_6X6_250)")
     parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
                         help='where the chart of error and jitter goes (default: unit5-bench.png)')
     return parser.parse_args()

@@ -22,7 +22,8 @@ WARM_UP_S, SECONDS = 3.0, 10.0
 def run():
     """Print frames a second, latency, and the processor time of page.py."""
     port = free_port()
-    launch = subprocess.Popen(['roslaunch', 'unit5', 'demo.launch', 'port:=%d' % port], stdout=subprocess.DEVNULL)
+    launch = subprocess.Popen(['roslaunch', 'unit5', 'demo.launch', 'port:=%d' % port],
+                              stdout=subprocess.DEVNULL)
     try:
         rospy.wait_for_service('/page/get_loggers', WAIT_S)
         pid = ServerProxy(rosgraph.Master('/bench').lookupNode('/page')).getPid('/bench')[2]
@@ -50,8 +51,10 @@ def measure(pid, receive):
 def subscribe(seconds):
     """Latencies, seconds, of all frames that a subscriber to all topics gets."""
     late = []
-    subscribers = [rospy.Subscriber(topic + '/compressed', CompressedImage, buff_size=1 << 24,
-                                    callback=lambda message: late.append(time.time() - message.header.stamp.to_sec()))
+
+    def take(message):
+        late.append(time.time() - message.header.stamp.to_sec())
+    subscribers = [rospy.Subscriber(topic + '/compressed', CompressedImage, take, buff_size=1 << 24)
                    for topic in TOPICS]
     time.sleep(seconds)
     for subscriber in subscribers:

@@ -54,8 +54,9 @@ def cost(size):
 
 def column(ids, turns):
     """A wall with tags one above the other, the camera's height in the middle."""
-    tags = tuple(WallTag(tag_id, 0.0, CAMERA_HEIGHT_M + 1.6 * SIDE_M * (place - (len(ids) - 1) / 2), SIDE_M, turn)
-                 for place, (tag_id, turn) in enumerate(zip(ids, turns)))
+    heights = CAMERA_HEIGHT_M + 1.6 * SIDE_M * (np.arange(len(ids)) - (len(ids) - 1) / 2)
+    tags = tuple(WallTag(tag_id, 0.0, height, SIDE_M, turn)
+                 for tag_id, height, turn in zip(ids, heights, turns))
     return Wall(8.0, 3.0, (196, 200, 205), DICTIONARY, 1, tags, tuple(ids[:4]))
 
 
@@ -68,7 +69,8 @@ def views(width, slant):
         far = CAMERA_FORWARD_M + camera.matrix[0, 0] * SIDE_M / (width + random.uniform(-0.5, 0.5))
         side = radians(slant)
         pose = Pose(-far * cos(side), -far * sin(side), side + random.uniform(-0.1, 0.1))
-        yield WallRenderer(wall, camera, noise=NOISE, seed=random.randint(1 << 30)).render(*wall_to_camera(pose)), ids
+        renderer = WallRenderer(wall, camera, noise=NOISE, seed=random.randint(1 << 30))
+        yield renderer.render(*wall_to_camera(pose)), ids
 
 
 def reach(case):
@@ -108,9 +110,9 @@ def apart(quad, other):
 def run():
     """Print cost, reach, and the counts on the photos if they are there."""
     cv2.setNumThreads(1)
-    print("\nSearches, %s. Cost: median of a frame, one thread, in times of OpenCV's default.\nReach: the width "
-          'of a tag in pixels from which on %.0f %% of them are found, noise %g, 640 x 480,\nhead-on or slanted '
-          '(its width were it not slanted); and wrong ids seen in all these frames.\n'
+    print("\nSearches, %s. Cost: median of a frame, one thread, in times of OpenCV's default.\n"
+          'Reach: the width of a tag in pixels from which on %.0f %% of them are found, noise %g, 640 x 480,\n'
+          'head-on or slanted (its width were it not slanted); and wrong ids seen in all these frames.\n'
           % (DICTIONARY, 100 * FOUND, NOISE))
     costs = [cost(size) for size in COST_SIZES]
     cases = [(width, slant) for slant in WIDTHS_PX for width in WIDTHS_PX[slant]]
@@ -125,7 +127,8 @@ def run():
           + ''.join('%14s' % ('%d degrees' % slant) for slant in WIDTHS_PX) + '%11s' % 'wrong ids')
     for method in METHODS:
         tell('%-17s' % method
-             + ''.join('%22s' % ('%.2f ms = %.2fx' % (took[method], took[method] / took[DEFAULT])) for took in costs)
+             + ''.join('%22s' % ('%.2f ms = %.2fx' % (took[method], took[method] / took[DEFAULT]))
+                       for took in costs)
              + ''.join('%14s' % reached(shares[method, slant]) for slant in WIDTHS_PX) + '%11d' % wrong[method])
     if os.path.isdir(PHOTOS):
         run_crowds()
@@ -141,7 +144,8 @@ def run_crowds():
         for name in CROWDS:
             photo, truth = crowd(name)
             tags = find(photo)
-            off = np.array([[apart(corners, quad) for quad in truth] for _, corners in tags]).reshape(-1, len(truth))
+            off = np.array([[apart(corners, quad) for quad in truth] for _, corners in tags])
+            off = off.reshape(-1, len(truth))
             counts.append('%d of %d' % (np.sum((off < SAME_CORNER_PX).any(axis=0)), len(truth)))
             besides += int(np.sum((off >= SAME_CORNER_PX).all(axis=1)))
             wrong += sum(tag_id != 0 for tag_id, _ in tags)

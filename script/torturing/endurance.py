@@ -31,8 +31,8 @@ def run(seconds, seed):
         taken = {name: each.stop() for name, each in listening.items()}
         found = [] if viewer.shown and not viewer.fault else ['The page has shown %d frames; %s' % (
             viewer.shown, viewer.fault)]
-    print('%.1f minutes at 30 Hz; the first %d %% do not count. Slopes are those of straight lines, an hour.\n' % (
-        seconds / 60, 100 * BEGIN))
+    print('%.1f minutes at 30 Hz; the first %d %% do not count. Slopes are those of straight lines, an hour.\n'
+          % (seconds / 60, 100 * BEGIN))
     print('%-12s %8s %10s %10s %12s %10s %9s %9s %10s' % (
         'node', 'MB', 'MB/h', '2nd half', 'threads', 'files', 'median', '99 % ms', 'ms/h'))
     for name in running:

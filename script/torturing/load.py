@@ -41,15 +41,18 @@ def measure(case, names, seconds):
     for topic, each in taken.items():
         when, age = each.T
         if len(age) < 0.5 * seconds * min(settings['rate'], 1):
-            found.append('%s, %s: only %d frames were answered within %d s' % (title, topics[topic], len(age), seconds))
+            found.append('%s, %s: only %d frames were answered within %d s'
+                         % (title, topics[topic], len(age), seconds))
             continue
         old = np.count_nonzero(age > MAX_PERIODS / settings['rate'])
         growth = 60 * np.polyfit(when - when[0], age, 1)[0]
         print('%-34s %-12s %8.1f %9.1f %9.1f %9.1f %6d %+10.2f' % (
-            title, topics[topic], len(age) / seconds, *(1000 * np.percentile(age, (50, 99, 100))), old, 1000 * growth),
-            flush=True)
+            title, topics[topic], len(age) / seconds, *(1000 * np.percentile(age, (50, 99, 100))), old,
+            1000 * growth), flush=True)
         if old and settings == dict(width=640, height=480, rate=30):
-            found.append('%s, %s: %d frames older than two periods were published' % (title, topics[topic], old))
+            found.append('%s, %s: %d frames older than two periods were published'
+                         % (title, topics[topic], old))
         if growth > MAX_GROWTH:
-            found.append('%s, %s: the latency grows by %.0f ms a minute' % (title, topics[topic], 1000 * growth))
+            found.append('%s, %s: the latency grows by %.0f ms a minute'
+                         % (title, topics[topic], 1000 * growth))
     return found

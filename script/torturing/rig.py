@@ -89,7 +89,10 @@ def camera(width=640, height=480, rate=30):
 
 @contextmanager
 def nodes(names, page=True):
-    """Nodes while the block runs, and the page with a browser that shows them all; ({name: Process}, Viewer or None)."""
+    """Nodes while the block runs, and the page with a browser that shows them all.
+
+    ({name: Process}, Viewer or None).
+    """
     source = os.path.join(HERE, '..', '..', 'src')
     port = free_port()
     with ExitStack() as stack:

@@ -42,7 +42,8 @@ def main():
     share = ['--hours', str(args.hours / len(PARTS))] if args.hours else []
     found = [part for part in PARTS if subprocess.call(
         [sys.executable, os.path.abspath(__file__), '--only', part, '--seed', str(args.seed), *share])]
-    print('\n%s' % ('Something was found in: ' + ', '.join(found) if found else 'All parts are done, nothing was found.'))
+    print('\n' + ('Something was found in: ' + ', '.join(found) if found else
+                  'All parts are done, nothing was found.'))
     sys.exit(len(found) > 0)
 
 

@@ -12,7 +12,8 @@ from .parameters import AUTO
 from .waiting import SILENCE_S
 
 # How many distortion coefficients each model may have; none means no distortion.
-MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4), '': (0, 4, 5, 8)}
+MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4),
+          '': (0, 4, 5, 8)}
 FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
 RECTIFIED = 'image_rect'  # so image_proc calls the topics of frames without distortion
@@ -27,18 +28,20 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     """
     binning = np.maximum([info.binning_x, info.binning_y], 1)
     corner = np.array([info.roi.x_offset, info.roi.y_offset])
-    part = (info.roi.width, info.roi.height) if info.roi.width and info.roi.height else (info.width, info.height)
+    part = (info.roi.width, info.roi.height)
+    if 0 in part:
+        part = (info.width, info.height)
     came = part // binning
     if np.any(came == 0):
         raise InputError('it does not say for what size of frames it is. Calibrate the camera: rosrun '
                          'camera_calibration cameracalibrator.py', kind='camera_info without a size')
     if np.any(np.abs(came * scale - size) > 1):
-        raise InputError('it is for frames of %d x %d pixels, but they have %d x %d. Calibrate the camera at the '
-                         'size at which it runs' % (*came, *np.round(np.array(size) / scale)),
+        raise InputError('it is for frames of %d x %d pixels, but they have %d x %d. Calibrate the camera at '
+                         'the size at which it runs' % (*came, *np.round(np.array(size) / scale)),
                          kind='camera_info of %d x %d' % tuple(came))
     matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
-    if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or np.any(matrix[2] != [0, 0, 1]) \
-            or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
+    if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or \
+            np.any(matrix[2] != [0, 0, 1]) or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
         raise InputError('its %s is that of no camera, so it is not calibrated. Calibrate it: rosrun '
                          'camera_calibration cameracalibrator.py' % ('P' if rectified else 'K'),
                          kind='camera_info without calibration')
@@ -49,8 +52,8 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     if not rectified and (len(distortion) not in MODELS.get(info.distortion_model, ())
                           or not np.all(np.isfinite(distortion))):
         raise InputError('its distortion "%s" of %d numbers is not known; known are plumb_bob (4 or 5), '
-                         'rational_polynomial (8, 12 or 14) and equidistant (4)' % (
-                             info.distortion_model, len(distortion)), kind='camera_info with another distortion')
+                         'rational_polynomial (8, 12 or 14) and equidistant (4)'
+                         % (info.distortion_model, len(distortion)), kind='camera_info with another distortion')
     # As CameraInfo.msg says; and the middle of the first pixel is (0, 0) before and after resizing.
     matrix[:2, 2] -= corner
     matrix[:2] /= binning[:, None]
@@ -65,9 +68,13 @@ class Calibration:
     """The Lens of the camera's frames, as soon as it is known."""
 
     def __init__(self, settings, camera):
-        """``camera``: the resolved name of the camera's raw topic. Raises InputError if there can be no such topic."""
+        """``camera``: the resolved name of the camera's raw topic.
+
+        Raises InputError if there can be no such topic.
+        """
         if not is_legal_name(settings.camera_info):
-            raise InputError('The parameter ~camera_info is "%s"; that is no name of a topic.' % settings.camera_info)
+            raise InputError('The parameter ~camera_info is "%s"; that is no name of a topic.'
+                             % settings.camera_info)
         beside, _, image = camera.rpartition('/')
         self.rectified = image.startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified
         self.topic = beside + '/camera_info' if settings.camera_info == AUTO else \
@@ -86,14 +93,15 @@ class Calibration:
     def lens(self, size, scale):
         """The Lens of frames of that size, (width, height) pixels; None until a camera_info has come.
 
-        ``scale``: by which they were resized. Raises InputError if none comes for long, or if it cannot be used.
+        ``scale``: by which they were resized. Raises InputError if none comes for
+        long, or if it cannot be used.
         """
         info = self._info
         if info is None:
             if time.monotonic() - self._since < SILENCE_S:
                 return None
-            raise InputError('nothing arrives on it. Start the camera with its calibration, or say where it is: '
-                             'camera_info:=TOPIC', kind='no camera_info')
+            raise InputError('nothing arrives on it. Start the camera with its calibration, or say where it '
+                             'is: camera_info:=TOPIC', kind='no camera_info')
         if self._made_for != (info, size, scale):
             self._lens = lens_from_info(info, size, self.rectified, scale)
             self._made_for = info, size, scale

@@ -104,7 +104,8 @@ class CameraNode:
             rospy.Service('~reset', Trigger, self._on_reset)
         Reconfigurer(self.settings, self._reconfigure)
         rospy.on_shutdown(self.wake.set)
-        rospy.loginfo('Ready: %s -> %s', self._topic, ', '.join(output.name for output in self._outputs.values()))
+        rospy.loginfo('Ready: %s -> %s', self._topic,
+                      ', '.join(output.name for output in self._outputs.values()))
         while not rospy.is_shutdown():
             self._follow_listeners()
             if time.monotonic() - self._last_sign > SILENCE_S:

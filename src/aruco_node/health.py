@@ -78,12 +78,13 @@ class FrameCount:
         return missing
 
     def answered(self, began, stamp, missing, tags, area):
-        """It has been answered: ``began`` is when it came, monotonic; ``area`` None where areas are not looked for."""
+        """It has been answered. ``began``: when it came, monotonic. ``area``: None where none is looked for."""
         now = time.monotonic()
         latency = (rospy.Time.now() - stamp).to_sec() if stamp else np.nan
+        latency = latency if 0 <= latency < MAX_LATENCY_S else np.nan
         with self._lock:
             self._answered += 1
-            self._recent.append((now, now - began, latency if 0 <= latency < MAX_LATENCY_S else np.nan, missing))
+            self._recent.append((now, now - began, latency, missing))
             self._tags = tags
             if tags:
                 self._sighted = now
@@ -114,9 +115,10 @@ class FrameCount:
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # Where most of the time is left, it is not the node that drops them.
             busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
-            return WARN, ('Slow: %d of %d frames were dropped within %d s. A smaller ~scale helps, or ~search fast.'
-                          if busy else '%d of %d frames did not arrive within %d s: lost or left out on their way, '
-                          'by their header.seq.') % (dropped, dropped + len(recent), WINDOW_S), values
+            sentence = ('Slow: %d of %d frames were dropped within %d s. A smaller ~scale helps, or ~search fast.'
+                        if busy else '%d of %d frames did not arrive within %d s: lost or left out on their way, '
+                        'by their header.seq.')
+            return WARN, sentence % (dropped, dropped + len(recent), WINDOW_S), values
         if unseen > NO_TAGS_S:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -23,7 +23,8 @@ class Manual:
         """The manual of the node of that name; ``about`` says what it is for."""
         values = plain(self.settings())
         parameters = [('~' + key, '%s%s' % (values[key], ' *' if each.live else ''),
-                       '%s (%s)' % (each.what, each.kind.allowed)) for key, each in abouts(self.settings).items()]
+                       '%s (%s)' % (each.what, each.kind.allowed))
+                      for key, each in abouts(self.settings).items()]
         live = any(each.live for each in abouts(self.settings).values())
         publishes, services = self.publishes + COMMON, list(self.services)
         if live:
@@ -63,5 +64,6 @@ def _table(rows):
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     indent = ' ' * (sum(widths) + 6)
     return '\n'.join(
-        fill('  %-*s  %-*s  %s' % (widths[0], name, widths[1], kind, what), min(len(indent) + TEXT_WIDTH, WIDTH),
-             subsequent_indent=indent, drop_whitespace=True) for name, kind, what in rows)
+        fill('  %-*s  %-*s  %s' % (widths[0], name, widths[1], kind, what),
+             min(len(indent) + TEXT_WIDTH, WIDTH), subsequent_indent=indent, drop_whitespace=True)
+        for name, kind, what in rows)

@@ -64,7 +64,7 @@ class Text:
 
 @dataclass(frozen=True)
 class About:
-    """What is known of a parameter: its kind, what it is for, and whether it can be changed in a running node."""
+    """What is known of a parameter: its kind, what it is for, and whether a running node takes another."""
 
     kind: object
     what: str

@@ -61,8 +61,8 @@ def area_pose(pose, lens, header):
     """An aruco_ar.AreaPose, or None, as a unit5/AreaPose. ``lens``: the Lens of the frame."""
     if pose is None:
         return AreaPoseMessage(header=header)
-    return AreaPoseMessage(header, points_from_pixels(pose.corners), _center(pose, lens), pose.width, pose.height,
-                           pose_with_covariance(pose))
+    return AreaPoseMessage(header, points_from_pixels(pose.corners), _center(pose, lens), pose.width,
+                           pose.height, pose_with_covariance(pose))
 
 
 def _center(pose, lens):
@@ -88,7 +88,7 @@ def from_transform(message):
 
 
 def markers(poses, area, header):
-    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, if there is one."""
+    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, or None."""
     shown, ids = [], [pose.id for pose in poses]
     for count, pose in enumerate(poses):
         number = pose.id if ids.count(pose.id) == 1 else -1 - count  # RViz shows one marker of a number

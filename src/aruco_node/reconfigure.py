@@ -70,5 +70,6 @@ def _parameter(name, about, default):
     return {'name': name, 'type': 'double' if is_number else 'str', 'default': default, 'level': 0,
             'description': about.what,
             # As floats: a bound that is an int would be said to be one of an int parameter.
-            'min': float(about.kind.low) if is_number else '', 'max': float(about.kind.high) if is_number else '',
+            'min': float(about.kind.low) if is_number else '',
+            'max': float(about.kind.high) if is_number else '',
             'edit_method': repr({'enum': choices, 'enum_description': about.what}) if choices else ''}

@@ -54,7 +54,8 @@ class Settings:
                                              'small and slanted ones')
     correction: float = number(1.0, 0, 1, 'how many of the wrong cells that the dictionary could correct are '
                                           'corrected')
-    likeness: float = number(MIN_LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is taken for')
+    likeness: float = number(MIN_LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is '
+                                                 'taken for')
     min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
     folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
 
@@ -84,7 +85,8 @@ def _sizes(value):
     """Pairs of id and meters, of a dict, or of text such as "7: 0.1, 8: 0.25", as launch files give it."""
     if value in ('none', '', {}):
         return ()
-    pairs = [part.split(':') for part in value.strip('{} ').split(',')] if isinstance(value, str) else value.items()
+    pairs = value.items() if not isinstance(value, str) else \
+        [part.split(':') for part in value.strip('{} ').split(',')]
     return tuple((int(tag_id), SIZE.read(float(size))) for tag_id, size in pairs)
 
 
@@ -108,13 +110,14 @@ class PoseSettings(AreaSettings):
         _sizes_as_text)
     wall: str = text(LEARN, 'learn, or the path of a YAML file, which may be within the package',
                      'where the tags are on the wall: see config/wall.yaml')
-    camera_info: str = text(AUTO, 'auto, or the name of a topic', "auto: camera_info beside the camera's images",
-                            live=False)
-    rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if their '
-                                             'topic is called image_rect...')
+    camera_info: str = text(AUTO, 'auto, or the name of a topic',
+                            "auto: camera_info beside the camera's images", live=False)
+    rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if '
+                                             'their topic is called image_rect...')
     tag_frame: str = text('tag_' + ID, 'a name with {id} in it', 'TF frame of a tag', _tag_frame, live=False)
-    wall_frame: str = text(AUTO, 'auto, or the name of a TF frame', "frame in which the camera's and the robot's "
-                           "poses are given; auto: wall, or learned_wall where it is learned", live=False)
+    wall_frame: str = text(AUTO, 'auto, or the name of a TF frame',
+                           "frame in which the camera's and the robot's poses are given; auto: wall, or "
+                           'learned_wall where it is learned', live=False)
     robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',
                             live=False)
 

@@ -35,8 +35,8 @@ class WallWatch:
         self._since = {what: min(self._since.get(what, stamp), stamp) for what in wrong}
         lasting = [what for what in wrong if stamp - self._since[what] > PATIENCE_S]
         if NOWHERE in lasting:
-            return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is not known. Are their ' \
-                   'places and sides there right, in meters?' % self._name
+            return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is not known. Are ' \
+                   'their places and sides there right, in meters?' % self._name
         if lasting:
             return 'Tag %s is not where "%s" says; the others tell where the camera is.' % (
                 ', '.join(map(str, sorted(lasting))), self._name)

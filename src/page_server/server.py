@@ -42,8 +42,8 @@ class Settings:
                         'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
                         live=False)
     port: float = number(8080, 1, 65535, "the page's port", live=False)
-    drive: Any = wish(AUTO, 'whether the page may drive the robot; auto: only where it is served to this machine '
-                            'alone')
+    drive: Any = wish(AUTO, 'whether the page may drive the robot; auto: only where it is served to this '
+                            'machine alone')
     linear: float = number(0.3, 0, 2, 'speed to drive at, m/s')
     angular: float = number(0.8, 0, 8, 'speed to turn at, rad/s')
 

@@ -55,12 +55,14 @@ def test_binning_and_a_region_are_in_the_frame_already():
     message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height = 100, 80, 400, 320
     lens = lens_from_info(message, (200, 160))
     fx, cx, cy = CAMERA.matrix[0, 0], CAMERA.matrix[0, 2], CAMERA.matrix[1, 2]
-    np.testing.assert_allclose(lens.matrix, [[fx / 2, 0, (cx - 100) / 2], [0, fx / 2, (cy - 80) / 2], [0, 0, 1]])
+    np.testing.assert_allclose(lens.matrix,
+                               [[fx / 2, 0, (cx - 100) / 2], [0, fx / 2, (cy - 80) / 2], [0, 0, 1]])
 
 
 @pytest.mark.parametrize('message, words', [
     (CameraInfo(), 'for what size'), (info(K=[0.0] * 9), 'K is that of no camera'),
-    (info(K=[float('nan')] * 9), 'K is that of no camera'), (info(width=1280, height=960), 'for frames of 1280 x 960'),
+    (info(K=[float('nan')] * 9), 'K is that of no camera'),
+    (info(width=1280, height=960), 'for frames of 1280 x 960'),
     (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is that of no camera'),
     (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is that of no camera'),
     (info(D=[0.1] * 3), '"plumb_bob" of 3 numbers'), (info(D=[float('inf')] * 5), 'distortion'),

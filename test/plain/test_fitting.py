@@ -97,6 +97,7 @@ def test_the_thinnest_picture_is_painted_and_an_unknown_fit_named():
             image = overlay(frame, np.full(shape, 255, np.uint8), area, fit=fit)
             assert image[5, 5, 0] == 100 and image[50, 100, 0] > 100
     tiny = Area(np.float32([[50, 20], [53, 20], [53, 21.6], [50, 21.6]]), 1.9)
-    np.testing.assert_array_equal(overlay(frame, np.full((4096, 1, 3), 9, np.uint8), tiny, fit='contain'), frame)
+    high = np.full((4096, 1, 3), 9, np.uint8)
+    np.testing.assert_array_equal(overlay(frame, high, tiny, fit='contain'), frame)
     with pytest.raises(InputError, match='"squeeze".*stretch, contain, cover'):
         overlay(frame, np.zeros((2, 2, 3), np.uint8), area, fit='squeeze')

@@ -1,4 +1,4 @@
-"""Which tags are taken for ones on a wall: not one on a box before it, however far away, and all of a long wall."""
+"""Which tags are taken for ones on a wall: none on a box before it, however far away; all of a long wall."""
 import numpy as np
 import pytest
 from aruco_ar import Lens, PoseEstimator
@@ -80,7 +80,8 @@ def test_a_flat_wall_stays_learned(meters, moves, random):
         bias = {tag_id: random.normal(0, 0.03, (4, 2)) for tag_id in ids}
         estimator, found = PoseEstimator(SIDE), []
         for number in range(45):
-            seen(estimator, places, [0.2 * moves * np.sin(number / 15), 0, meters], 0.1, number, random, bias=bias)
+            place = [0.2 * moves * np.sin(number / 15), 0, meters]
+            seen(estimator, places, place, 0.1, number, random, bias=bias)
             found.append(estimator.camera())
         assert all(camera and len(camera.ids) >= 10 for camera in found[10:])
 

@@ -42,7 +42,7 @@ def sdf(files, path):
 
 
 def read_mesh(files):
-    """The mesh's faces in world coordinates: [(texture, points (4, 3), places in the texture (4, 2), normal)]."""
+    """The mesh's faces in the world: [(texture, points (4, 3), places in the texture (4, 2), normal)]."""
     model, world = sdf(files, MODEL + 'model.sdf'), sdf(files, WORLD)
     visual, = [visual for visual in model.iter('visual') if visual.find('geometry/mesh') is not None]
     assert visual.find('geometry/mesh/uri').text == 'model://unit5_wall/meshes/tags.obj'
@@ -72,7 +72,7 @@ def read_mesh(files):
 
 
 def read_fronts(files):
-    """[(texture, (3, 3))]: those faces to which a robot looks, with the matrix from a pixel's place to the world.
+    """[(texture, (3, 3))]: the faces to which a robot looks, with the matrix from a pixel's place to the world.
 
     The matrix takes (x, y, 1), x and y being pixels of the texture from its top left edge.
     """
@@ -109,7 +109,8 @@ def photograph(files, pose):
         middles = np.array([[1, 0, .5], [0, 1, .5], [0, 0, 1]])  # pixel (0, 0) has its middle at (0.5, 0.5)
         to_wall = np.array([[0, -1, 0], [0, 0, 1], [-1, 0, 0]]) @ to_world @ middles
         to_frame = camera.matrix @ (rotation @ to_wall + np.outer(translation, [0, 0, 1]))
-        cv2.warpPerspective(texture, to_frame, frame.shape[::-1], frame, cv2.INTER_LINEAR, cv2.BORDER_TRANSPARENT)
+        cv2.warpPerspective(texture, to_frame, frame.shape[::-1], frame, cv2.INTER_LINEAR,
+                            cv2.BORDER_TRANSPARENT)
     return cv2.resize(frame, (640, 480), interpolation=cv2.INTER_AREA)
 
 
@@ -191,7 +192,7 @@ def test_nothing_shines_and_light_is_even(wall):
     sun, ambient = (float(world.find(path).text.split()[0])
                     for path in ('world/light/diffuse', 'world/scene/ambient'))
     assert 0.8 < ambient + sun * direction[0] / np.linalg.norm(direction) < 1  # bright, but white does not clip
-    assert [uri.text for uri in world.iter('uri')] == ['model://unit5_wall']  # nothing else to be found or fetched
+    assert [uri.text for uri in world.iter('uri')] == ['model://unit5_wall']  # nothing else to find
 
 
 def test_what_is_shipped_is_what_the_command_makes(package, wall):
@@ -275,4 +276,5 @@ def test_the_launch_file_starts_gazebo_and_the_rosbot(package, tmp_path):
         x, y, heading = re.search(r'START = Pose\((.*), (.*), (.*)\)', file.read()).groups()
     spawn = launch('--args', '/spawn_rosbot', 'unit5', 'wall_gazebo.launch', **environment)
     assert '-x %s -y %s -z 0.05 -Y %s ' % (x, y, heading) in spawn
-    assert launch('--nodes', 'unit5', 'wall_gazebo.launch', 'robot:=false', **environment).split() == ['/gazebo']
+    alone = launch('--nodes', 'unit5', 'wall_gazebo.launch', 'robot:=false', **environment)
+    assert alone.split() == ['/gazebo']

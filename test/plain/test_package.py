@@ -9,7 +9,8 @@ import pytest
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
 SHARED_ARGS = {'camera', 'transport', 'dictionary', 'ids', 'scale', 'search', 'respawn', 'view', 'bag', 'sim'}
-OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'}, 'exercise5_6.launch': {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
+OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'},
+            'exercise5_6.launch': {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
 
 
 def launch_args(package, name):
@@ -56,8 +57,9 @@ def test_an_install_space_has_it_all(package, tmp_path):
         assert done.returncode == 0, done.stdout
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
               ' && rosrun unit5 gazebo_wall.py --output wall'
-              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 '
-              'exercise5_6.launch && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__)"'
+              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
+              ' && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 exercise5_6.launch'
+              ' && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__)"'
               % (prefix, tmp_path))
     clean = {key: value for key, value in os.environ.items()
              if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}

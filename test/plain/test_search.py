@@ -90,7 +90,8 @@ def scatter(random):
     """A frame of noise whose grains are some pixels wide."""
     grain = random.randint(1, 7)
     noise = np.uint8(random.randint(0, 256, (480 // grain, 640 // grain)))
-    return cv2.resize(noise, (640, 480), interpolation=int(random.choice([cv2.INTER_NEAREST, cv2.INTER_LINEAR])))
+    how = random.choice([cv2.INTER_NEAREST, cv2.INTER_LINEAR])
+    return cv2.resize(noise, (640, 480), interpolation=int(how))
 
 
 def checker(random):

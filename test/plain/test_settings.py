@@ -27,15 +27,17 @@ def test_every_parameter_says_what_it_is_for(kind):
         assert about.what and about.kind.allowed, name
 
 
-@pytest.mark.parametrize('sizes', [{'7': 0.1, '8': 0.25}, {7: 0.1, 8: 0.25}, '7: 0.1, 8: 0.25', '{7: 0.1, 8: 0.25}'])
+@pytest.mark.parametrize('sizes', [
+    {'7': 0.1, '8': 0.25}, {7: 0.1, 8: 0.25}, '7: 0.1, 8: 0.25', '{7: 0.1, 8: 0.25}'])
 def test_sizes_of_tags_as_a_dict_or_as_text(sizes):
     assert settings(PoseSettings, tag_sizes=sizes).tag_sizes == ((7, 0.1), (8, 0.25))
 
 
 @pytest.mark.parametrize('name, value, allowed', [
     ('tag_size', 0, 'from 0.001 to 10'), ('tag_size', 'big', 'a number'), ('tag_sizes', '7', 'such as 7: 0.1'),
-    ('tag_sizes', '7: wide', 'such as 7: 0.1'), ('tag_sizes', {'7': 11}, 'such as 7: 0.1'), ('tag_sizes', 5, 'such'),
-    ('tag_frame', 'tag', '{id}'), ('wall', '', 'learn, or the path'), ('rectified', 'yes', 'true, false or auto')])
+    ('tag_sizes', '7: wide', 'such as 7: 0.1'), ('tag_sizes', {'7': 11}, 'such as 7: 0.1'),
+    ('tag_sizes', 5, 'such'), ('tag_frame', 'tag', '{id}'), ('wall', '', 'learn, or the path'),
+    ('rectified', 'yes', 'true, false or auto')])
 def test_a_wrong_parameter_of_tag_poses_is_explained(name, value, allowed):
     with pytest.raises(InputError) as error:
         settings(PoseSettings, **{name: value})

@@ -64,7 +64,8 @@ def test_what_is_clear_in_a_gif_is_clear(tmp_path):
     path = str(tmp_path / 'a.gif')
     frames[0].save(path, save_all=True, append_images=frames[1:], duration=100, disposal=2)
     picture = open_source(path).at(0)
-    assert picture.shape == (48, 64, 4) and picture[40, 50, 3] == 0 and picture[5, 5].tolist() == [255, 0, 0, 255]
+    assert picture.shape == (48, 64, 4)
+    assert picture[40, 50, 3] == 0 and picture[5, 5].tolist() == [255, 0, 0, 255]
 
 
 def test_a_clip_too_large_to_be_warped_is_shrunk(tmp_path):

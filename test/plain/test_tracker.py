@@ -136,7 +136,8 @@ def test_frames_that_all_have_the_same_stamp_are_no_trouble():
 
 
 @pytest.mark.parametrize('arguments, words', [
-    ({'hold': -1}, 'held for -1'), ({'hold': 'long'}, 'held for long'), ({'upright': 'up'}, '"up".*tags, image')])
+    ({'hold': -1}, 'held for -1'), ({'hold': 'long'}, 'held for long'),
+    ({'upright': 'up'}, '"up".*tags, image')])
 def test_what_it_cannot_do_is_said_at_once(arguments, words):
     with pytest.raises(InputError, match=words):
         Tracker(**arguments)

@@ -72,12 +72,14 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
 
 
 @pytest.mark.parametrize('text, words', [
-    ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', 'at least one'), ('wall: {width: 5}', "lacks the entry 'tags'"),
+    ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', 'at least one'),
+    ('wall: {width: 5}', "lacks the entry 'tags'"),
     ('tags:\n- {id: 1, x: 0, y: 0, side: 1}\n- {id: 1, x: 0, y: 0, side: 1}', 'each id once'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
     ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not from'),
     ('wall: {width: 1, height: 1, color: [1, 1, 999]}\ndictionary: DICT_4X4_50\ntags: []', '999 is not'),
-    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\nquiet: -1\ntags: []', '-1 is not'),
+    ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\nquiet: -1\ntags: []',
+     '-1 is not'),
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
       'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}'), '4.7 is no id'),
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'

@@ -40,8 +40,10 @@ class BrowserTest(ServerTest):
         self.page.on('console', lambda line: self.wrong.append(line.text) if line.type == 'error' else None)
         self.page.on('request', lambda request: self.asked.append(request.url))
         self.page.goto('http://localhost:%d/' % self.port)
-        self.page.wait_for_function("() => document.querySelectorAll('.tile .why[hidden]').length == 6 && "
-                                    "[...document.querySelectorAll('.latency')].every((text) => /^[0-9]/.test(text.textContent))")
+        self.page.wait_for_function(
+            '''() => document.querySelectorAll('.tile .why[hidden]').length == 6 &&
+                     [...document.querySelectorAll('.latency')].every(
+                         (text) => /^[0-9]/.test(text.textContent))''')
 
     def tearDown(self):
         self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])

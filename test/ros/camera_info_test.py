@@ -90,7 +90,8 @@ class CameraInfos(NodeTest):
     def test_a_lens_that_bends_is_honored(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
         camera = Camera(distortion=BENT)
-        self.assert_right(self.show_until_posed(WallRenderer(WALL, camera).render(*VIEW), camera_info(camera, None)))
+        frame = WallRenderer(WALL, camera).render(*VIEW)
+        self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
 
     def test_a_rectified_topic_is_taken_as_such(self):
         self.start_poses('/eye/image_rect_color', '/eye/camera_info')

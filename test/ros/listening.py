@@ -22,7 +22,8 @@ class Inbox(queue.Queue):
 def moments(topics, count, seconds=WAIT_S, keep=bool):
     """Wait for stamps with which something came on every topic and which ``keep`` takes.
 
-    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order in which they became whole.
+    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order in which they
+    became whole.
     """
     parts, whole, changed = {}, {}, threading.Condition()
 

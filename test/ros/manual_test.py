@@ -74,7 +74,8 @@ class Manuals(NodeTest):
             await line.read_message()
             return line
         self.line = asyncio.run(look())  # open as long as this test
-        for node, topic in ('tag_poses', '/tf'), ('exercise5_6', '/other/camera'), ('page', '/exercise5_3/tags'):
+        for node, topic in (('tag_poses', '/tf'), ('exercise5_6', '/other/camera'),
+                            ('page', '/exercise5_3/tags')):
             until(lambda: topic in self.registered(node, 1))
         types = dict(self.master.getTopicTypes())
         for node, topics in published.items():

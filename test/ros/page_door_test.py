@@ -31,10 +31,10 @@ def bomb(side):
 class PageDoor(ServerTest):
     def test_no_path_leads_out(self):
         secret = b'unit5</name>'
-        for path in ('/page/../package.xml', '/page/..%2fpackage.xml', '/page/%2e%2e/package.xml', '/../package.xml',
-                     '//package.xml', '/page//etc/passwd', '/page/index.html', '/page/....//package.xml',
-                     '/picture?name=../package.xml', '/picture?name=%2e%2e/package.xml', '/picture?name=/etc/passwd',
-                     '/picture?name=readme', '/page/page.js/../../package.xml'):
+        for path in ('/page/../package.xml', '/page/..%2fpackage.xml', '/page/%2e%2e/package.xml',
+                     '/../package.xml', '//package.xml', '/page//etc/passwd', '/page/index.html',
+                     '/page/....//package.xml', '/picture?name=../package.xml',
+                     '/picture?name=%2e%2e/package.xml', '/picture?name=/etc/passwd', '/picture?name=readme', '/page/page.js/../../package.xml'):
             with socket.create_connection(('127.0.0.1', self.port), WAIT_S) as line:
                 line.sendall(b'GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % path.encode())
                 answer = b''.join(iter(lambda: line.recv(65536), b''))
@@ -57,7 +57,8 @@ class PageDoor(ServerTest):
 
     async def talk(self, messages, headers=None, port=None):
         """Open the websocket, say these, and return the first that is answered."""
-        live = await websocket_connect(HTTPRequest('ws://127.0.0.1:%d/live' % (port or self.port), headers=headers or {}))
+        live = await websocket_connect(HTTPRequest('ws://127.0.0.1:%d/live' % (port or self.port),
+                                                   headers=headers or {}))
         for message in messages:
             await live.write_message(message)
         first = await asyncio.wait_for(live.read_message(), WAIT_S)
@@ -65,14 +66,16 @@ class PageDoor(ServerTest):
         return first and json.loads(first)  # None where it is closed
 
     def test_nonsense_on_the_websocket_closes_it_and_nothing_else(self):
-        for message in ('', '[]', '7', '{"drive": "fast"}', '{"drive": [1]}', '{"drive": [NaN, 1]}', '{"look": 5}',
-                        '{"picture": 5}', '{"slide": [1, 2, 3]}', b'\xff\xfe', '{"look": ["/\\u0000", "~", ""]}',
-                        '[' * 30000, '{"drive": [1%s, 0]}' % ('0' * 400), '{"slide": ["noise", NaN]}'):
+        for message in ('', '[]', '7', '{"drive": "fast"}', '{"drive": [1]}', '{"drive": [NaN, 1]}',
+                        '{"look": 5}', '{"picture": 5}', '{"slide": [1, 2, 3]}', b'\xff\xfe',
+                        '{"look": ["/\\u0000", "~", ""]}', '[' * 30000, '{"drive": [1%s, 0]}' % ('0' * 400),
+                        '{"slide": ["noise", NaN]}'):
             asyncio.run(self.talk([message]))
         self.assertIn('state', asyncio.run(self.talk([])))
 
     def test_only_pictures_of_a_bearable_size_are_taken(self):
-        for data, status, words in ((b'no picture', 422, 'That is no picture'), (b'', 422, 'That is no picture'),
+        for data, status, words in ((b'no picture', 422, 'That is no picture'),
+                                    (b'', 422, 'That is no picture'),
                                     (bomb(30000), 422, 'at most 32 million pixels'),
                                     (bomb(6000), 422, 'at most 32 million pixels'),
                                     (cv2.imencode('.png', PICTURE)[1].tobytes()[:200], 422, 'no picture'),
@@ -142,7 +145,8 @@ class PageDoor(ServerTest):
         for arguments, words in ((['_port:=%d' % self.port], 'cannot be served at 127.0.0.1:%d' % self.port),
                                  (['_port:=0'], '~port is 0; it must be a number from 1 to 65535'),
                                  (['_address:=nowhere'], '~address is "nowhere"; it must be an IP address'),
-                                 (['_address:=192.0.2.1', '_port:=%d' % free_port()], 'cannot be served at 192.0.2.1'),
+                                 (['_address:=192.0.2.1', '_port:=%d' % free_port()],
+                                  'cannot be served at 192.0.2.1'),
                                  (['_drive:=perhaps'], '~drive is "perhaps"; it must be true, false or auto')):
             page = node('page.py', '__name:=page_other', *arguments)
             self.assertEqual(page.ends(), 1)

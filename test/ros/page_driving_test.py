@@ -137,7 +137,8 @@ class PageDriving(BrowserTest):
         self.expected = 'ERR_CONNECTION'  # the browser tells its console of every attempt
         self.page.keyboard.down('ArrowDown')
         self.robot.wait(lambda x, forward, left: forward < -0.2)
-        code, _, pid = ServerProxy(Master('/page_driving_test').lookupNode('/page')).getPid('/page_driving_test')
+        page = ServerProxy(Master('/page_driving_test').lookupNode('/page'))
+        code, _, pid = page.getPid('/page_driving_test')
         self.assertEqual(code, 1)
         os.kill(pid, signal.SIGKILL)
         self.robot.wait(lambda x, forward, left: forward == 0)

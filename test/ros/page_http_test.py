@@ -85,8 +85,10 @@ class PageHttp(ServerTest):
         for number in (7, 8):
             publish(number=number)
             headers, body = stream.part()
-            self.assertEqual((headers['content-type'], headers['x-timestamp']), ('image/jpeg', '%d.000000500' % number))
-            np.testing.assert_allclose(cv2.imdecode(np.frombuffer(body, np.uint8), 1)[240, 100], PICTURE[240, 100], atol=4)
+            self.assertEqual((headers['content-type'], headers['x-timestamp']),
+                             ('image/jpeg', '%d.000000500' % number))
+            picture = cv2.imdecode(np.frombuffer(body, np.uint8), 1)
+            np.testing.assert_allclose(picture[240, 100], PICTURE[240, 100], atol=4)
             sizes.append(len(body))
         stream.close()
         connections.wait(0)
@@ -108,7 +110,8 @@ class PageHttp(ServerTest):
                              (200, 'image/jpeg', '1.000000500'))
             self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (480, 640, 3))
             connections.wait(0)
-        self.assertIn('src="/stream?topic=/eye/image"', ask(self.port, '/stream_viewer?topic=/eye/image')[2].decode())
+        viewer = ask(self.port, '/stream_viewer?topic=/eye/image')[2].decode()
+        self.assertIn('src="/stream?topic=/eye/image"', viewer)
 
     def test_what_is_not_there_is_answered_with_a_sentence(self):
         self.camera()
@@ -124,7 +127,8 @@ class PageHttp(ServerTest):
                 ('/stream', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%00%3Cb%3E', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%ff', 400, 'The server cannot answer this (400'),
-                ('/stream?topic=/eye/image&quality=101', 400, 'quality is "101"; it must be a whole number from 1 to 100'),
+                ('/stream?topic=/eye/image&quality=101', 400,
+                 'quality is "101"; it must be a whole number from 1 to 100'),
                 ('/stream?topic=/eye/image&width=-5', 400, 'width is "-5"'),
                 ('/stream?topic=/eye/image&type=h264', 400, 'no stream of type "h264"'),
                 ('/snapshot?topic=/eye/image', 503, 'Nothing has arrived on /eye/image'),
@@ -182,7 +186,8 @@ class PageHttp(ServerTest):
             live.close()
             return json.loads(said), head, picture
         said, head, picture = asyncio.run(look())
-        self.assertEqual(said, {'without': '/eye/image', 'why': 'A frame of 70000 x 1 pixels is too large for a JPEG.'})
+        self.assertEqual(said, {'without': '/eye/image',
+                                'why': 'A frame of 70000 x 1 pixels is too large for a JPEG.'})
         self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
     def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):

@@ -29,12 +29,14 @@ class Page(BrowserTest):
         """Wait until the middle of what 5.6 shows has about that color, (blue, green, red)."""
         self.page.wait_for_function(
             '''([selector, x, y, [blue, green, red]]) => {
-                 const [r, g, b] = document.querySelector(selector).getContext('2d').getImageData(x, y, 1, 1).data;
+                 const picture = document.querySelector(selector).getContext('2d');
+                 const [r, g, b] = picture.getImageData(x, y, 1, 1).data;
                  return Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue) < 60;
                }''', arg=[PAINTED + ' canvas', *self.middle(), list(color)])
 
     def wait_for_chosen(self, name):
-        self.page.wait_for_function("(name) => document.querySelector(`input[value='${name}']`).checked", arg=name)
+        self.page.wait_for_function("(name) => document.querySelector(`input[value='${name}']`).checked",
+                                    arg=name)
 
     def middle(self):
         return [int(value) for value in self.painted()[1].corners.mean(axis=0)]
@@ -107,7 +109,8 @@ class Page(BrowserTest):
         until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
               np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
         png = cv2.imencode('.png', np.full((20, 30, 3), (10, 200, 30), np.uint8))[1].tobytes()
-        self.page.locator('#file').set_input_files({'name': 'green.png', 'mimeType': 'image/png', 'buffer': png})
+        green = {'name': 'green.png', 'mimeType': 'image/png', 'buffer': png}
+        self.page.locator('#file').set_input_files(green)
         self.wait_for_color((10, 200, 30))
         self.wait_for_text('#status', 'green.png is the picture now.')
         blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
@@ -115,7 +118,8 @@ class Page(BrowserTest):
             '''(bytes) => {
                  const dataTransfer = new DataTransfer();
                  dataTransfer.items.add(new File([new Uint8Array(bytes)], 'blue.png', { type: 'image/png' }));
-                 document.querySelector('h1').dispatchEvent(new DragEvent('drop', { bubbles: true, cancelable: true, dataTransfer }));
+                 document.querySelector('h1').dispatchEvent(
+                   new DragEvent('drop', { bubbles: true, cancelable: true, dataTransfer }));
                }''', np.ravel(blue).tolist())
         self.wait_for_color((220, 30, 10))
         self.expected = '422'  # the browser tells its console of answers that are none

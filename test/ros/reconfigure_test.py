@@ -61,7 +61,8 @@ class Reconfigured(NodeTest):
                 self.assertEqual((low[name], high[name]), RANGES.get(name, ('', '')), (node, name))
                 if name in RANGES:
                     self.assertTrue(low[name] <= default[name] <= high[name])
-                names = [choice['name'] for choice in eval(each.edit_method)['enum']] if each.edit_method else []
+                names = [choice['name'] for choice in eval(each.edit_method)['enum']] \
+                    if each.edit_method else []
                 self.assertTrue(set(CHOICES.get(name, [])) <= set(names), (node, name))
                 self.assertEqual(default[name] in names, name in CHOICES, (node, name))
 
@@ -184,7 +185,8 @@ class Reconfigured(NodeTest):
                               ({'hold': -1.0}, ['~hold is -1']),
                               ({'ids': '1,2,3'}, ['~ids is "1,2,3"', 'four different tags']),
                               ({'ids': 1.0}, ['~ids is 1.0']),
-                              ({'dictionary': 'DICT_9X9_250'}, ['~dictionary is "DICT_9X9_250"', 'DICT_6X6_250']),
+                              ({'dictionary': 'DICT_9X9_250'},
+                               ['~dictionary is "DICT_9X9_250"', 'DICT_6X6_250']),
                               ({'search': 'best'}, ['~search is "best"', 'fast, normal, thorough']),
                               ({'picture': '/no/such.png'}, ['/no/such.png', 'not a file']),
                               ({'picture': 'topic:'}, ['~picture is "topic:"']),
@@ -200,7 +202,8 @@ class Reconfigured(NodeTest):
         nodes = self.start_all(['tag_poses', 'wall_camera', 'page'])
         for name, values, words in (('tag_poses', {'tag_size': 0.0}, ['~tag_size is 0', 'from 0.001 to 10']),
                                     ('tag_poses', {'tag_sizes': '7'}, ['~tag_sizes is "7"']),
-                                    ('tag_poses', {'wall': '/no/wall.yaml'}, ['/no/wall.yaml', 'cannot be read']),
+                                    ('tag_poses', {'wall': '/no/wall.yaml'},
+                                     ['/no/wall.yaml', 'cannot be read']),
                                     ('wall_camera', {'noise': 101.0}, ['~noise is 101', 'from 0 to 100']),
                                     ('page', {'linear': 'fast'}, ['~linear is "fast"', 'from 0 to 2'])):
             kept = change('/' + name)

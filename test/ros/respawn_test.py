@@ -59,7 +59,8 @@ class Respawn(NodeTest):
         self.launch('tag_poses', poses=TagPoseArray)
         changed = change('/tag_poses', tag_size=0.3, tag_sizes='2: 0.1')
         before, = self.see(scene(), 'poses')
-        self.assertEqual(sorted((tag.id, tag.size) for tag in before.tags), [(1, .3), (2, .1), (3, .3), (4, .3)])
+        self.assertEqual(sorted((tag.id, tag.size) for tag in before.tags),
+                         [(1, .3), (2, .1), (3, .3), (4, .3)])
         self.kill('tag_poses')
         after, = self.see(scene(), 'poses')
 

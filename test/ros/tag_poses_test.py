@@ -20,7 +20,8 @@ from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
 
 TOPICS = {'/odom': Odometry, '/tag_poses/poses': TagPoseArray, '/tag_poses/area': AreaPose,
-          '/tag_poses/camera_pose': PoseWithCovarianceStamped, '/tag_poses/robot_pose': PoseWithCovarianceStamped}
+          '/tag_poses/camera_pose': PoseWithCovarianceStamped,
+          '/tag_poses/robot_pose': PoseWithCovarianceStamped}
 COUNT = 150
 WALL = load_wall(package_folder() + '/config/wall.yaml')
 TAGS = {tag.id: tag for tag in WALL.tags}
@@ -60,7 +61,8 @@ class TagPoses(unittest.TestCase):
                 true = rotation @ np.array([TAGS[tag.id].x, TAGS[tag.id].y, 0]) + translation
                 far = np.linalg.norm(true)
                 self.assertLess(np.linalg.norm(found[1] - true), 0.002 + 0.01 * far)
-                self.assertLess(turn(found[0], rotation), 2.0)  # the tags are upright: their axes are the wall's
+                # The tags are upright: their axes are the wall's.
+                self.assertLess(turn(found[0], rotation), 2.0)
                 self.assertEqual(tag.size, 0.18)
                 corners = np.array([(corner.x, corner.y) for corner in tag.corners])
                 expected, _ = project(TAGS[tag.id].corners, rotation, translation, Camera())
@@ -82,7 +84,8 @@ class TagPoses(unittest.TestCase):
             self.assertLess(np.linalg.norm(found[1] + rotation.T @ translation), 0.03)
             self.assertLess(turn(found[0], rotation.T), 1.0)
             # The wall's x is odometry's -y, its z odometry's -x.
-            robot, odometry = placed(moment['/tag_poses/robot_pose'].pose.pose)[1], moment['/odom'].pose.pose.position
+            robot = placed(moment['/tag_poses/robot_pose'].pose.pose)[1]
+            odometry = moment['/odom'].pose.pose.position
             self.assertLess(np.abs(robot - [-odometry.y, 0, -odometry.x]).max(), 0.03)
 
     def test_the_area_is_where_it_is_and_as_large(self):
@@ -105,10 +108,12 @@ class TagPoses(unittest.TestCase):
         for moment in self.moments[:-5]:
             message = moment['/tag_poses/poses']
             for tag in message.tags:
-                found = self.tf.lookup_transform('camera_rgb_optical_frame', 'tag_%d' % tag.id, message.header.stamp)
+                found = self.tf.lookup_transform('camera_rgb_optical_frame', 'tag_%d' % tag.id,
+                                                 message.header.stamp)
                 there = found.transform.translation
                 position = tag.pose.pose.position
-                np.testing.assert_allclose([there.x, there.y, there.z], [position.x, position.y, position.z], atol=1e-9)
+                np.testing.assert_allclose([there.x, there.y, there.z], [position.x, position.y, position.z],
+                                           atol=1e-9)
                 count += 1
         self.assertGreater(count, COUNT)
 
@@ -132,7 +137,7 @@ class TagPoses(unittest.TestCase):
         for tag in tags:
             rotation, translation = placed(tag.pose.pose)
             for axis, color in ((0, (0, 0, 255)), (1, (0, 255, 0))):
-                # Something else may lie over a part of it: the axis that points to the camera, another tag's id.
+                # Something else may lie over a part of it: the axis toward the camera, another tag's id.
                 along = rotation[:, axis] * np.linspace(0.02, 0.12, 8)[:, None] + translation
                 points, _ = project(along, np.eye(3), np.zeros(3), Camera())
                 points = [(x, y) for x, y in np.round(points).astype(int) if 3 < x < 636 and 3 < y < 476]

@@ -70,7 +70,8 @@ class WallCamera(unittest.TestCase):
         self.addCleanup(client.close)
 
         def brightness():
-            frame = frame_from_image(rospy.wait_for_message('/camera/rgb/image_raw', Image, TIMEOUT_S)).astype(float)
+            message = rospy.wait_for_message('/camera/rgb/image_raw', Image, TIMEOUT_S)
+            frame = frame_from_image(message).astype(float)
             return frame[100:300, 600:].mean(), np.abs(np.diff(frame[400:, :], axis=1)).mean()
         light, noise = brightness()
         client.update_configuration({'light': 0.9, 'noise': 20.0})
