@@ -115,10 +115,9 @@ class FrameCount:
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # Where most of the time is left, it is not the node that drops them.
             busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
-            sentence = ('Slow: %d of %d frames were dropped within %d s. A smaller ~scale helps, or ~search fast.'
-                        if busy else '%d of %d frames did not arrive within %d s: lost or left out on their way, '
-                        'by their header.seq.')
-            return WARN, sentence % (dropped, dropped + len(recent), WINDOW_S), values
+            why = 'Slow: %s were dropped within %d s. A smaller ~scale helps, or ~search fast.' if busy else \
+                '%s did not arrive within %d s: lost or left out on their way, by their header.seq.'
+            return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
         if unseen > NO_TAGS_S:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -34,7 +34,8 @@ class PageDoor(ServerTest):
         for path in ('/page/../package.xml', '/page/..%2fpackage.xml', '/page/%2e%2e/package.xml',
                      '/../package.xml', '//package.xml', '/page//etc/passwd', '/page/index.html',
                      '/page/....//package.xml', '/picture?name=../package.xml',
-                     '/picture?name=%2e%2e/package.xml', '/picture?name=/etc/passwd', '/picture?name=readme', '/page/page.js/../../package.xml'):
+                     '/picture?name=%2e%2e/package.xml', '/picture?name=/etc/passwd', '/picture?name=readme',
+                     '/page/page.js/../../package.xml'):
             with socket.create_connection(('127.0.0.1', self.port), WAIT_S) as line:
                 line.sendall(b'GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % path.encode())
                 answer = b''.join(iter(lambda: line.recv(65536), b''))
