@@ -9,6 +9,9 @@ import os
 # All matrices here are small. Threads of numpy's OpenBLAS would only wait for
 # each other, and take up a whole core while they do; it has to know beforehand.
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+# What OpenCV and its FFmpeg think of a broken file is said by us, once, in a sentence.
+os.environ.setdefault('OPENCV_LOG_LEVEL', 'FATAL')
+os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
 
 from .area import Area, find_area, find_four_centers
 from .area_pose import AreaPose

@@ -91,14 +91,14 @@ def load_wall(path: str) -> Wall:
                     _color(look.get('color', (214, 203, 186))), str(data.get('dictionary', DICTIONARY)),
                     within(data.get('quiet', 1), 0, 10), tags,
                     tuple(_id(id) for id in data.get('area', first_four)))
+        for tag in tags:
+            tag_cells(wall.dictionary, tag.id)
     ids = [tag.id for tag in wall.tags]
     if not ids or len(ids) > len(set(ids)):
         raise InputError('The wall "%s" has the tags %s; give at least one, and each id once.' % (path, ids))
     if wall.area and not (len(wall.area) == len(set(wall.area)) == 4 and set(wall.area) <= set(ids)):
         raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
                          % (path, list(wall.area)))
-    for id in ids:
-        tag_cells(wall.dictionary, id)
     return wall
 
 

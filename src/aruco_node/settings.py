@@ -16,6 +16,7 @@ TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's p
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # in the name of a tag's frame
 LEARN = 'learn'
+MAX_AREAS = 50  # each takes the memory of its picture
 SIZE = Number(*SIDE_M)
 
 
@@ -136,6 +137,7 @@ def load_areas(path):
                 raise ValueError('"%s" is none of %s' % (unknown.pop(), ', '.join(AREA_ENTRIES)))
             if not entry['ids'] or not read(PictureSettings, entry.get).ids:
                 raise ValueError('an area needs the ids of its four tags')
-    if not entries:
-        raise InputError('The file "%s" has no areas; give at least one.' % path)
+    if not 0 < len(entries) <= MAX_AREAS:
+        raise InputError('The file "%s" has %d areas; give at least one, at most %d.'
+                         % (path, len(entries), MAX_AREAS))
     return entries

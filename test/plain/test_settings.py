@@ -69,7 +69,7 @@ def test_any_ids(ids):
 def test_a_wrong_parameter_is_named_with_its_value_and_what_is_allowed(name, value, allowed):
     with pytest.raises(InputError) as error:
         settings(**{name: value})
-    for words in ('~' + name, str(value), allowed):
+    for words in ('~' + name, str(value).replace('\0', '\\x00'), allowed):
         assert words in str(error.value)
 
 
@@ -80,7 +80,7 @@ def test_the_areas_of_a_file_are_read(package):
 
 
 @pytest.mark.parametrize('text, words', [
-    ('areas: []', 'has no areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
+    ('areas: []', 'has 0 areas'), ('', 'wrong form'), ('areas: 5', 'wrong form'), ('[]', 'wrong form'),
     ('area: []', "lacks the entry 'areas'"), ('areas: [{picture: a.png}]', "lacks the entry 'ids'"),
     ('areas: [{ids: any}]', 'needs the ids of its four tags'), ('areas: [{ids: "[]"}]', 'needs the ids'),
     ('areas: [{ids: {}}]', 'needs the ids'), ('areas: [{ids: [1, 2, 3, 4], fit: foo}]', '~fit is "foo"'),
