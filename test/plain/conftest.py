@@ -10,6 +10,7 @@ from aruco_ar.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.append(os.path.join(PACKAGE, 'script', 'benchmark'))  # for its scenes
+sys.path.append(os.path.join(PACKAGE, 'test'))
 
 
 @pytest.fixture(scope='session')

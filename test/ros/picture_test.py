@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """What exercise 5.6 paints: videos, image topics, several areas, and what is changed while it runs."""
 import os
+import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -19,6 +20,9 @@ from started import WAIT_S
 from std_msgs.msg import Header
 from unit5.msg import TagArray
 
+sys.path.append(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+from hostile.files import png  # noqa: E402
+
 GRAY = 180
 RED, GREEN, BLUE = (0, 0, 255), (0, 255, 0), (255, 0, 0)
 
@@ -36,6 +40,12 @@ def scene(*lefts):
 
 def plain(color, width=30, height=20):
     return np.full((height, width, 3), color, np.uint8)
+
+
+def bomb(path):
+    """A small file that claims to be a picture of 60000 x 60000 pixels."""
+    with open(path, 'wb') as file:
+        file.write(png(60000, 60000))
 
 
 class Picture(unittest.TestCase):
@@ -156,6 +166,20 @@ class Picture(unittest.TestCase):
         self.node.wait_for('~fit is "squeeze"', 'stretch, contain, cover')
         self.assert_near(self.shown(frame, 4, middle, edge), (90, 217, 90), (GRAY,) * 3)
 
+    def test_hostile_files_are_refused_while_it_runs_and_the_picture_stays(self):
+        self.start('_picture:=' + self.file('red.png', lambda path: cv2.imwrite(path, plain(RED))))
+        client = Client('/exercise5_6', timeout=WAIT_S)
+        self.addCleanup(client.close)
+        for stamp, (name, write, words) in enumerate((
+                ('bomb.png', bomb, 'at most 36 million pixels'), ('pipe.mp4', os.mkfifo, 'is not a file'),
+                ('two\nlines.jpg', lambda path: Path(path).write_text('text'), 'no picture that can be read'),
+                ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'), 'give a JPEG'))):
+            path = self.file(name, write)
+            client.update_configuration({'picture': path})
+            self.node.wait_for(path.replace('\n', '\\n'), words, 'Nothing is changed')
+            self.assert_near(self.shown(scene(220), 1 + stamp, (320, 220)), RED)
+        self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
+
     def test_several_areas_each_with_its_own_picture(self):
         red = self.file('red.png', lambda path: cv2.imwrite(path, plain(RED)))
         areas = self.file('areas.yaml', lambda path: Path(path).write_text(
@@ -187,9 +211,11 @@ class Picture(unittest.TestCase):
 
     def test_what_cannot_be_painted_ends_it_with_a_sentence(self):
         few = self.file('few.yaml', lambda path: Path(path).write_text('areas: [{ids: [1, 2, 3]}]'))
-        for argument, words in (('_picture:=topic:a b', 'no name of a topic'),
+        for argument, words in (('_picture:=' + self.file('bomb.png', bomb), 'at most 36 million pixels'),
+                                ('_picture:=topic:a b', 'no name of a topic'),
                                 ('_picture:=topic:/exercise5_6/image', 'publishes itself'),
-                                ('_areas:=' + few, 'four different')):
+                                ('_areas:=' + few, 'four different'),
+                                ('_areas:=' + self.file('pipe.yaml', os.mkfifo), 'not a file but a folder')):
             node = started.node('exercise5_6.py', argument)
             self.assertEqual(node.ends(), 1)
             node.wait_for(words)

@@ -1,0 +1,262 @@
+"""Files that nobody should give a node, and some that look odd but are good."""
+import io
+import os
+import random
+import re
+import socket
+import struct
+import zlib
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from PIL import Image
+
+GIGANTIC = 20 * 2**30  # bytes, of a file that takes no room on the disk
+AREA = 'ids: [1, 2, 3, 4]'
+
+
+class Case(NamedTuple):
+    """A path, and whether a picture can be read from it: True, False, or None for both are right."""
+
+    name: str
+    path: str
+    is_picture: bool = None
+
+
+def cases(folder, seed=1):
+    """Make all files in a folder; yield a Case for each. Some paths lead elsewhere, or nowhere."""
+    for name, path in _paths(folder):
+        yield Case(name, path, False)
+    contents = [_good_pictures(), _broken_pictures(), _bombs(), _texts(), _cut(seed)]
+    for number, (name, data, is_picture) in enumerate(entry for part in contents for entry in part):
+        path = os.path.join(folder, '%d %s' % (number, name))
+        with open(path, 'wb') as file:
+            file.write(data)
+        yield Case(name, path, is_picture)
+    for name, data in (('zeros.jpg', b''), ('jpeg.jpg', jpeg()), ('video.mp4', video('.mp4', 'mp4v')[:200]),
+                       ('webp.webp', b'RIFF\xff\xff\xff\xffWEBPVP8X'), ('yaml.yaml', b'areas: []\n')):
+        path = os.path.join(folder, 'gigantic ' + name)
+        with open(path, 'wb') as file:
+            file.write(data)
+            file.truncate(GIGANTIC)
+        yield Case('gigantic ' + name, path, False)
+
+
+def _paths(folder):
+    """(name, path) of what is no file that can be read."""
+    def at(name):
+        return os.path.join(folder, name)
+    yield 'missing', at('missing.jpg')
+    yield 'folder', folder
+    os.mkfifo(at('pipe.mp4'))
+    yield 'pipe', at('pipe.mp4')
+    with socket.socket(socket.AF_UNIX) as server:
+        server.bind(at('socket'))
+    yield 'socket', at('socket')
+    for name, target in (('loop', 'loop'), ('dangling', 'missing'), ('to a pipe', 'pipe.mp4'),
+                         ('to a device', '/dev/zero')):
+        os.symlink(target, at('link ' + name))
+        yield 'link ' + name, at('link ' + name)
+    for device in ('/dev/zero', '/dev/null', '/dev/full', '/dev/random', '/dev/tty', '/proc/self/mem',
+                   '/proc/self/pagemap'):
+        yield device, device
+    if os.getuid() != 0:  # whom no permission keeps away
+        os.close(os.open(at('private'), os.O_CREAT, 0))
+        yield 'private', at('private')
+    for name, path in (('long name', 'n' * 256), ('long path', 'p/' * 2500), ('lines', 'a\nb\r\x1b[31m.jpg'),
+                       ('not UTF-8', 'a\udcff.mp4'), ('no text', 'a\ud800.png'), ('zero', 'a\0b'), ('empty', ''),
+                       ('below a file', 'socket/a.jpg')):
+        yield 'path: ' + name, path and at(path)
+    yield 'path: nobody', '~nobody/a.jpg'
+    yield 'path: address', 'http://localhost:1/a.mp4'
+
+
+def jpeg(width=60, height=40, **options):
+    file = io.BytesIO()
+    Image.new('RGB', (width, height), (200, 100, 50)).save(file, 'JPEG', **options)
+    return file.getvalue()
+
+
+def picture(kind, mode='RGB', size=(60, 40), **options):
+    """A picture of one color as the bytes of a file."""
+    file = io.BytesIO()
+    Image.new(mode, size, 1).save(file, kind, **options)
+    return file.getvalue()
+
+
+def animation(kind, count=3, size=(60, 40)):
+    """Several pictures as the bytes of a file."""
+    file = io.BytesIO()
+    first, *others = [Image.new('RGB', size, (number * 40, 90, 200)) for number in range(count)]
+    first.save(file, kind, save_all=True, append_images=others, duration=100)
+    return file.getvalue()
+
+
+def video(suffix, fourcc, size=(64, 48), count=8):
+    """A video as the bytes of a file."""
+    path = '/dev/shm/unit5-%d%s' % (os.getpid(), suffix)
+    writer = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*fourcc), 10, size)
+    for number in range(count):
+        writer.write(np.full((size[1], size[0], 3), 25 * number, np.uint8))
+    writer.release()
+    with open(path, 'rb') as file:
+        os.unlink(path)
+        return file.read()
+
+
+def png(width, height, rows=b'', bits=1, kind=0, more=b''):
+    """A PNG that claims that size. ``rows``: its uncompressed data; ``more``: chunks before it."""
+    return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, bits, kind, 0, 0, 0)) + \
+        more + chunk(b'IDAT', zlib.compress(rows, 9)) + chunk(b'IEND', b'')
+
+
+def chunk(name, data):
+    return struct.pack('>I', len(data)) + name + data + struct.pack('>I', zlib.crc32(name + data))
+
+
+def _good_pictures():
+    yield 'picture.jpg', jpeg(), True
+    yield 'a PNG.mp4', picture('PNG'), True
+    yield 'a JPEG.gif', jpeg(), True
+    yield 'a GIF', animation('GIF'), True
+    yield 'no suffix', video('.mp4', 'mp4v'), True
+    yield 'a video.jpg', video('.avi', 'MJPG'), True
+    for kind, mode in (('JPEG', 'CMYK'), ('JPEG', 'L'), ('PNG', '1'), ('PNG', 'P'), ('PNG', 'LA'), ('PNG', 'RGBA'),
+                       ('PNG', 'I'), ('WEBP', 'RGBA'), ('BMP', 'P'),
+                       ('PPM', '1'), ('GIF', 'L')):
+        yield '%s of %s' % (mode, kind), picture(kind, mode), True
+    yield '16 bits.png', cv2.imencode('.png', np.full((9, 9, 4), 0x8080, np.uint16))[1].tobytes(), True
+    yield 'key color.png', picture('PNG', 'P', transparency=1), True
+    yield 'as large as allowed.png', png(8192, 4320, bytes(1025 * 4320)), True
+    yield 'one line.png', png(2**25, 1, bytes(2**22 + 1)), None
+    for name, exif in (('broken', b'Exif\0\0MM\0*\0\0\0\x08\xff\xff\x01\x12'), ('endless', b'Exif\0\0II*\0\x08\0\0\0' + b'\xff' * 999),
+                       ('turned 99', b'Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x63\0\0\0\0\0\0')):
+        yield 'EXIF %s.jpg' % name, jpeg(exif=exif), True
+    yield 'color profile.png', png(9, 9, bytes(27), more=chunk(b'iCCP', b'sRGB\0\0' + zlib.compress(b'no profile'))), True
+    yield 'comment.jpg', jpeg()[:2] + b'\xff\xfe\xff\xff' + bytes(65533) + jpeg()[2:], True
+
+
+def _broken_pictures():
+    yield 'empty.jpg', b'', False
+    yield 'text.jpg', b'no picture', False
+    yield 'zeros.png', bytes(1000), False
+    yield 'picture.svg', b'<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"/>', False
+    yield 'picture.eps', b'%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n', False
+    yield 'paper.pdf', b'%PDF-1.4\n', False
+    yield 'picture.tiff', picture('TIFF', compression='tiff_lzw')[:-200], False
+    yield 'floats.tiff', cv2.imencode('.tiff', np.ones((8, 8, 4), np.float32))[1].tobytes(), False
+    yield 'floats.exr', b'v/1\x01\x02\0\0\0channels\0', False
+    yield '0 x 0.png', png(0, 0), False
+    yield '0 x 0.gif', b'GIF89a\0\0\0\0\x80\0\0' + bytes(6) + b';', False
+    yield 'no data.png', png(60, 40), False
+    yield 'half.jpg', re.sub(rb'\xff\xd9$', b'', jpeg(600, 400)[:-2000]), False
+    # Texts that FFmpeg takes for videos and which lead it to other files.
+    yield 'list.mp4', b'#EXTM3U\n#EXT-X-TARGETDURATION:9\n#EXTINF:9,\nfile:///dev/zero\n#EXT-X-ENDLIST\n', False
+    yield 'list.m3u8', b'#EXTM3U\n#EXTINF:9,\nhttp://localhost:1/a.mp4\n', False
+    yield 'concat.mp4', b'ffconcat version 1.0\nfile pipe.mp4\n', False
+    yield 'session.sdp', b'v=0\no=- 0 0 IN IP4 127.0.0.1\nc=IN IP4 127.0.0.1\nm=video 5004 RTP/AVP 96\n', False
+
+
+def _bombs():
+    yield 'bomb.png', png(60000, 60000, bytes(10**6)), False
+    yield 'gray bomb.png', png(9000, 4096, bytes(1126 * 4096)), False
+    yield 'scans.jpg', _scans(500), False
+    yield 'text bomb.png', png(9, 9, bytes(27), more=chunk(b'zTXt', b'a\0\0' + zlib.compress(bytes(2**24), 9))), None
+    yield 'bomb.jpg', _resized_jpeg(jpeg(), 65000, 65000), False
+    yield 'bomb.gif', b'GIF89a\xff\xff\xff\xff\x80\0\0' + bytes(6) + b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0;', False
+    # Whose canvas is small, but not its second frame.
+    yield 'growing.gif', animation('GIF', 1)[:-1] + b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0;', None
+    # Frames of one pixel, of which each takes but a few bytes.
+    yield '100000 frames.gif', b'GIF89a\x09\0\x09\0\x80\0\0' + bytes(6) + \
+        100000 * b',\0\0\0\0\x01\0\x01\0\0\x02\x02D\x01\0' + b';', True
+    moving = animation('WEBP')
+    yield 'bomb.webp', moving[:24] + b'\xff\x3f\0\xff\x3f\0' + moving[30:], False
+    yield 'bomb.bmp', b'BM' + struct.pack('<IIIIiiHH', 100, 0, 54, 40, 2**30, 2**30, 1, 24) + bytes(60), False
+    yield 'bomb.ppm', b'P6 60000 60000 255\n' + bytes(100), False
+    yield 'bomb: large.gif', animation('GIF', 2, (4200, 2200)), False
+    yield 'bomb: 5K.avi', _resized_jpeg(video('.avi', 'MJPG'), 5120, 2880), False
+    yield 'bomb.avi', _resized_jpeg(video('.avi', 'MJPG'), 16000, 16000), False
+
+
+def _scans(count):
+    """A progressive JPEG in which the last scan comes again and again."""
+    data = jpeg(progressive=True)
+    last = data.rindex(b'\xff\xda')
+    return data[:last] + count * data[last:-2] + data[-2:]
+
+
+def _resized_jpeg(data, width, height):
+    """With that size claimed by all JPEGs in the data, also if they are frames of an AVI, which then claims it too."""
+    data = re.sub(rb'(\xff\xc0\0\x11\x08)....', lambda found: found.group(1) + struct.pack('>HH', height, width), data,
+                  flags=re.DOTALL)
+    return re.sub(rb'(strf....\x28\0\0\0)........', lambda found: found.group(1) + struct.pack('<ii', width, height), data,
+                  flags=re.DOTALL)
+
+
+def _texts():
+    """YAML, for walls, areas and paths alike."""
+    tags = ''.join('- {id: %d, x: 0, y: 0, side: 1}\n' % number for number in range(1, 5))
+    start = 'start: {x: 0, y: 0, heading: 0}\n'
+    texts = {
+        'laughs': 'a: &a [x,x,x,x,x,x,x,x,x]\n' + ''.join(
+            '%s: &%s [%s]\n' % (after, after, ','.join(['*' + before] * 9))
+            for before, after in zip('abcdefghijklmnop', 'bcdefghijklmnopq')) + 'tags: [{id: *q, x: 0, y: 0, side: 1}]',
+        'merged laughs': 'a: &a {x: 1}\n' + ''.join(
+            '%s: &%s {<<: [%s]}\n' % (after, after, ','.join(['*' + before] * 9))
+            for before, after in zip('abcdefghijklm', 'bcdefghijklmn')),
+        'circle': 'areas: &a [*a]\ntags: [*a]\nlegs: [*a]\n',
+        'deep': 'areas: ' + '[' * 9000, 'deep maps': 'tags: ' + '{a: ' * 9000, 'deep lines': ''.join(
+            '%s- \n' % (' ' * depth) for depth in range(600)), 'keys in keys': '? ' * 9000,
+        'double': 'areas: []\nareas: [{%s}]\ntags: []\ntags:\n%slegs: []\nlegs: []\n' % (AREA, tags),
+        'double id': 'tags: [{id: 1, id: 2, x: 0, y: 0, side: 1}]\nareas: [{%s, %s}]\n' % (AREA, AREA),
+        'zero': 'areas: [\0]',
+        'long number': 'tags: [{id: %s, x: 0, y: 0, side: 1}]' % ('9' * 5000),
+        'long hex': 'tags: [{id: 0x%s, x: 0, y: 0, side: 1}]' % ('f' * 5000),
+        'large': 'tags: [{id: 1, x: 1%s, y: 0, side: 1}]\n%slegs: [{seconds: 1%s}]\n' % ('0' * 400, start, '0' * 400),
+        'yes': 'tags: [{id: 1, x: yes, y: no, side: on}]\n%slegs: [{seconds: yes}]\nareas: [{ids: [yes, no, on, 4]}]' % start,
+        'nan': 'tags: [{id: .nan, x: .nan, y: .inf, side: .nan}]\n%slegs: [{seconds: .nan}]\nareas: [{%s, opacity: .nan}]' % (start, AREA),
+        'infinite': 'tags: [{id: 1, x: -.inf, y: 0, side: .inf}]\n%slegs: [{seconds: .inf}]\nareas: [{%s, hold: .inf}]' % (start, AREA),
+        'dates': 'tags: [{id: 1, x: 2001-01-01, y: 2001-12-14t21:59:43.10-05:00, side: 1}]\nareas: [{ids: 2001-01-01}]',
+        'no date': 'tags: 2001-99-99\nareas: 2001-99-99', 'binary': 'tags: !!binary aGVsbG8=\nareas: !!binary "a"',
+        'no number': 'tags: !!int ""', 'no truth': 'areas: !!bool maybe', 'no time': 'legs: !!timestamp soon',
+        'no float': 'tags: !!float fast', 'set': 'areas: !!set {a, b}\ntags: !!set {a}\nlegs: !!set {a}',
+        'object': 'areas: !!python/object/apply:os.system ["touch /tmp/unit5-was-here"]',
+        'unknown kind': 'areas: !area [1]', 'pairs': 'areas: !!pairs [a: 1]\ntags: !!omap [a: 1]',
+        'tabs': 'tags:\n\t- {id: 1}', 'two': 'areas: []\n---\nareas: []\n', 'three dots': '...', 'comment': '# nothing',
+        'list as key': '[a, b]: 1', 'map as key': '{a: b}: 1', 'no map': 'areas', 'number': '5', 'null': 'null', 'list': '[]',
+        'nulls': 'tags: [null]\nareas: [null]\nstart: null\nlegs: [null]\nwall: null\n',
+        'texts': 'tags: text\nareas: text\nstart: text\nlegs: text\n',
+        'one as all': 'tags: {id: 1, x: 0, y: 0, side: 1}\nareas: {%s}\n%slegs: {seconds: 1}\n' % (AREA, start),
+        'no dictionary': 'dictionary: [a, b]\ntags:\n%s' % tags, 'colors': 'wall: {color: white}\ntags:\n%s' % tags,
+        'ids': 'tags: [{id: 250, x: 0, y: 0, side: 1}]\n', 'below': 'tags: [{id: -1, x: 0, y: 0, side: 1}]\n',
+        'area of texts': 'area: [a, b, c, d]\ntags:\n%s' % tags, 'area of lists': 'area: [[1], [2], [3], [4]]\ntags:\n%s' % tags,
+        'slow': '%slegs: [{seconds: 1.0e-300}]' % start, 'picture': 'areas: [{%s, picture: [a]}]' % AREA,
+        'picture of lines': 'areas: [{%s, picture: "a\\nb", fit: "\\ud800"}]' % AREA,
+        'long name': 'areas: [{%s, %s: 1}]' % (AREA, 'n' * 90000), 'long value': 'areas: [{%s, fit: %s}]' % (AREA, 'n' * 90000),
+        'many areas': 'areas:\n' + 100 * ('- {%s}\n' % AREA), 'numbers as names': '1: 2\n3.0: 4\nnull: 5\n',
+        'quotes': '"' * 9999, 'percents': 'areas: [{%s, fit: "%%s%%d%%"}]\ntags: "%%s"' % AREA,
+        'many': 'tags:\n' + 600 * '- {id: 1, x: 0, y: 0, side: 1, turn: 0.0, name: some}\n',
+    }
+    for name, text in texts.items():
+        yield name + '.yaml', text.encode(), False
+    yield 'latin.yaml', ('areas: [{%s, picture: Erd\xe4pfel}]' % AREA).encode('latin1'), False
+    yield 'half a mark.yaml', b'\xff\xfeareas: []', False
+    yield 'huge.yaml', b'areas: []\n' + b'# more\n' * 10**7, False
+
+
+def _cut(seed):
+    """Good files that end early, and such in which some bytes are others."""
+    dice = random.Random(seed)
+    good = {'c.jpg': jpeg(), 'progressive.jpg': jpeg(progressive=True), 'c.png': picture('PNG', 'RGBA'),
+            'c.gif': animation('GIF'), 'c.webp': animation('WEBP'), 'a.png': animation('PNG'),
+            'c.bmp': picture('BMP'), 'c.ppm': picture('PPM'), 'c.mp4': video('.mp4', 'mp4v'),
+            'c.avi': video('.avi', 'MJPG'), 'c.mkv': video('.mkv', 'mp4v'), 'vp8.mkv': video('.mkv', 'VP80')}
+    for name, data in good.items():
+        for part in (0.05, 0.3, 0.6, 0.9):
+            yield 'cut at %g %s' % (part, name), data[:int(len(data) * part)], None
+        for number in range(4):
+            other = bytearray(data)
+            for _ in range(number + 1):
+                other[dice.randrange(len(other))] = dice.randrange(256)
+            yield 'changed %d %s' % (number, name), bytes(other), None

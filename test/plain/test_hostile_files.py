@@ -1,0 +1,124 @@
+"""Files that nobody should give a node: each is taken or refused with a sentence, and takes little memory."""
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+from aruco_ar import InputError
+from aruco_ar.files import write_whole
+from aruco_ar.sources import open_source
+from hostile.files import GIGANTIC, animation, png, video
+
+MAX_MB = 1000  # of all that opens a file: what the largest picture that is taken needs, and some more
+
+
+@pytest.fixture(scope='module')
+def opened(tmp_path_factory, package):
+    """What became of all hostile files, and the process that opened them."""
+    test = os.path.join(package, 'test')
+    environment = dict(os.environ, PYTHONPATH=os.pathsep.join([test, os.environ.get('PYTHONPATH', '')]))
+    done = subprocess.run([sys.executable, os.path.join(test, 'hostile', 'opening.py'),
+                           str(tmp_path_factory.mktemp('hostile')), '1'],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+    results = [json.loads(line) for line in done.stdout.splitlines()]
+    assert done.returncode == 0, 'after %s: %s' % (results[-1:], done.stderr.decode())
+    return results, done
+
+
+def shown(path):
+    """How a sentence begins to name a path."""
+    return ''.join(each if each.isprintable() else each.encode('unicode_escape').decode() for each in path)[:200]
+
+
+def test_no_hostile_file_ends_or_hangs_what_opens_it(opened):
+    assert len(opened[0]) > 500
+    assert [result for result in opened[0] if result['fault']] == []
+
+
+def test_what_is_no_picture_is_refused_and_what_is_odd_but_good_is_taken(opened):
+    wrong = [(result['name'], result['said']) for result in opened[0] if result['loader'] == 'picture'
+             and result['is_picture'] is not None and (result['said'] is None) != result['is_picture']]
+    assert wrong == []
+
+
+def test_no_hostile_file_is_taken_for_yaml(opened):
+    assert [(result['name'], result['loader']) for result in opened[0]
+            if result['loader'] != 'picture' and result['said'] is None] == []
+
+
+def test_each_refusal_is_a_sentence_that_names_the_file(opened):
+    for result in opened[0]:
+        said = result['said']
+        if said is not None:
+            assert shown(result['path']) in said, result
+            assert said[0] in 'T"' and said[-1] == '.' and said.isprintable() and len(said) <= 500, said
+
+
+def test_no_hostile_file_takes_much_memory(opened):
+    most = max(opened[0], key=lambda result: result['peak_mb'])
+    assert most['peak_mb'] < MAX_MB, most
+
+
+def test_the_terminal_is_left_alone(opened):
+    assert opened[1].stderr == b''
+
+
+@pytest.fixture
+def watchdog():
+    """Raises an error where something hangs."""
+    signal.signal(signal.SIGALRM, lambda *_: pytest.fail('it hangs'))
+    signal.alarm(60)
+    yield
+    signal.alarm(0)
+
+
+def gigantic(path):
+    with open(path, 'r+b') as file:
+        file.truncate(GIGANTIC)
+
+
+def replace(path, data):
+    with open(path + '.new', 'wb') as file:
+        file.write(data)
+    os.replace(path + '.new', path)
+
+
+def pipe(path):
+    os.unlink(path)
+    os.mkfifo(path)
+
+
+@pytest.mark.parametrize('kind, data', [('a.gif', animation('GIF')), ('a.webp', animation('WEBP')),
+                                        ('a.mp4', video('.mp4', 'mp4v')), ('a.avi', video('.avi', 'MJPG'))])
+@pytest.mark.parametrize('change', [
+    os.unlink, pipe, gigantic, lambda path: os.truncate(path, 0), lambda path: os.truncate(path, 300),
+    lambda path: replace(path, png(60000, 60000)), lambda path: replace(path, b'#EXTM3U\n'),
+    lambda path: (os.unlink(path), os.mkdir(path))],
+    ids=['deleted', 'a pipe', 'gigantic', 'empty', 'cut', 'a bomb', 'a list', 'a folder'])
+def test_a_file_that_changes_while_it_is_played_goes_on_or_keeps_its_last_picture(tmp_path, watchdog, kind, data, change):
+    path, said = str(tmp_path / kind), []
+    replace(path, data)
+    clip = open_source(path, said.append)
+    shape = clip.at(0).shape
+    change(path)
+    assert all(clip.at(number * 0.1).shape == shape for number in range(20))
+    assert len(said) <= 1 and all(path in sentence and 'last picture stays' in sentence for sentence in said)
+
+
+@pytest.mark.parametrize('path, reason', [
+    ('n' * 256, 'File name too long'), ('folder', 'Is a directory'), ('file/a.png', 'Not a directory|File exists'),
+    ('link/a.png', 'File exists|symbolic links'), ('a\0b.png', 'null'), ('a\ud800.png', 'surrogates'),
+    ('/proc/unit5/a.png', 'No such file')])
+def test_where_nothing_can_be_written_it_is_said_and_nothing_is_left(tmp_path, path, reason):
+    (tmp_path / 'folder').mkdir()
+    (tmp_path / 'file').write_bytes(b'before')
+    os.symlink('link', str(tmp_path / 'link'))
+    target = os.path.join(str(tmp_path), path)
+    with pytest.raises(InputError, match=reason) as error:
+        write_whole(target, b'after')
+    assert shown(target) in str(error.value) and re.search('another place', str(error.value))
+    assert sorted(os.listdir(str(tmp_path))) == ['file', 'folder', 'link']
+    assert (tmp_path / 'file').read_bytes() == b'before'
