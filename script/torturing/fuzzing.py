@@ -29,7 +29,7 @@ def run(seconds, seed):
     share = SECONDS if seconds is None else max(1, round(seconds / len(TARGETS)))
     print('%d s for each target, seed %d; at most %d bytes, %d MB of memory, %d s for one try\n'
           % (share, seed, MAX_BYTES, MEMORY_MB, HANG_S))
-    print('%-12s %10s %10s %10s %8s %8s   found (target: nothing)' % ('target', 'tries', 'edges', 'features', 'corpus', 'new'))
+    print('target            tries      edges   features   corpus      new   found (target: nothing)')
     found = []
     for target in TARGETS:
         said, fault = hunt(target, share, seed)
@@ -50,9 +50,10 @@ def hunt(target, seconds, seed):
     log = corpus + '.log'
     with open(log, 'wb') as file:
         done = subprocess.run(
-            [sys.executable, os.path.join(FUZZ, 'hunt.py'), '--target=' + target, corpus, os.path.join(FUZZ, 'corpus', target),
-             '-max_total_time=%d' % seconds, '-seed=%d' % seed, '-timeout=%d' % HANG_S, '-max_len=%d' % MAX_BYTES,
-             '-rss_limit_mb=%d' % MEMORY_MB, '-print_final_stats=1', '-artifact_prefix=%s-' % corpus],
+            [sys.executable, os.path.join(FUZZ, 'hunt.py'), '--target=' + target, corpus,
+             os.path.join(FUZZ, 'corpus', target),
+             '-max_total_time=%d' % seconds, '-seed=%d' % seed, '-timeout=%d' % HANG_S,
+             '-max_len=%d' % MAX_BYTES, '-rss_limit_mb=%d' % MEMORY_MB, '-print_final_stats=1', '-artifact_prefix=%s-' % corpus],
             stdout=file, stderr=subprocess.STDOUT)
     with open(log, errors='replace') as file:
         said = file.read()

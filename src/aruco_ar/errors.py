@@ -26,8 +26,8 @@ def shorten(text: str, length: int) -> str:
     What cannot be printed becomes what stands for it in Python's source, such as \\\\n.
     """
     text = _cut(text, length)  # first, as what follows makes it longer, and takes time
-    return _cut(''.join(each if each.isprintable() else each.encode('unicode_escape').decode() for each in text),
-                length)
+    return _cut(''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
+                        for each in text), length)
 
 
 def _cut(text: str, length: int) -> str:

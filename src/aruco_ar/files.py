@@ -93,7 +93,10 @@ def opened(path: str) -> Iterator[IO[bytes]]:
 
 
 def read_whole(path: str, limit: int) -> bytes:
-    """The bytes of a file. Raises InputError naming it if it cannot be read or is larger than that many bytes."""
+    """The bytes of a file.
+
+    Raises InputError naming it if it cannot be read or is larger than that many bytes.
+    """
     with opened(path) as file:
         if os.fstat(file.fileno()).st_size <= limit:
             data = file.read(limit + 1)  # some, as those in /proc, hold more than they say

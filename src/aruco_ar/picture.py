@@ -78,7 +78,8 @@ def _opened_image(data: bytes, name: str, kinds: str) -> Iterator[PIL.Image.Imag
     except InputError:
         raise
     except Exception:  # Pillow raises many kinds
-        raise InputError('The picture "%s" is no picture that can be read; give a %s.' % (name, kinds)) from None
+        raise InputError('The picture "%s" is no picture that can be read; give a %s.'
+                         % (name, kinds)) from None
 
 
 def too_large(name: str, pixels: int) -> InputError:

@@ -12,8 +12,9 @@ import cv2
 import numpy as np
 from PIL import Image
 
+from .texts import TEXTS
+
 GIGANTIC = 20 * 2**30  # bytes, of a file that takes no room on the disk
-AREA = 'ids: [1, 2, 3, 4]'
 
 
 class Case(NamedTuple):
@@ -28,7 +29,8 @@ def cases(folder, seed=1):
     """Make all files in a folder; yield a Case for each. Some paths lead elsewhere, or nowhere."""
     for name, path in _paths(folder):
         yield Case(name, path, False)
-    contents = [_good_pictures(), _broken_pictures(), _bombs(), _texts(), _cut(seed)]
+    contents = [_good_pictures(), _broken_pictures(), _bombs(), _cut(seed),
+                [(name + '.yaml', text, False) for name, text in TEXTS.items()]]
     for number, (name, data, is_picture) in enumerate(entry for part in contents for entry in part):
         path = os.path.join(folder, '%d %s' % (number, name))
         with open(path, 'wb') as file:
@@ -65,8 +67,8 @@ def _paths(folder):
         os.close(os.open(at('private'), os.O_CREAT, 0))
         yield 'private', at('private')
     for name, path in (('long name', 'n' * 256), ('long path', 'p/' * 2500), ('lines', 'a\nb\r\x1b[31m.jpg'),
-                       ('not UTF-8', 'a\udcff.mp4'), ('no text', 'a\ud800.png'), ('zero', 'a\0b'), ('empty', ''),
-                       ('below a file', 'socket/a.jpg')):
+                       ('not UTF-8', 'a\udcff.mp4'), ('no text', 'a\ud800.png'), ('zero', 'a\0b'),
+                       ('empty', ''), ('below a file', 'socket/a.jpg')):
         yield 'path: ' + name, path and at(path)
     yield 'path: nobody', '~nobody/a.jpg'
     yield 'path: address', 'http://localhost:1/a.mp4'
@@ -107,8 +109,9 @@ def video(suffix, fourcc, size=(64, 48), count=8):
 
 def png(width, height, rows=b'', bits=1, kind=0, more=b''):
     """A PNG that claims that size. ``rows``: its uncompressed data; ``more``: chunks before it."""
-    return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, bits, kind, 0, 0, 0)) + \
-        more + chunk(b'IDAT', zlib.compress(rows, 9)) + chunk(b'IEND', b'')
+    head = struct.pack('>IIBBBBB', width, height, bits, kind, 0, 0, 0)
+    return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + more + chunk(b'IDAT', zlib.compress(rows, 9)) + \
+        chunk(b'IEND', b'')
 
 
 def chunk(name, data):
@@ -122,18 +125,20 @@ def _good_pictures():
     yield 'a GIF', animation('GIF'), True
     yield 'no suffix', video('.mp4', 'mp4v'), True
     yield 'a video.jpg', video('.avi', 'MJPG'), True
-    for kind, mode in (('JPEG', 'CMYK'), ('JPEG', 'L'), ('PNG', '1'), ('PNG', 'P'), ('PNG', 'LA'), ('PNG', 'RGBA'),
-                       ('PNG', 'I'), ('WEBP', 'RGBA'), ('BMP', 'P'),
+    for kind, mode in (('JPEG', 'CMYK'), ('JPEG', 'L'), ('PNG', '1'), ('PNG', 'P'), ('PNG', 'LA'),
+                       ('PNG', 'RGBA'), ('PNG', 'I'), ('WEBP', 'RGBA'), ('BMP', 'P'),
                        ('PPM', '1'), ('GIF', 'L')):
         yield '%s of %s' % (mode, kind), picture(kind, mode), True
     yield '16 bits.png', cv2.imencode('.png', np.full((9, 9, 4), 0x8080, np.uint16))[1].tobytes(), True
     yield 'key color.png', picture('PNG', 'P', transparency=1), True
     yield 'as large as allowed.png', png(8192, 4320, bytes(1025 * 4320)), True
     yield 'one line.png', png(2**25, 1, bytes(2**22 + 1)), None
-    for name, exif in (('broken', b'Exif\0\0MM\0*\0\0\0\x08\xff\xff\x01\x12'), ('endless', b'Exif\0\0II*\0\x08\0\0\0' + b'\xff' * 999),
-                       ('turned 99', b'Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x63\0\0\0\0\0\0')):
-        yield 'EXIF %s.jpg' % name, jpeg(exif=exif), True
-    yield 'color profile.png', png(9, 9, bytes(27), more=chunk(b'iCCP', b'sRGB\0\0' + zlib.compress(b'no profile'))), True
+    for name, exif in (('broken', b'MM\0*\0\0\0\x08\xff\xff\x01\x12'),
+                       ('endless', b'II*\0\x08\0\0\0' + b'\xff' * 999),
+                       ('turned 99', b'MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x63' + bytes(6))):
+        yield 'EXIF %s.jpg' % name, jpeg(exif=b'Exif\0\0' + exif), True
+    profile = chunk(b'iCCP', b'sRGB\0\0' + zlib.compress(b'no profile'))
+    yield 'color profile.png', png(9, 9, bytes(27), more=profile), True
     yield 'comment.jpg', jpeg()[:2] + b'\xff\xfe\xff\xff' + bytes(65533) + jpeg()[2:], True
 
 
@@ -162,11 +167,13 @@ def _bombs():
     yield 'bomb.png', png(60000, 60000, bytes(10**6)), False
     yield 'gray bomb.png', png(9000, 4096, bytes(1126 * 4096)), False
     yield 'scans.jpg', _scans(500), False
-    yield 'text bomb.png', png(9, 9, bytes(27), more=chunk(b'zTXt', b'a\0\0' + zlib.compress(bytes(2**24), 9))), None
+    text = chunk(b'zTXt', b'a\0\0' + zlib.compress(bytes(2**24), 9))
+    yield 'text bomb.png', png(9, 9, bytes(27), more=text), None
     yield 'bomb.jpg', _resized_jpeg(jpeg(), 65000, 65000), False
-    yield 'bomb.gif', b'GIF89a\xff\xff\xff\xff\x80\0\0' + bytes(6) + b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0;', False
+    wide = b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0'  # a frame of a GIF
+    yield 'bomb.gif', b'GIF89a\xff\xff\xff\xff\x80\0\0' + bytes(6) + wide + b';', False
     # Whose canvas is small, but not its second frame.
-    yield 'growing.gif', animation('GIF', 1)[:-1] + b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0;', None
+    yield 'growing.gif', animation('GIF', 1)[:-1] + wide + b';', None
     # Frames of one pixel, of which each takes but a few bytes.
     yield '100000 frames.gif', b'GIF89a\x09\0\x09\0\x80\0\0' + bytes(6) + \
         100000 * b',\0\0\0\0\x01\0\x01\0\0\x02\x02D\x01\0' + b';', True
@@ -187,62 +194,11 @@ def _scans(count):
 
 
 def _resized_jpeg(data, width, height):
-    """With that size claimed by all JPEGs in the data, also if they are frames of an AVI, which then claims it too."""
-    data = re.sub(rb'(\xff\xc0\0\x11\x08)....', lambda found: found.group(1) + struct.pack('>HH', height, width), data,
-                  flags=re.DOTALL)
-    return re.sub(rb'(strf....\x28\0\0\0)........', lambda found: found.group(1) + struct.pack('<ii', width, height), data,
-                  flags=re.DOTALL)
-
-
-def _texts():
-    """YAML, for walls, areas and paths alike."""
-    tags = ''.join('- {id: %d, x: 0, y: 0, side: 1}\n' % number for number in range(1, 5))
-    start = 'start: {x: 0, y: 0, heading: 0}\n'
-    texts = {
-        'laughs': 'a: &a [x,x,x,x,x,x,x,x,x]\n' + ''.join(
-            '%s: &%s [%s]\n' % (after, after, ','.join(['*' + before] * 9))
-            for before, after in zip('abcdefghijklmnop', 'bcdefghijklmnopq')) + 'tags: [{id: *q, x: 0, y: 0, side: 1}]',
-        'merged laughs': 'a: &a {x: 1}\n' + ''.join(
-            '%s: &%s {<<: [%s]}\n' % (after, after, ','.join(['*' + before] * 9))
-            for before, after in zip('abcdefghijklm', 'bcdefghijklmn')),
-        'circle': 'areas: &a [*a]\ntags: [*a]\nlegs: [*a]\n',
-        'deep': 'areas: ' + '[' * 9000, 'deep maps': 'tags: ' + '{a: ' * 9000, 'deep lines': ''.join(
-            '%s- \n' % (' ' * depth) for depth in range(600)), 'keys in keys': '? ' * 9000,
-        'double': 'areas: []\nareas: [{%s}]\ntags: []\ntags:\n%slegs: []\nlegs: []\n' % (AREA, tags),
-        'double id': 'tags: [{id: 1, id: 2, x: 0, y: 0, side: 1}]\nareas: [{%s, %s}]\n' % (AREA, AREA),
-        'zero': 'areas: [\0]',
-        'long number': 'tags: [{id: %s, x: 0, y: 0, side: 1}]' % ('9' * 5000),
-        'long hex': 'tags: [{id: 0x%s, x: 0, y: 0, side: 1}]' % ('f' * 5000),
-        'large': 'tags: [{id: 1, x: 1%s, y: 0, side: 1}]\n%slegs: [{seconds: 1%s}]\n' % ('0' * 400, start, '0' * 400),
-        'yes': 'tags: [{id: 1, x: yes, y: no, side: on}]\n%slegs: [{seconds: yes}]\nareas: [{ids: [yes, no, on, 4]}]' % start,
-        'nan': 'tags: [{id: .nan, x: .nan, y: .inf, side: .nan}]\n%slegs: [{seconds: .nan}]\nareas: [{%s, opacity: .nan}]' % (start, AREA),
-        'infinite': 'tags: [{id: 1, x: -.inf, y: 0, side: .inf}]\n%slegs: [{seconds: .inf}]\nareas: [{%s, hold: .inf}]' % (start, AREA),
-        'dates': 'tags: [{id: 1, x: 2001-01-01, y: 2001-12-14t21:59:43.10-05:00, side: 1}]\nareas: [{ids: 2001-01-01}]',
-        'no date': 'tags: 2001-99-99\nareas: 2001-99-99', 'binary': 'tags: !!binary aGVsbG8=\nareas: !!binary "a"',
-        'no number': 'tags: !!int ""', 'no truth': 'areas: !!bool maybe', 'no time': 'legs: !!timestamp soon',
-        'no float': 'tags: !!float fast', 'set': 'areas: !!set {a, b}\ntags: !!set {a}\nlegs: !!set {a}',
-        'object': 'areas: !!python/object/apply:os.system ["touch /tmp/unit5-was-here"]',
-        'unknown kind': 'areas: !area [1]', 'pairs': 'areas: !!pairs [a: 1]\ntags: !!omap [a: 1]',
-        'tabs': 'tags:\n\t- {id: 1}', 'two': 'areas: []\n---\nareas: []\n', 'three dots': '...', 'comment': '# nothing',
-        'list as key': '[a, b]: 1', 'map as key': '{a: b}: 1', 'no map': 'areas', 'number': '5', 'null': 'null', 'list': '[]',
-        'nulls': 'tags: [null]\nareas: [null]\nstart: null\nlegs: [null]\nwall: null\n',
-        'texts': 'tags: text\nareas: text\nstart: text\nlegs: text\n',
-        'one as all': 'tags: {id: 1, x: 0, y: 0, side: 1}\nareas: {%s}\n%slegs: {seconds: 1}\n' % (AREA, start),
-        'no dictionary': 'dictionary: [a, b]\ntags:\n%s' % tags, 'colors': 'wall: {color: white}\ntags:\n%s' % tags,
-        'ids': 'tags: [{id: 250, x: 0, y: 0, side: 1}]\n', 'below': 'tags: [{id: -1, x: 0, y: 0, side: 1}]\n',
-        'area of texts': 'area: [a, b, c, d]\ntags:\n%s' % tags, 'area of lists': 'area: [[1], [2], [3], [4]]\ntags:\n%s' % tags,
-        'slow': '%slegs: [{seconds: 1.0e-300}]' % start, 'picture': 'areas: [{%s, picture: [a]}]' % AREA,
-        'picture of lines': 'areas: [{%s, picture: "a\\nb", fit: "\\ud800"}]' % AREA,
-        'long name': 'areas: [{%s, %s: 1}]' % (AREA, 'n' * 90000), 'long value': 'areas: [{%s, fit: %s}]' % (AREA, 'n' * 90000),
-        'many areas': 'areas:\n' + 100 * ('- {%s}\n' % AREA), 'numbers as names': '1: 2\n3.0: 4\nnull: 5\n',
-        'quotes': '"' * 9999, 'percents': 'areas: [{%s, fit: "%%s%%d%%"}]\ntags: "%%s"' % AREA,
-        'many': 'tags:\n' + 600 * '- {id: 1, x: 0, y: 0, side: 1, turn: 0.0, name: some}\n',
-    }
-    for name, text in texts.items():
-        yield name + '.yaml', text.encode(), False
-    yield 'latin.yaml', ('areas: [{%s, picture: Erd\xe4pfel}]' % AREA).encode('latin1'), False
-    yield 'half a mark.yaml', b'\xff\xfeareas: []', False
-    yield 'huge.yaml', b'areas: []\n' + b'# more\n' * 10**7, False
+    """The data, of a JPEG or an AVI of JPEGs, with another size claimed."""
+    for place, size in ((rb'(\xff\xc0\0\x11\x08)....', struct.pack('>HH', height, width)),
+                        (rb'(strf....\x28\0\0\0)........', struct.pack('<ii', width, height))):
+        data = re.sub(place, lambda found, size=size: found.group(1) + size, data, flags=re.DOTALL)
+    return data
 
 
 def _cut(seed):

@@ -5,6 +5,7 @@ import pytest
 from fuzz.targets import TARGETS
 
 
+@pytest.mark.filterwarnings('ignore:::PIL')  # the package does so, but not in pytest
 @pytest.mark.parametrize('target', TARGETS)
 def test_nothing_in_the_corpus_is_a_fault(package, target):
     folder = os.path.join(package, 'test', 'fuzz', 'corpus', target)

@@ -21,7 +21,7 @@ from std_msgs.msg import Header
 from unit5.msg import TagArray
 
 sys.path.append(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-from hostile.files import png  # noqa: E402
+from hostile.files import png
 
 GRAY = 180
 RED, GREEN, BLUE = (0, 0, 255), (0, 255, 0), (255, 0, 0)
@@ -173,7 +173,8 @@ class Picture(unittest.TestCase):
         for stamp, (name, write, words) in enumerate((
                 ('bomb.png', bomb, 'at most 36 million pixels'), ('pipe.mp4', os.mkfifo, 'is not a file'),
                 ('two\nlines.jpg', lambda path: Path(path).write_text('text'), 'no picture that can be read'),
-                ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'), 'give a JPEG'))):
+                ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'),
+                 'no picture that can be read'))):
             path = self.file(name, write)
             client.update_configuration({'picture': path})
             self.node.wait_for(path.replace('\n', '\\n'), words, 'Nothing is changed')
