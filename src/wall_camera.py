@@ -22,6 +22,7 @@ from aruco_node.node import parameter, run_node
 from aruco_node.parameters import number, read, text
 from aruco_node.publishing import ImagePublisher
 from aruco_node.reconfigure import Reconfigurer
+from aruco_node.tolerant import tolerant
 from aruco_node.wall_messages import fixed_transforms, observe, robot_transform
 from geometry_msgs.msg import Twist
 
@@ -72,7 +73,7 @@ class Driver:
         self._speed = 0.0, 0.0
         self._commanded = None
         self._began = self._moved = rospy.Time.now()
-        rospy.Subscriber('cmd_vel', Twist, self._on_command, queue_size=1)
+        rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
     def _on_command(self, command):
         speed = np.array([command.linear.x, command.angular.z])

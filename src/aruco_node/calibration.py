@@ -3,12 +3,13 @@ import time
 
 import numpy as np
 import rospy
-from aruco_ar.errors import InputError
+from aruco_ar.errors import InputError, shorten
 from aruco_ar.lens import Lens
 from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
 from .parameters import AUTO
+from .tolerant import tolerant
 from .waiting import SILENCE_S
 
 # How many distortion coefficients each model may have; none means no distortion.
@@ -38,7 +39,7 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     if np.any(np.abs(came * scale - size) > 1):
         raise InputError('it is for frames of %d x %d pixels, but they have %d x %d. Calibrate the camera at '
                          'the size at which it runs' % (*came, *np.round(np.array(size) / scale)),
-                         kind='camera_info of %d x %d' % tuple(came))
+                         kind='camera_info of another size')
     matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
     if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or \
             np.any(matrix[2] != [0, 0, 1]) or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
@@ -53,7 +54,8 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
                           or not np.all(np.isfinite(distortion))):
         raise InputError('its distortion "%s" of %d numbers is not known; known are plumb_bob (4 or 5), '
                          'rational_polynomial (8, 12 or 14) and equidistant (4)'
-                         % (info.distortion_model, len(distortion)), kind='camera_info with another distortion')
+                         % (shorten(info.distortion_model, 40), len(distortion)),
+                         kind='camera_info with another distortion')
     # As CameraInfo.msg says; and the middle of the first pixel is (0, 0) before and after resizing.
     matrix[:2, 2] -= corner
     matrix[:2] /= binning[:, None]
@@ -85,7 +87,7 @@ class Calibration:
         """Listen to the topic, or leave it."""
         if wanted and self._subscriber is None:
             self._since = time.monotonic()
-            self._subscriber = rospy.Subscriber(self.topic, CameraInfo, self._on_info, queue_size=1)
+            self._subscriber = rospy.Subscriber(self.topic, tolerant(CameraInfo), self._on_info, queue_size=1)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None

@@ -14,7 +14,7 @@ from unit5.msg import TagArray
 
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
-from .messages import BUFFER_BYTES, TRANSPORTS, tags_from_pixels
+from .messages import BUFFER_BYTES, TRANSPORTS, check_size, tags_from_pixels
 from .node import parameter
 from .parameters import plain, read
 from .publishing import ImagePublisher, Listener
@@ -197,6 +197,7 @@ class CameraNode:
             frame = self._to_frame(message)
             self.scale = self.settings.scale  # which another thread may change meanwhile
             if self.scale != 1.0:
+                check_size(*(self.scale * side for side in frame.shape[1::-1]))
                 frame = resize(frame, self.scale)
             self._snapshot.before(frame)
             stamp = (message.header.stamp or rospy.Time.now()).to_sec()
@@ -215,9 +216,10 @@ class CameraNode:
         except InputError as error:
             self._unusable = str(error)
             self.say_once(error.kind, self._unusable)
-        except Exception:  # a fault of ours: one frame is lost, not the node
+        except Exception as error:  # a fault of ours: one frame is lost, not the node
             if is_shutdown_requested():  # while all topics are closed, whatever is published fails
                 return
-            fault = traceback.format_exc()
-            self._unusable = 'A frame is passed over, by a fault of this node: ' + fault
-            self.say_once(fault, self._unusable)
+            self._unusable = 'A frame is passed over, by a fault of this node: ' + traceback.format_exc()
+            # By where it was, of which there are few: what it says may be another each time.
+            places = [(place.filename, place.lineno) for place in traceback.extract_tb(error.__traceback__)]
+            self.say_once((type(error), *places), self._unusable)

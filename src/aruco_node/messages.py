@@ -1,16 +1,20 @@
 """Between sensor_msgs and frames; a frame is (h, w, 3) BGR uint8."""
+import io
 import os
 import struct
+import warnings
 from typing import Any
 
 import cv2
 import numpy as np
-from aruco_ar.errors import InputError
-from cv_bridge import CvBridge, CvBridgeError
+from aruco_ar.errors import InputError, shorten
 from geometry_msgs.msg import Point32, PolygonStamped
+from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image
 from unit5.msg import Tag as TagMessage
 from unit5.msg import TagArray
+
+from .tolerant import tolerant
 
 JPEG_QUALITY = 80  # what compressed_image_transport uses
 
@@ -19,7 +23,27 @@ JPEG_QUALITY = 80  # what compressed_image_transport uses
 # 16 bits and three colors, with some to spare.
 BUFFER_BYTES = 64 * 1024 * 1024
 
-_bridge = CvBridge()
+# The largest format of video, 8192 x 4320, has 35 million pixels. Larger frames are
+# refused before memory is taken for them; and OpenCV warps nothing that is longer.
+MAX_PIXELS = 36 * 10**6
+MAX_SIDE_PX = 32766
+# A PNG all of one gray takes a byte for about 755 pixels, a JPEG more; zlib cannot do more than 1032.
+MAX_PIXELS_A_BYTE = 1100
+# A progressive JPEG is made of scans, each of which goes over all pixels. What cameras
+# and programs write has about ten; one of 16 million pixels with 1000 takes a minute.
+JPEG_SCAN, MAX_SCANS = b'\xff\xda', 100
+warnings.simplefilter('ignore', Picture.DecompressionBombWarning)  # such frames are refused
+
+# How an Image becomes color, by its encoding: the bits of a number, the numbers
+# of a pixel, and cv2.cvtColor's code. The names of OpenCV's Bayer patterns begin
+# at the second pixel of the second row.
+_COLORS = {'bgr': (3, None), 'rgb': (3, cv2.COLOR_RGB2BGR),
+           'bgra': (4, cv2.COLOR_BGRA2BGR), 'rgba': (4, cv2.COLOR_RGBA2BGR), 'mono': (1, cv2.COLOR_GRAY2BGR),
+           'bayer_rggb': (1, cv2.COLOR_BayerBG2BGR), 'bayer_bggr': (1, cv2.COLOR_BayerRG2BGR),
+           'bayer_gbrg': (1, cv2.COLOR_BayerGR2BGR), 'bayer_grbg': (1, cv2.COLOR_BayerGB2BGR)}
+ENCODINGS = {'%s%d' % (name, bits): (bits, *color) for name, color in _COLORS.items() for bits in (8, 16)}
+ENCODINGS.update(yuv422=(8, 2, cv2.COLOR_YUV2BGR_UYVY), yuv422_yuy2=(8, 2, cv2.COLOR_YUV2BGR_YUY2))
+WITH_ALPHA = {cv2.COLOR_BGRA2BGR: None, cv2.COLOR_RGBA2BGR: cv2.COLOR_RGBA2BGRA}
 
 
 class FrameMessage(Image):
@@ -44,79 +68,110 @@ class FrameMessage(Image):
 
 
 def frame_from_image(message):
-    """The frame in a sensor_msgs/Image of any color, gray, Bayer or yuv422 encoding.
+    """The frame in a sensor_msgs/Image of one of ENCODINGS.
 
-    It shares no memory with the message. Raises InputError if the encoding is
-    no color or gray one, or if the data is not what width, height and step promise.
+    16 bits are scaled to 8. It shares no memory with the message. Raises
+    InputError if the encoding is another, if the frame is empty or too large,
+    or if the data is not what width, height and step promise.
     """
-    if message.width == 0 or message.height == 0:
-        raise InputError('A frame of %d x %d pixels is empty; check the camera driver.'
-                         % (message.width, message.height), kind='empty frame')
-    if len(message.data) < message.step * message.height:
-        raise InputError('A frame has %d bytes where its step and height promise %d; check the '
-                         'camera driver.' % (len(message.data), message.step * message.height),
-                         kind='short frame')
-    try:
-        if message.encoding in ('bgr8', 'rgb8'):
-            return _frame_from_color(message)
-        return _bridge.imgmsg_to_cv2(_without_padding(message), 'bgr8')
-    except (CvBridgeError, cv2.error, TypeError) as error:
-        raise InputError('A frame with the encoding "%s" cannot be used (%s); set the camera driver '
-                         'to one such as rgb8, bgr8, mono8 or yuv422.'
-                         % (message.encoding, ' '.join(str(error).split())), kind='encoding') from None
-
-
-def _frame_from_color(message):
-    """The frame in a bgr8 or rgb8 Image, copied once, where cv_bridge copies twice."""
-    pixels = _rows(message, 3 * message.width).reshape(message.height, message.width, 3)
-    return pixels.copy() if message.encoding == 'bgr8' else cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR)
-
-
-def _rows(message, row):
-    """(h, row) uint8: what is in an Image without what may be between its rows of that many bytes."""
-    if message.step < row:
-        raise InputError('A frame has a step of %d bytes where %d pixels of %s take %d; check the '
-                         'camera driver.' % (message.step, message.width, message.encoding, row),
-                         kind='short step')
-    data = np.frombuffer(message.data, np.uint8, message.step * message.height)
-    return np.ascontiguousarray(data.reshape(message.height, message.step)[:, :row])
-
-
-def _without_padding(message):
-    """The Image with no bytes between its rows: Debian's cv_bridge takes them for pixels."""
-    kind, channels = _bridge.encoding_to_dtype_with_channels(message.encoding)
-    row = message.width * channels * np.dtype(kind).itemsize
-    if message.step == row:
-        return message
-    data = _rows(message, row).tobytes()
-    return Image(height=message.height, width=message.width, encoding=message.encoding,
-                 is_bigendian=message.is_bigendian, step=row, data=data)
+    return _in_color(*_pixels(message))
 
 
 def picture_from_image(message):
     """As frame_from_image, but (h, w, 4) BGRA where the Image has an alpha channel."""
-    frame = frame_from_image(message)
-    if message.encoding not in ('bgra8', 'rgba8'):
-        return frame
-    return _bridge.imgmsg_to_cv2(_without_padding(message), 'bgra8').copy()
+    pixels, code = _pixels(message)
+    return _in_color(pixels, WITH_ALPHA.get(code, code))
+
+
+def _pixels(message):
+    """(h, w) or (h, w, channels) uint8 or uint16: what is in an Image; and how it becomes color: see ENCODINGS."""
+    if message.width == 0 or message.height == 0:
+        raise InputError('A frame of %d x %d pixels is empty; check the camera driver.'
+                         % (message.width, message.height), kind='empty frame')
+    check_size(message.width, message.height)
+    if message.encoding not in ENCODINGS:
+        raise InputError('A frame with the encoding "%s" cannot be used; set the camera driver to one such as '
+                         'rgb8, bgr8, mono8 or yuv422.' % shorten(message.encoding, 40), kind='encoding')
+    bits, channels, code = ENCODINGS[message.encoding]
+    if message.encoding.startswith('yuv422') and message.width % 2:
+        raise InputError('A frame of %s has %d pixels in a row, where only even numbers can be; check the camera '
+                         'driver.' % (message.encoding, message.width), kind='half a pair of pixels')
+    row = message.width * channels * bits // 8
+    if message.step < row:
+        raise InputError('A frame has a step of %d bytes where %d pixels of %s take %d; check the '
+                         'camera driver.' % (message.step, message.width, message.encoding, row),
+                         kind='short step')
+    if len(message.data) < message.step * message.height:
+        raise InputError('A frame has %d bytes where its step and height promise %d; check the '
+                         'camera driver.' % (len(message.data), message.step * message.height),
+                         kind='short frame')
+    data = np.frombuffer(message.data, np.uint8, message.step * message.height)
+    data = np.ascontiguousarray(data.reshape(message.height, message.step)[:, :row])
+    if bits == 16:
+        data = data.view('>u2' if message.is_bigendian else '<u2').astype(np.uint16)
+    return data.reshape((message.height, message.width) + (channels,) * (channels > 1)), code
+
+
+def _in_color(pixels, code):
+    color = pixels.copy() if code is None else cv2.cvtColor(pixels, code)
+    return color if color.dtype == np.uint8 else cv2.convertScaleAbs(color, alpha=255 / 65535)
+
+
+def check_size(width, height):
+    """Raises InputError if a frame of so many pixels is larger than is good for the node."""
+    if width * height > MAX_PIXELS or max(width, height) > MAX_SIDE_PX:
+        raise _too_large('A frame of %d x %d pixels' % (width, height))
 
 
 def frame_from_compressed(message):
     """The frame in a sensor_msgs/CompressedImage, JPEG or PNG.
 
-    Raises InputError if the data is neither.
+    16 bits are scaled to 8. Raises InputError if the data is neither, or if
+    the frame is too large.
     """
-    frame = None
-    if message.data:
-        try:
-            frame = cv2.imdecode(np.frombuffer(message.data, np.uint8), cv2.IMREAD_COLOR)
-        except cv2.error:
-            pass
-    if frame is None:
-        raise InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be '
-                         'JPEG or PNG.' % (message.format, len(message.data)),
-                         kind='undecodable frame')
-    return frame
+    try:
+        with _opened(message) as picture:
+            if picture.mode.startswith('I'):  # gray of 16 bits
+                return _in_color(np.asarray(picture).astype(np.uint16), cv2.COLOR_GRAY2BGR)
+            return _in_color(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
+                             cv2.COLOR_RGB2BGR)
+    except InputError:
+        raise
+    except Exception:  # Pillow raises many kinds
+        raise _undecodable(message) from None
+
+
+def check_compressed(message):
+    """Raises InputError if the header of a CompressedImage promises what frame_from_compressed refuses."""
+    _opened(message).close()
+
+
+def _opened(message):
+    """The Pillow image in a CompressedImage, of whose data only the header has been read.
+
+    Not by OpenCV, whose decoders write a line to stderr for each frame that is damaged.
+    """
+    data = message.data
+    try:
+        picture = Picture.open(io.BytesIO(data), formats=['JPEG', 'PNG'])
+    except Picture.DecompressionBombError:
+        raise _too_large('A compressed frame of %d bytes' % len(data)) from None
+    except Exception:  # Pillow raises many kinds
+        raise _undecodable(message) from None
+    check_size(*picture.size)
+    if picture.width * picture.height > MAX_PIXELS_A_BYTE * len(data) or data.count(JPEG_SCAN) > MAX_SCANS:
+        raise _undecodable(message)
+    return picture
+
+
+def _too_large(frame):
+    return InputError('%s is too large; frames have at most %d million pixels, and %d to a side. Set the camera '
+                      'driver, or ~scale, to less.' % (frame, MAX_PIXELS // 10**6, MAX_SIDE_PX), kind='large frame')
+
+
+def _undecodable(message):
+    return InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be a whole JPEG or PNG.'
+                      % (shorten(message.format, 40), len(message.data)), kind='undecodable frame')
 
 
 def image_from_frame(frame, header, encoding='bgr8'):
@@ -156,8 +211,8 @@ def jpeg_from_frame(frame, quality=JPEG_QUALITY):
 # How a camera topic's message becomes a frame, for each ~transport: the suffix
 # of the topic, the type of the message, and the function.
 TRANSPORTS = {
-    'raw': ('', Image, frame_from_image),
-    'compressed': ('/compressed', CompressedImage, frame_from_compressed),
+    'raw': ('', tolerant(Image), frame_from_image),
+    'compressed': ('/compressed', tolerant(CompressedImage), frame_from_compressed),
 }
 
 

@@ -12,6 +12,7 @@ from aruco_ar.picture import decode_picture, resize
 from aruco_ar.sources import open_source
 from aruco_node.messages import image_from_frame, jpeg_from_frame
 from aruco_node.settings import TOPIC
+from aruco_node.tolerant import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from PIL import Image as PillowImage
@@ -34,7 +35,7 @@ class Node:
     def __init__(self, name, on_change):
         self.name = rospy.resolve_name(name)
         self._values, self._on_change = {}, on_change
-        self._updates = rospy.Subscriber(self.name + '/parameter_updates', Config, self._on_update)
+        self._updates = rospy.Subscriber(self.name + '/parameter_updates', tolerant(Config), self._on_update)
         self._service = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
         self._worker = ThreadPoolExecutor(1, name)  # its own: a node that hangs holds up no other
         self._lock, self._wanted, self._job = threading.Lock(), {}, None

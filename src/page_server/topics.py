@@ -8,7 +8,8 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.errors import InputError
-from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, jpeg_from_frame
+from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
+from aruco_node.tolerant import tolerant
 from aruco_node.waiting import IMAGE_TYPES, SUFFIX
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
@@ -113,6 +114,7 @@ class ImageTopic(Watched):
     def _encode(self, message, quality, width, height):
         if self._transport == 'compressed' and not (quality or width or height) \
                 and bytes(message.data[:2]) == JPEG_START:
+            check_compressed(message)
             return bytes(message.data)  # somebody has encoded it already
         frame = self._to_frame(message)
         if width or height:
@@ -174,7 +176,7 @@ class Topics:
 
     def tags(self, name):
         """The topic of a TagArray, whether it is published or not."""
-        return self._get(name, Watched, TagArray, self._registrar)
+        return self._get(name, Watched, tolerant(TagArray), self._registrar)
 
     def _get(self, name, make, *arguments):
         key = name, arguments[0]
