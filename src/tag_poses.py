@@ -11,6 +11,7 @@ import time
 import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator
+from aruco_ar.errors import shorten
 from aruco_ar.files import package_folder
 from aruco_ar.paint import mark_poses
 from aruco_ar.wall import load_wall
@@ -24,6 +25,7 @@ from aruco_node.names import frame_name
 from aruco_node.node import run_node
 from aruco_node.parameters import AUTO
 from aruco_node.settings import ID, LEARN, PoseSettings
+from aruco_node.stamps import OthersFrames
 from aruco_node.waiting import SILENCE_S
 from aruco_node.wall_messages import WALL_FRAME
 from aruco_node.wall_watch import WallWatch
@@ -51,7 +53,7 @@ class TagPoses(CameraNode):
         self._faults = {}  # what is wrong, by its kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.results = [publisher.resolved_name for publisher in self._publishers.values()]
-        self._transforms = tf2_ros.TransformBroadcaster()
+        self._transforms, self._framed = tf2_ros.TransformBroadcaster(), None  # the stamp of the last
         # The TF of others, while the robot's pose is wanted.
         self._frames, self._listener = tf2_ros.Buffer(), None
 
@@ -66,7 +68,7 @@ class TagPoses(CameraNode):
         placed = self._publishers['robot_pose'].get_num_connections() > 0
         if placed and self._listener is None:
             self._listening_since = time.monotonic()
-            self._listener = tf2_ros.TransformListener(self._frames)
+            self._listener = OthersFrames(self._frames)
         elif not placed and self._listener is not None:
             self._listener.unregister()
             self._listener = None
@@ -139,7 +141,8 @@ class TagPoses(CameraNode):
             publish['area'](pose_messages.area_pose(area, lens, header))
         if 'markers' in publish:
             publish['markers'](pose_messages.markers(poses, area, header))
-        if not header.frame_id:
+        named = header.frame_id.lstrip('/')
+        if not named:
             faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set ' \
                                  'it in the camera driver.'
         else:
@@ -150,18 +153,23 @@ class TagPoses(CameraNode):
         wall = frame_name(name if name != AUTO else LEARNED if self.settings.wall == LEARN else WALL_FRAME)
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(camera, header.stamp, wall))
-        if 'robot_pose' in publish:
+        if 'robot_pose' in publish and named:
             robot = self._robot(camera, header, faults)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
     def _publish_frames(self, poses, header):
-        """The tags as TF frames; of two with one id nobody could say which the frame is of."""
+        """The tags as TF frames; of two with one id nobody could say which the frame is of.
+
+        TF takes no two of one stamp, and says a line for each, to everybody who listens.
+        """
+        stamp = header.stamp or rospy.Time.now()
         ids = [pose.id for pose in poses]
         single = [pose for pose in poses if ids.count(pose.id) == 1]
-        if single:
+        if single and stamp != self._framed:
+            self._framed = stamp
             names = [frame_name(self.settings.tag_frame.replace(ID, str(pose.id))) for pose in single]
-            self._transforms.sendTransform([pose_messages.transform(pose, header, name)
+            self._transforms.sendTransform([pose_messages.transform(pose, stamp, header.frame_id, name)
                                             for pose, name in zip(single, names)])
 
     def _robot(self, camera, header, faults):
@@ -169,10 +177,10 @@ class TagPoses(CameraNode):
         frame = frame_name(self.settings.robot_frame)
         try:
             found = self._frames.lookup_transform(header.frame_id.lstrip('/'), frame, rospy.Time(0)).transform
-        except tf2_ros.TransformException as error:
+        except (tf2_ros.TransformException, ValueError) as error:  # ValueError: of a frame_id with a null character
             if time.monotonic() - self._listening_since > SILENCE_S:
                 faults['robot'] = 'The pose of the robot is not known: no transform from %s to %s (%s). Is ' \
-                                  'robot_frame right?' % (frame, header.frame_id, error)
+                                  'robot_frame right?' % (frame, shorten(header.frame_id, 40), shorten(str(error), 200))
             return None
         return camera.carry(*pose_messages.from_transform(found))
 

@@ -21,6 +21,7 @@ from .publishing import ImagePublisher, Listener
 from .reconfigure import Reconfigurer
 from .settings import load_areas
 from .snapshot import Snapshot
+from .stamps import is_time
 from .waiting import SILENCE_S, explain_silence
 
 CAMERA = 'camera/rgb/image_raw'
@@ -194,6 +195,9 @@ class CameraNode:
             rospy.loginfo('Frames arrive on %s.', self._topic)
         missing = self._count.came(message.header.seq)
         try:
+            if not is_time(message.header.stamp):
+                raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the camera '
+                                 'driver.' % (message.header.stamp.secs, message.header.stamp.nsecs), kind='stamp')
             frame = self._to_frame(message)
             self.scale = self.settings.scale  # which another thread may change meanwhile
             if self.scale != 1.0:

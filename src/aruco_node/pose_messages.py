@@ -69,9 +69,9 @@ def _center(pose, lens):
     return points_from_pixels(lens.project(pose.translation[None]))[0]
 
 
-def transform(pose, header, child):
-    """A pose as the geometry_msgs/TransformStamped of a TF frame."""
-    message = TransformStamped(header=Header(stamp=header.stamp, frame_id=header.frame_id.lstrip('/')),
+def transform(pose, stamp, parent, child):
+    """A pose in the frame ``parent`` as the geometry_msgs/TransformStamped of a TF frame."""
+    message = TransformStamped(header=Header(stamp=stamp, frame_id=parent.lstrip('/')),
                                child_frame_id=child)
     message.transform.translation = Vector3(*pose.translation)
     message.transform.rotation = quaternion(pose.rotation)

@@ -23,7 +23,8 @@ NANOSECONDS = [0, 1, 999999999, 10**9, 2**31, 2**32 - 1]
 FRAMES = ['', '/', '//', 'eye', '/eye', 'a b', 'a\nb', 'é⚠', 'tag_1', '\0', '%s', '../..', 'x' * 300]
 FORMATS = ['', 'jpeg', 'png', 'bgr8; jpeg compressed bgr8', '16UC1; compressedDepth', 'é\n', 'x' * 1000]
 FLOATS = [float('nan'), float('inf'), -float('inf'), 0.0, -1.0, 1e-300, 1e-3, 1e300, 5e5, 2e6, 320.0]
-LARGE = 0.003  # of the messages are of megabytes
+GOOD = 0.05   # of the messages are good
+LARGE = 0.05  # of which are of megabytes
 
 
 class Garbage:
@@ -57,8 +58,8 @@ class Hostile:
 
     def image(self):
         """An Image, or Garbage."""
-        return self._one_of(self._good_image, self._noisy_image, self._unknown_image, self._wrong_step, self._cut_off,
-                            self._gigantic, self._empty_image, self._garbage(Image), self._of_floats)
+        return self._one_of(self._good_image, self._unknown_image, self._wrong_step, self._cut_off,
+                            self._gigantic, self._empty_image, self._garbage(Image), self._of_floats, self._noisy_image)
 
     def compressed(self):
         """A CompressedImage, or Garbage."""
@@ -66,9 +67,13 @@ class Hostile:
                             self._patched_file, self._random_file, self._garbage(CompressedImage))
 
     def camera_info(self):
-        """A CameraInfo with numbers of all kinds."""
+        """A CameraInfo with numbers of all kinds, or one that is good for some of the images."""
         pick, number = self._random.choice, self._number
-        info = CameraInfo(header=self.header(), width=pick([0, 1, 640, 1280, 2**32 - 1]), height=pick([0, 480, 960]))
+        info = CameraInfo(header=self.header())
+        info.height, info.width = pick([frame.shape[:2] for frame in self._frames] + [(0, 0), (1, 1), (480, 2**32 - 1)])
+        if self._random.random() < 0.3:
+            info.K = [info.width, 0.0, info.width / 2, 0.0, info.width, info.height / 2, 0.0, 0.0, 1.0]
+            return info
         info.distortion_model = pick(['plumb_bob', 'rational_polynomial', 'equidistant', '', 'é\n', 'x' * 1000])
         info.D = [number() for _ in range(pick([0, 1, 3, 4, 5, 8, 12, 14, 15, 1000]))]
         info.K = pick([[0.0] * 9, [500.0, 0, 320, 0, 500, 240, 0, 0, 1], [number() for _ in range(9)],
@@ -84,8 +89,8 @@ class Hostile:
         header.stamp.secs, header.stamp.nsecs = self._random.choice(SECONDS), self._random.choice(NANOSECONDS)
         return header
 
-    def _one_of(self, *makers):
-        return self._random.choice(makers)()
+    def _one_of(self, good, *bad):
+        return (good if self._random.random() < GOOD else self._random.choice(bad))()
 
     def _number(self):
         return self._random.choice([self._random.choice(FLOATS), self._random.uniform(-1000, 1000)])

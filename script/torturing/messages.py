@@ -1,0 +1,263 @@
+"""Hostile messages to all nodes that look at a camera, and what they make of good ones afterwards."""
+import multiprocessing
+import os
+import re
+import sys
+import threading
+import time
+import urllib.request
+import warnings
+from itertools import count
+
+import numpy as np
+import psutil
+import rosgraph
+import rospy
+from aruco_ar.progress import progress
+from aruco_ar.robot import Camera
+from aruco_node.messages import TRANSPORTS, compressed_from_frame, image_from_frame
+from aruco_node.wall_messages import camera_info
+from diagnostic_msgs.msg import DiagnosticArray
+from listening import until
+from nodes import CAMERA, scene
+from rospy.impl.tcpros_base import get_tcpros_server_address
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from serving import free_port
+from started import Started, node, stop_all
+from std_msgs.msg import Header
+from unit5.msg import TagArray, TagPoseArray
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'test'))
+
+from hostile.messages import Hostile  # noqa: E402  by its folder: this module has its name
+
+AMOUNT = 100000    # messages that every node takes, half of them raw, half compressed
+WARM_UP = 5000     # messages, after which memory is measured first
+CALIBRATIONS = 50  # as many messages come with one hostile camera_info
+STUCK_S = 60
+IDLE_S, IDLE_HZ = 10, 30
+MAX_GROWTH, MAX_LINES, MAX_IDLE = 5, 20, 1  # %, lines, %
+OUTPUTS = {**{'exercise5_%d' % number: {'image': Image, 'tags': TagArray} for number in range(2, 7)},
+           'screen': {'image': Image},
+           'tag_poses': {'image': Image, 'tags': TagArray, 'poses': TagPoseArray}}
+OUTPUTS['exercise5_5']['mask'] = Image
+
+
+def run(seconds, seed):
+    """Send AMOUNT messages, or as many as there is time for; sentences about what was found."""
+    found = []
+    for transport in TRANSPORTS:
+        # A process of its own: in one, ROS can be started only once.
+        with multiprocessing.get_context('spawn').Pool(1) as pool:
+            found += pool.apply(_torture, (transport, seconds and seconds / len(TRANSPORTS), seed))
+    return found
+
+
+def _torture(transport, seconds, seed):
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
+    started = [Started('roscore', '-p', str(port))]
+    try:
+        until(rosgraph.is_master_online)
+        rospy.init_node('torture', disable_signals=True)
+        return _Torture(transport, started).run(seconds, seed)
+    finally:
+        rospy.signal_shutdown('done')
+        stop_all(started[1:])
+        stop_all(started[:1])
+
+
+class _Torture:
+    """All nodes under a roscore, before a camera that is this process."""
+
+    def __init__(self, transport, started):
+        """``started``: what is to be ended; nodes are added to it."""
+        self._transport, self.found = transport, []
+        suffix, _, _ = TRANSPORTS[transport]
+        self._kind = CompressedImage if suffix else Image
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')  # without a queue, publishing ends when all is sent
+            self._camera = rospy.Publisher(CAMERA + suffix, self._kind, queue_size=None)
+        self._info = rospy.Publisher(CAMERA.replace('image_raw', 'camera_info'), CameraInfo, queue_size=1, latch=True)
+        self._port = free_port()
+        self._nodes = {}
+        for name in [*OUTPUTS, 'page']:
+            arguments = ['_port:=%d' % self._port] if name == 'page' else ['_transport:=' + transport]
+            if name == 'screen':
+                arguments += ['__name:=screen', '_picture:=topic:' + CAMERA + suffix]
+            self._nodes[name] = node('exercise5_6.py' if name == 'screen' else name + '.py', *arguments)
+            started.append(self._nodes[name])
+        self._answers, self._wanted, self._changed = {}, None, threading.Condition()
+        self._taken = {}
+        rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics, queue_size=100)
+        # With whom it listens to /tf, where its own poses are.
+        self._subscribers = [rospy.Subscriber('/tag_poses/robot_pose', PoseWithCovarianceStamped, self._on_diagnostics)]
+        self._subscribers += [rospy.Subscriber('/%s/%s' % (name, topic), kind, self._on_answer, (name, topic))
+                             for name, topics in OUTPUTS.items() for topic, kind in topics.items()]
+        self._nodes['page'].wait_for('The page is at')
+        self._watching = True
+        threading.Thread(target=self._watch, daemon=True).start()
+        until(lambda: self._camera.get_num_connections() == len(self._nodes))
+
+    def run(self, seconds, seed):
+        hostile = Hostile(seed, [scene()])
+        make = hostile.image if self._transport == 'raw' else hostile.compressed
+        before = self._answers_to_good()
+        sent = self._send(hostile, make, progress(range(WARM_UP), self._transport + ', warm-up'))
+        self._answers_to_good()
+        sizes = {name: self._size(name) for name in self._nodes}
+        lowest, began, spent = 0, time.monotonic(), 0.0
+        while time.monotonic() - began < seconds if seconds else lowest < AMOUNT // len(TRANSPORTS):
+            share = AMOUNT // len(TRANSPORTS) - lowest if not seconds else 2000
+            at = time.monotonic()
+            sent += self._send(hostile, make, progress(range(share), self._transport))
+            spent += time.monotonic() - at
+            lowest = self._least_taken()
+        after = self._answers_to_good()
+        idle = self._idle()
+        print('%s: %d messages, %.0f a second\n' % (self._transport, sent, (sent - WARM_UP) / spent))
+        print('%-12s %8s  %-6s %21s  %5s  %-6s %6s' % ('node', 'taken', 'alive', 'MB before and after', 'lines',
+                                                      'answer', 'idle'))
+        for name, process in self._nodes.items():
+            self._judge(name, process, sizes[name], [answer[name] for answer in (before, after)], idle[name])
+        print('(targets: growth at most %d %%, %d lines, the same answer to the next good frame, at most %d %% of a core '
+              'at %d Hz while nobody listens)\n' % (MAX_GROWTH, MAX_LINES, MAX_IDLE, IDLE_HZ))
+        return self.found
+
+    def _judge(self, name, process, size, answers, idle):
+        alive, same = process.process.poll() is None, _same(*answers)
+        grown = 100 * (self._size(name) / size - 1) if alive else 0
+        lines = len(process.lines)
+        print('%-12s %8s  %-6s %6.1f %6.1f %+5.1f %%  %5d  %-6s %4.1f %%' % (
+            name, self._taken.get(name, ''), 'yes' if alive else 'NO', size / 1e6, size * (1 + grown / 100) / 1e6,
+            grown, lines, 'same' if same else 'OTHER', idle))
+        for bad, what in ((not alive, 'has ended:\n' + ''.join(process.lines[-20:])),
+                          (not same, 'answers another than before to a good frame'),
+                          (grown > MAX_GROWTH, 'has grown by %.1f %%' % grown),
+                          (lines > MAX_LINES, 'has written %d lines:\n%s' % (lines, ''.join(process.lines[:50]))),
+                          (any('fault of this node' in line or 'Traceback' in line for line in process.lines),
+                           'has had a fault:\n' + ''.join(process.lines)[-3000:]),
+                          (idle > MAX_IDLE, 'takes %.1f %% of a core while nobody listens' % idle)):
+            if bad:
+                self.found.append('%s, %s %s' % (name, self._transport, what))
+
+    def _send(self, hostile, make, numbers):
+        """Publish a message for each number, the next when all nodes have taken it up; how many."""
+        for number in numbers:
+            if number % CALIBRATIONS == 0:
+                self._info.publish(hostile.camera_info())
+            self._publish(make())
+        return number + 1
+
+    def _publish(self, message):
+        self._camera.publish(message)
+        end = time.monotonic() + STUCK_S
+        while _is_waiting(get_tcpros_server_address()[1]):
+            time.sleep(0.001)
+            if time.monotonic() > end:
+                raise RuntimeError('a node has not taken up a message for %d s' % STUCK_S)
+
+    def _good(self, frame=scene(), stamp=None):
+        make = compressed_from_frame if self._kind is CompressedImage else image_from_frame
+        return make(frame, Header(stamp=stamp, frame_id='eye'))
+
+    def _answers_to_good(self):
+        """What all nodes make of a good frame: {node: {topic: message}}."""
+        self._info.publish(camera_info(Camera(), Header()))
+        time.sleep(1)  # camera_info goes another way than frames
+        with self._changed:
+            self._answers, self._wanted = {}, rospy.Time(1000, 2)
+        # Others before it: what was learned of hostile ones is forgotten when the size is another.
+        for stamp, frame in enumerate([scene()[::8, ::8], scene(), scene()]):
+            self._publish(self._good(frame, rospy.Time(1000, stamp)))
+        wanted = {(name, topic) for name, topics in OUTPUTS.items() for topic in topics}
+        with self._changed:
+            self._changed.wait_for(lambda: set(self._answers) == wanted, STUCK_S)
+            answers = {name: {topic: self._answers.get((name, topic)) for topic in topics}
+                       for name, topics in OUTPUTS.items()}
+        address = 'http://localhost:%d/snapshot?topic=/exercise5_4/image' % self._port
+        done = threading.Event()
+
+        def feed():
+            while not done.wait(0.1):
+                self._publish(self._good())
+        threading.Thread(target=feed, daemon=True).start()
+        try:
+            with urllib.request.urlopen(address, timeout=STUCK_S) as answer:
+                answers['page'] = {'snapshot': answer.read()}
+        except OSError as error:
+            answers['page'] = {'snapshot': error}
+        done.set()
+        return answers
+
+    def _least_taken(self):
+        """How many frames each node has taken in at least, once all that was sent is counted."""
+        time.sleep(3)  # /diagnostics come once a second
+        return min(self._taken[name] for name in OUTPUTS)
+
+    def _idle(self):
+        """% of a core that each node takes while frames come and nobody listens."""
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+        self._watching = False
+        until(lambda: self._publish(self._good()) or self._camera.get_num_connections() == 0)
+        spent = {name: -self._seconds(name) for name in self._nodes}
+        rate = rospy.Rate(IDLE_HZ)
+        for _ in range(IDLE_S * IDLE_HZ):
+            self._publish(self._good())
+            rate.sleep()
+        return {name: 100 * (before + self._seconds(name)) / IDLE_S for name, before in spent.items()}
+
+    def _seconds(self, name):
+        if self._nodes[name].process.poll() is not None:
+            return 0.0
+        times = psutil.Process(self._nodes[name].process.pid).cpu_times()
+        return times.user + times.system
+
+    def _size(self, name):
+        if self._nodes[name].process.poll() is not None:
+            return 0
+        return psutil.Process(self._nodes[name].process.pid).memory_info().rss
+
+    def _watch(self):
+        """Look at the camera on the page, as a browser does."""
+        for _ in count():
+            with urllib.request.urlopen('http://localhost:%d/stream?topic=%s' % (self._port, CAMERA)) as stream:
+                while self._watching and stream.read(1 << 12):
+                    pass
+            if not self._watching:
+                return
+
+    def _on_diagnostics(self, message):
+        for status in message.status:
+            name = status.name.split(':')[0]
+            values = {item.key: item.value for item in status.values}
+            if 'frames in' in values:
+                self._taken[name] = int(values['frames in'])
+
+    def _on_answer(self, message, place):
+        if isinstance(message, TagPoseArray):
+            for tag in message.tags:
+                at = tag.pose.pose.position
+                if not np.all(np.isfinite([at.x, at.y, at.z])):
+                    self.found.append('tag_poses publishes a pose that is no number')
+        with self._changed:
+            if message.header.stamp == self._wanted:
+                self._answers[place] = message
+                self._changed.notify_all()
+
+
+def _same(before, after):
+    """Whether the nodes made the same of the good frame, pixel for pixel; of poses, to a millimeter."""
+    def parts(message):
+        if isinstance(message, TagPoseArray):
+            return [[tag.id, np.round(tag.pose.pose.position.x, 3), np.round(tag.pose.pose.position.z, 3)]
+                    for tag in message.tags]
+        return getattr(message, 'tags', getattr(message, 'data', message))
+    return None not in after.values() and all(parts(before[topic]) == parts(after[topic]) for topic in before)
+
+
+def _is_waiting(port):
+    """Whether bytes wait to be read at any connection to that port of this machine."""
+    with open('/proc/net/tcp') as file:  # remote address, 01: established, bytes to send, bytes to read
+        return re.search(r':%04X 01 \w{8}:(?!0{8})' % port, file.read()) is not None
