@@ -18,6 +18,7 @@ from aruco_ar.robot import Camera
 from aruco_node.messages import TRANSPORTS, compressed_from_frame, image_from_frame
 from aruco_node.wall_messages import camera_info
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import until
 from nodes import CAMERA, scene
 from rospy.impl.tcpros_base import get_tcpros_server_address
@@ -91,7 +92,7 @@ class _Torture:
         self._taken = {}
         rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics, queue_size=100)
         # With whom it listens to /tf, where its own poses are.
-        self._subscribers = [rospy.Subscriber('/tag_poses/robot_pose', PoseWithCovarianceStamped, self._on_diagnostics)]
+        self._subscribers = [rospy.Subscriber('/tag_poses/robot_pose', PoseWithCovarianceStamped)]
         self._subscribers += [rospy.Subscriber('/%s/%s' % (name, topic), kind, self._on_answer, (name, topic))
                              for name, topics in OUTPUTS.items() for topic, kind in topics.items()]
         self._nodes['page'].wait_for('The page is at')

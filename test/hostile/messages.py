@@ -235,13 +235,13 @@ def _other_formats(frame):
 
 def _bombs():
     """Few bytes that are many pixels, much work or much text."""
-    gray = np.full((2000, 2000), 90, np.uint8)
+    gray = np.full((1000, 1000), 90, np.uint8)
     jpeg = cv2.imencode('.jpg', gray[:64, :64], [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
     scan = jpeg[jpeg.rfind(b'\xff\xda'):-2]
-    zeros = zlib.compress(bytes(2000 * 2001), 9)
+    zeros = zlib.compress(bytes(1000 * 1001), 9)
     return [_jpeg_of_size(jpeg, 65000, 65000), _jpeg_of_size(jpeg[:-2] + scan * 5000 + b'\xff\xd9', 8000, 8000),
             _jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)), _png(2**31 - 1, 1, (b'IDAT', zeros)),
-            _png(2000, 2000, (b'IDAT', zeros[:500])), _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
+            _png(1000, 1000, (b'IDAT', zeros[:500])), _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
             _png(8, 8, (b'zTXt', b'a\0\0' + zlib.compress(bytes(10**7))), (b'IDAT', zlib.compress(bytes(72)))),
             _png(8, 8, (b'IDAT', zlib.compress(b'\x09' * 72))), _png(8, 8, depth=16, color=6),
             cv2.imencode('.png', gray)[1].tobytes()]

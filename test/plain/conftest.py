@@ -9,8 +9,8 @@ from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.append(os.path.join(PACKAGE, 'script', 'benchmark'))  # for its scenes
-sys.path.append(os.path.join(PACKAGE, 'test'))
+# For the benchmark's drives, and for what is hostile.
+sys.path += [os.path.join(PACKAGE, 'script', 'benchmark'), os.path.join(PACKAGE, 'test')]
 
 
 @pytest.fixture(scope='session')

@@ -1,0 +1,157 @@
+"""How messages become frames, and what is refused before memory is taken for it."""
+import io
+import os
+import resource
+import subprocess
+import sys
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError
+from aruco_node.messages import ENCODINGS, MAX_PIXELS, frame_from_compressed, frame_from_image, picture_from_image
+from aruco_node.tolerant import tolerant
+from cv_bridge import CvBridge
+from hostile.messages import Hostile
+from sensor_msgs.msg import CompressedImage, Image
+
+KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels', 'undecodable frame'}
+
+
+def image(pixels, encoding, big=0):
+    pixels = pixels.astype(pixels.dtype.newbyteorder('>' if big else '<'))
+    return Image(height=pixels.shape[0], width=pixels.shape[1], encoding=encoding, is_bigendian=big,
+                 step=pixels.strides[0], data=pixels.tobytes())
+
+
+@pytest.mark.parametrize('encoding', sorted(set(ENCODINGS) - {'yuv422_yuy2'}))
+def test_every_encoding_is_what_cv_bridge_makes_of_it(encoding, random):
+    bits, channels, _ = ENCODINGS[encoding]
+    shape = (37, 52) + (channels,) * (channels > 1)
+    pixels = random.randint(0, 2**bits, shape).astype('u%d' % (bits // 8))
+    for big in (0, 1):
+        message = image(pixels, encoding, big)
+        np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(message, 'bgr8'))
+        if encoding.startswith(('bgra', 'rgba')):
+            np.testing.assert_array_equal(picture_from_image(message), CvBridge().imgmsg_to_cv2(message, 'bgra8'))
+        else:
+            np.testing.assert_array_equal(picture_from_image(message), frame_from_image(message))
+
+
+def test_the_other_order_of_yuv422_is_the_same_frame(random):
+    pixels = random.randint(0, 256, (8, 6, 2)).astype(np.uint8)
+    np.testing.assert_array_equal(frame_from_image(image(pixels[..., ::-1].copy(), 'yuv422_yuy2')),
+                                  frame_from_image(image(pixels, 'yuv422')))
+
+
+def test_numbers_of_16_bits_are_scaled_in_either_byte_order():
+    values = np.uint16([[0, 257, 128 * 257, 65535]])
+    for big in (0, 1, 255):
+        assert frame_from_image(image(values, 'mono16', big))[0, :, 0].tolist() == [0, 1, 128, 255]
+
+
+def test_bytes_between_rows_are_no_pixels(random):
+    wide = random.randint(0, 2**16, (5, 9)).astype(np.uint16)
+    padded = image(wide, 'mono16')
+    padded.width = 6
+    np.testing.assert_array_equal(frame_from_image(padded), frame_from_image(image(wide[:, :6].copy(), 'mono16')))
+
+
+@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6, 'rgb8\n[ERROR]'])
+def test_what_is_no_color_is_refused_in_one_short_line(encoding):
+    values = np.float32([[np.nan, np.inf, 0, 1]])
+    with pytest.raises(InputError, match='set the camera driver to one such as rgb8') as error:
+        frame_from_image(image(values, encoding))
+    assert error.value.kind == 'encoding' and len(str(error.value)) < 200 and str(error.value).isprintable()
+
+
+@pytest.mark.parametrize('kind, frame', [('.jpg', np.uint8), ('.png', np.uint8), ('.png', np.uint16)])
+@pytest.mark.parametrize('channels', [1, 3, 4])
+def test_a_compressed_frame_is_what_was_compressed(kind, frame, channels, random):
+    small = random.randint(0, 256, (6, 8, channels)).astype(np.uint8)
+    pixels = cv2.resize(small, (64, 48)).reshape(48, 64, channels)
+    stored = np.uint16(pixels) * 257 if frame is np.uint16 else pixels
+    data = cv2.imencode(kind, stored)[1].tobytes()
+    found = frame_from_compressed(CompressedImage(data=data)).astype(int)
+    expected = pixels[..., :3] if channels > 1 else np.repeat(pixels, 3, axis=2)
+    assert np.abs(found - expected).mean() < (6 if kind == '.jpg' else 1e-9)
+
+
+def large(width, height):
+    """A JPEG whose header promises so many pixels."""
+    data = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8))[1].tobytes()
+    at = data.find(b'\xff\xc0') + 5
+    return data[:at] + height.to_bytes(2, 'big') + width.to_bytes(2, 'big') + data[at + 4:] + bytes(10**6)
+
+
+@pytest.mark.parametrize('make', [
+    lambda: (frame_from_image, Image(width=2**32 - 1, height=2**32 - 1, encoding='bgr8')),
+    lambda: (frame_from_image, Image(width=2**16, height=2**16, step=3 * 2**16, encoding='bgr8')),
+    lambda: (frame_from_image, Image(width=1, height=40000, step=3, encoding='bgr8', data=bytes(120000))),
+    lambda: (frame_from_compressed, CompressedImage(data=large(65000, 65000))),
+    lambda: (frame_from_compressed, CompressedImage(data=large(10000, 10000)))])
+def test_a_frame_that_is_too_large_is_refused(make):
+    convert, message = make()
+    with pytest.raises(InputError, match='too large; frames have at most %d million pixels' % (MAX_PIXELS // 10**6)):
+        convert(message)
+
+
+def test_bombs_take_neither_memory_nor_time():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    scan = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8), [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    many = scan[:-2] + scan[scan.rfind(b'\xff\xda'):-2] * 5000 + scan[-2:]
+    at = many.find(b'\xff\xc2') + 5
+    for data in (large(65000, 65000), large(6000, 6000)[:-10**6],
+                 many[:at] + (5000).to_bytes(2, 'big') * 2 + many[at + 4:], zlib.compress(bytes(10**7))):
+        with pytest.raises(InputError):
+            frame_from_compressed(CompressedImage(data=data))
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50 * 1024
+
+
+@pytest.mark.parametrize('kind', [Image, CompressedImage])
+def test_a_message_that_cannot_be_read_counts_as_an_empty_one(kind, random):
+    good = io.BytesIO()
+    kind(data=random.bytes(100)).serialize(good)
+    good = good.getvalue()
+    assert tolerant(kind)().deserialize(good).data == kind().deserialize(good).data != b''
+    for data in (b'', b'x', good[:10], b'\xff' * 64):
+        assert tolerant(kind)().deserialize(data).data == b''
+
+
+def test_hostile_messages_are_frames_or_one_of_few_sentences(frame):
+    hostile, found, count = Hostile(1, [frame]), set(), 0
+    for kind, make, convert in ((Image, hostile.image, picture_from_image),
+                                (CompressedImage, hostile.compressed, frame_from_compressed)):
+        for _ in range(2000):
+            data = io.BytesIO()
+            make().serialize(data)
+            try:
+                pixels = convert(tolerant(kind)().deserialize(data.getvalue()))
+                assert pixels.dtype == np.uint8 and pixels.ndim == 3
+                count += 1
+            except InputError as error:
+                assert len(str(error)) < 300 and str(error).isprintable()
+                found.add(error.kind)
+    assert found == KINDS
+    assert count > 200
+
+
+def test_nothing_is_written_by_decoders(package):
+    script = '''
+import aruco_ar
+import numpy as np
+from aruco_node.messages import frame_from_compressed
+from hostile.messages import Garbage, Hostile
+hostile = Hostile(2, [np.zeros((480, 640, 3), np.uint8)])
+for _ in range(1000):
+    message = hostile.compressed()
+    try:
+        isinstance(message, Garbage) or frame_from_compressed(message)
+    except aruco_ar.InputError:
+        pass
+'''
+    path = os.pathsep.join([package + '/test', os.environ['PYTHONPATH']])
+    done = subprocess.run([sys.executable, '-c', script], env=dict(os.environ, PYTHONPATH=path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert (done.returncode, done.stdout) == (0, '')
