@@ -83,6 +83,13 @@ class Hostile:
         info.roi.x_offset, info.roi.width, info.roi.height = pick([0, 2**32 - 1]), pick([0, 640, 1]), pick([0, 480])
         return info
 
+    def largest(self, kind):
+        """What takes most memory, of Image or CompressedImage, each several times."""
+        height, width = self._large.shape[:2]
+        if kind is CompressedImage:
+            return [self._compressed(self._large_file) for _ in range(5)]
+        return [self._image(width, height, encoding) for encoding in KNOWN for _ in range(3)]
+
     def header(self):
         """A Header with any stamp and frame_id."""
         header = Header(stamp=Time(), frame_id=self._random.choice(FRAMES))
