@@ -185,7 +185,7 @@ class Hostile:
     def _patched_file(self):
         """A small file with another size in its header."""
         data, size = self._random.choice(self._files), [self._random.choice([0] + SIDES + HUGE) for _ in range(2)]
-        return self._compressed(_png_of_size(data, *size) if data[:1] == b'\x89' else _jpeg_of_size(data, *size))
+        return self._compressed(_png_of_size(data, *size) if data[:1] == b'\x89' else jpeg_of_size(data, *size))
 
     def _other_file(self):
         return self._compressed(self._random.choice(self._others))
@@ -223,7 +223,8 @@ def _png_of_size(data, width, height):
     return data[:8] + _chunk(b'IHDR', bytes(header)) + data[33:]
 
 
-def _jpeg_of_size(data, width, height):
+def jpeg_of_size(data, width, height):
+    """The bytes of a JPEG with another size in its header."""
     at = max(data.find(b'\xff\xc0'), data.find(b'\xff\xc2')) + 5
     return data[:at] + struct.pack('>HH', min(height, 65535), min(width, 65535)) + data[at + 4:]
 
@@ -246,8 +247,8 @@ def _bombs():
     jpeg = cv2.imencode('.jpg', gray[:64, :64], [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
     scan = jpeg[jpeg.rfind(b'\xff\xda'):-2]
     zeros = zlib.compress(bytes(1000 * 1001), 9)
-    return [_jpeg_of_size(jpeg, 65000, 65000), _jpeg_of_size(jpeg[:-2] + scan * 5000 + b'\xff\xd9', 8000, 8000),
-            _jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)), _png(2**31 - 1, 1, (b'IDAT', zeros)),
+    return [jpeg_of_size(jpeg, 65000, 65000), jpeg_of_size(jpeg[:-2] + scan * 5000 + b'\xff\xd9', 8000, 8000),
+            jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)), _png(2**31 - 1, 1, (b'IDAT', zeros)),
             _png(1000, 1000, (b'IDAT', zeros[:500])), _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
             _png(8, 8, (b'zTXt', b'a\0\0' + zlib.compress(bytes(10**7))), (b'IDAT', zlib.compress(bytes(72)))),
             _png(8, 8, (b'IDAT', zlib.compress(b'\x09' * 72))), _png(8, 8, depth=16, color=6),

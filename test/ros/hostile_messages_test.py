@@ -23,7 +23,7 @@ from unit5.msg import TagPoseArray
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 
-from hostile.messages import Garbage, Hostile  # noqa: E402
+from hostile.messages import Garbage, Hostile, jpeg_of_size  # noqa: E402
 from hostile.pacing import PacedPublisher  # noqa: E402
 
 IDS = sorted(CENTERS)
@@ -232,12 +232,20 @@ class HostileMessages(NodeTest):
         watching.set()
         looking.join()
         np.testing.assert_array_equal(after, before)
-        shown = []
-        looking = threading.Thread(target=lambda: shown.append(snapshot()))
-        looking.start()
-        until(lambda: publisher.publish(encode(scene(), Header())) or shown)
-        picture = cv2.imdecode(np.frombuffer(shown[0][2], np.uint8), cv2.IMREAD_COLOR)
+
+        def snapshot_of(message):
+            """(status, body) of what the page makes of it."""
+            shown = []
+            threading.Thread(target=lambda: shown.append(snapshot())).start()
+            until(lambda: publisher.publish(message) or shown)
+            return shown[0][0], shown[0][2]
+        picture = cv2.imdecode(np.frombuffer(snapshot_of(encode(scene(), Header()))[1], np.uint8), cv2.IMREAD_COLOR)
         self.assertLess(np.abs(picture.astype(int) - scene()).mean(), 3)
+        large = Image(width=65000, height=65000, encoding='bgr8') if kind is Image else \
+            CompressedImage(data=jpeg_of_size(encode(scene(), Header()).data, 65000, 65000))
+        status, sentence = snapshot_of(large)  # which no browser should get
+        self.assertEqual(status, 503)
+        self.assertIn(b'is too large' if kind is Image else b'compressed frame', sentence)
         for node in (self.node, page):
             self.assertIsNone(node.process.poll())
             self.assertLess(len(node.lines), LINES, node.lines)
