@@ -103,35 +103,37 @@ class _Torture:
         for message in hostile.largest(self._kind):
             self._camera.publish(message)
         self._answers_to_good()
-        sizes = {name: self._size(name) for name in self._nodes}
-        lowest, began, spent = 0, time.monotonic(), 0.0
-        while time.monotonic() - began < seconds if seconds else lowest < AMOUNT // len(TRANSPORTS):
-            share = AMOUNT // len(TRANSPORTS) - lowest if not seconds else 2000
-            at = time.monotonic()
-            sent += self._send(hostile, make, progress(range(share), self._transport))
-            spent += time.monotonic() - at
-            lowest = self._least_taken()
-        after = self._answers_to_good()
+        sizes, lowest, spent = [self._sizes()], 0, 0.0
+        for part in 0.5, 1:
+            end, goal = time.monotonic() + part * (seconds or 0), int(part * AMOUNT / len(TRANSPORTS))
+            while time.monotonic() < end if seconds else lowest < goal:
+                at = time.monotonic()
+                sent += self._send(hostile, make, progress(range(2000 if seconds else goal - lowest), self._transport))
+                spent += time.monotonic() - at
+                lowest = self._least_taken()
+            after = self._answers_to_good()
+            sizes.append(self._sizes())
         idle = self._idle()
         print('%s: %d messages, %.0f a second\n' % (self._transport, sent, (sent - WARM_UP) / spent))
-        print('%-12s %8s  %-6s %21s  %5s  %-6s %6s' % ('node', 'taken', 'alive', 'MB before and after', 'lines',
-                                                      'answer', 'idle'))
+        print('%-12s %8s  %-5s  %-32s %5s  %-6s %5s' % (
+            'node', 'taken', 'alive', 'MB after warm-up, half, all', 'lines', 'answer', 'idle'))
         for name, process in self._nodes.items():
-            self._judge(name, process, sizes[name], [answer[name] for answer in (before, after)], idle[name])
-        print('(targets: growth at most %d %%, %d lines, the same answer to the next good frame, at most %d %% of a core '
+            self._judge(name, process, [size[name] for size in sizes], [answer[name] for answer in (before, after)],
+                        idle[name])
+        print('(targets: grown by at most %d %% in the second half, at most %d lines, the same answer to the next good frame, at most %d %% of a core '
               'at %d Hz while nobody listens)\n' % (MAX_GROWTH, MAX_LINES, MAX_IDLE, IDLE_HZ))
         return self.found
 
-    def _judge(self, name, process, size, answers, idle):
+    def _judge(self, name, process, sizes, answers, idle):
         alive, same = process.process.poll() is None, _same(*answers)
-        grown = 100 * (self._size(name) / size - 1) if alive else 0
+        grown = 100 * (sizes[-1] / sizes[-2] - 1) if alive else 0
         lines = len(process.lines)
-        print('%-12s %8s  %-6s %6.1f %6.1f %+5.1f %%  %5d  %-6s %4.1f %%' % (
-            name, self._taken.get(name, ''), 'yes' if alive else 'NO', size / 1e6, size * (1 + grown / 100) / 1e6,
-            grown, lines, 'same' if same else 'OTHER', idle))
+        print('%-12s %8s  %-5s  %6.1f %6.1f %6.1f  %+5.1f %%    %5d  %-6s %3.1f %%' % (
+            name, self._taken.get(name, ''), 'yes' if alive else 'NO', *(size / 1e6 for size in sizes), grown, lines,
+            'same' if same else 'OTHER', idle))
         for bad, what in ((not alive, 'has ended:\n' + ''.join(process.lines[-20:])),
                           (not same, 'answers another than before to a good frame'),
-                          (grown > MAX_GROWTH, 'has grown by %.1f %%' % grown),
+                          (grown > MAX_GROWTH, 'has grown by %.1f %% in the second half' % grown),
                           (lines > MAX_LINES, 'has written %d lines:\n%s' % (lines, ''.join(process.lines[:50]))),
                           (any('fault of this node' in line or 'Traceback' in line for line in process.lines),
                            'has had a fault:\n' + ''.join(process.lines)[-3000:]),
@@ -204,10 +206,10 @@ class _Torture:
         times = psutil.Process(self._nodes[name].process.pid).cpu_times()
         return times.user + times.system
 
-    def _size(self, name):
-        if self._nodes[name].process.poll() is not None:
-            return 0
-        return psutil.Process(self._nodes[name].process.pid).memory_info().rss
+    def _sizes(self):
+        """Resident bytes of each node."""
+        return {name: 0 if each.process.poll() is not None else psutil.Process(each.process.pid).memory_info().rss
+                for name, each in self._nodes.items()}
 
     def _watch(self):
         """Look at the camera on the page, as a browser does."""
