@@ -177,10 +177,11 @@ class TagPoses(CameraNode):
         frame = frame_name(self.settings.robot_frame)
         try:
             found = self._frames.lookup_transform(header.frame_id.lstrip('/'), frame, rospy.Time(0)).transform
-        except (tf2_ros.TransformException, ValueError) as error:  # ValueError: of a frame_id with a null character
+        except (tf2_ros.TransformException, ValueError) as error:  # of a null character in a frame_id
             if time.monotonic() - self._listening_since > SILENCE_S:
                 faults['robot'] = 'The pose of the robot is not known: no transform from %s to %s (%s). Is ' \
-                                  'robot_frame right?' % (frame, shorten(header.frame_id, 40), shorten(str(error), 200))
+                                  'robot_frame right?' % (frame, shorten(header.frame_id, 40),
+                                                          shorten(str(error), 200))
             return None
         return camera.carry(*pose_messages.from_transform(found))
 

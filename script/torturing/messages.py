@@ -1,7 +1,4 @@
 """Hostile messages to all nodes that look at a camera, and what they make of good ones afterwards."""
-import multiprocessing
-import os
-import sys
 import threading
 import time
 import urllib.request
@@ -9,7 +6,6 @@ from itertools import count
 
 import numpy as np
 import psutil
-import rosgraph
 import rospy
 from aruco_ar.progress import progress
 from aruco_ar.robot import Camera
@@ -17,18 +13,15 @@ from aruco_node.messages import TRANSPORTS, compressed_from_frame, image_from_fr
 from aruco_node.wall_messages import camera_info
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from hostile.messages import Hostile
+from hostile.pacing import STUCK_S, PacedPublisher
 from listening import until
+from master import Master, free_port, processor_seconds
 from nodes import CAMERA, scene
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from serving import free_port
-from started import Started, node, stop_all
+from started import node, stop_all
 from std_msgs.msg import Header
 from unit5.msg import TagArray, TagPoseArray
-
-sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'test'))
-
-from hostile.messages import Hostile  # noqa: E402  by its folder: this module has its name
-from hostile.pacing import STUCK_S, PacedPublisher  # noqa: E402
 
 AMOUNT = 100000    # messages that every node takes, half of them raw, half compressed
 WARM_UP = 5000     # messages, after which memory is measured first
@@ -44,37 +37,24 @@ OUTPUTS['exercise5_5']['mask'] = Image
 def run(seconds, seed):
     """Send AMOUNT messages, or as many as there is time for; sentences about what was found."""
     found = []
-    for transport in TRANSPORTS:
-        # A process of its own: in one, ROS can be started only once.
-        with multiprocessing.get_context('spawn').Pool(1) as pool:
-            found += pool.apply(_torture, (transport, seconds and seconds / len(TRANSPORTS), seed))
+    with Master():
+        for transport in TRANSPORTS:
+            with _Torture(transport) as torture:
+                torture.run(seconds and seconds / len(TRANSPORTS), seed)
+            found += torture.found
     return found
 
 
-def _torture(transport, seconds, seed):
-    port = free_port()
-    os.environ['ROS_MASTER_URI'] = 'http://localhost:%d' % port
-    started = [Started('roscore', '-p', str(port))]
-    try:
-        until(rosgraph.is_master_online)
-        rospy.init_node('torture', disable_signals=True)
-        return _Torture(transport, started).run(seconds, seed)
-    finally:
-        rospy.signal_shutdown('done')
-        stop_all(started[1:])
-        stop_all(started[:1])
-
-
 class _Torture:
-    """All nodes under a roscore, before a camera that is this process."""
+    """All nodes before a camera that is this process; ``found``: sentences."""
 
-    def __init__(self, transport, started):
-        """``started``: what is to be ended; nodes are added to it."""
+    def __init__(self, transport):
         self._transport, self.found = transport, []
         suffix, _, _ = TRANSPORTS[transport]
         self._kind = CompressedImage if suffix else Image
         self._camera = PacedPublisher(CAMERA + suffix, self._kind)
-        self._info = rospy.Publisher(CAMERA.replace('image_raw', 'camera_info'), CameraInfo, queue_size=1, latch=True)
+        self._info = rospy.Publisher(CAMERA.replace('image_raw', 'camera_info'), CameraInfo, latch=True,
+                                     queue_size=1)
         self._port = free_port()
         self._nodes = {}
         for name in [*OUTPUTS, 'page']:
@@ -82,18 +62,27 @@ class _Torture:
             if name == 'screen':
                 arguments += ['__name:=screen', '_picture:=topic:' + CAMERA + suffix]
             self._nodes[name] = node('exercise5_6.py' if name == 'screen' else name + '.py', *arguments)
-            started.append(self._nodes[name])
         self._answers, self._wanted, self._changed = {}, None, threading.Condition()
         self._taken = {}
-        rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics, queue_size=100)
+        self._diagnostics = rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics,
+                                             queue_size=100)
         # With whom it listens to /tf, where its own poses are.
         self._subscribers = [rospy.Subscriber('/tag_poses/robot_pose', PoseWithCovarianceStamped)]
         self._subscribers += [rospy.Subscriber('/%s/%s' % (name, topic), kind, self._on_answer, (name, topic))
                              for name, topics in OUTPUTS.items() for topic, kind in topics.items()]
+
+    def __enter__(self):
         self._nodes['page'].wait_for('The page is at')
         self._watching = True
         threading.Thread(target=self._watch, daemon=True).start()
         until(lambda: self._camera.get_num_connections() == len(self._nodes))
+        return self
+
+    def __exit__(self, *_):
+        self._watching = False
+        stop_all(self._nodes.values())
+        for each in (self._camera, self._info, self._diagnostics, *self._subscribers):
+            each.unregister()
 
     def run(self, seconds, seed):
         hostile = Hostile(seed, [scene()])
@@ -108,7 +97,8 @@ class _Torture:
             end, goal = time.monotonic() + part * (seconds or 0), int(part * AMOUNT / len(TRANSPORTS))
             while time.monotonic() < end if seconds else lowest < goal:
                 at = time.monotonic()
-                sent += self._send(hostile, make, progress(range(2000 if seconds else goal - lowest), self._transport))
+                numbers = range(2000 if seconds else goal - lowest)
+                sent += self._send(hostile, make, progress(numbers, self._transport))
                 spent += time.monotonic() - at
                 lowest = self._least_taken()
             after = self._answers_to_good()
@@ -118,23 +108,24 @@ class _Torture:
         print('%-12s %8s  %-5s  %-32s %5s  %-6s %5s' % (
             'node', 'taken', 'alive', 'MB after warm-up, half, all', 'lines', 'answer', 'idle'))
         for name, process in self._nodes.items():
-            self._judge(name, process, [size[name] for size in sizes], [answer[name] for answer in (before, after)],
-                        idle[name])
-        print('(targets: grown by at most %d %% in the second half, at most %d lines, the same answer to the next good frame, at most %d %% of a core '
-              'at %d Hz while nobody listens)\n' % (MAX_GROWTH, MAX_LINES, MAX_IDLE, IDLE_HZ))
-        return self.found
+            self._judge(name, process, [size[name] for size in sizes],
+                        [answer[name] for answer in (before, after)], idle[name])
+        print('(targets: grown by at most %d %% in the second half, at most %d lines, the same answer to the '
+              'next good frame,\nat most %d %% of a core at %d Hz while nobody listens)\n'
+              % (MAX_GROWTH, MAX_LINES, MAX_IDLE, IDLE_HZ))
 
     def _judge(self, name, process, sizes, answers, idle):
         alive, same = process.process.poll() is None, _same(*answers)
         grown = 100 * (sizes[-1] / sizes[-2] - 1) if alive else 0
         lines = len(process.lines)
         print('%-12s %8s  %-5s  %6.1f %6.1f %6.1f  %+5.1f %%    %5d  %-6s %3.1f %%' % (
-            name, self._taken.get(name, ''), 'yes' if alive else 'NO', *(size / 1e6 for size in sizes), grown, lines,
-            'same' if same else 'OTHER', idle))
+            name, self._taken.get(name, ''), 'yes' if alive else 'NO', *(size / 1e6 for size in sizes), grown,
+            lines, 'same' if same else 'OTHER', idle))
         for bad, what in ((not alive, 'has ended:\n' + ''.join(process.lines[-20:])),
                           (not same, 'answers another than before to a good frame'),
                           (grown > MAX_GROWTH, 'has grown by %.1f %% in the second half' % grown),
-                          (lines > MAX_LINES, 'has written %d lines:\n%s' % (lines, ''.join(process.lines[:50]))),
+                          (lines > MAX_LINES,
+                           'has written %d lines:\n%s' % (lines, ''.join(process.lines[:50]))),
                           (any('fault of this node' in line or 'Traceback' in line for line in process.lines),
                            'has had a fault:\n' + ''.join(process.lines)[-3000:]),
                           (idle > MAX_IDLE, 'takes %.1f %% of a core while nobody listens' % idle)):
@@ -149,7 +140,8 @@ class _Torture:
             self._camera.publish(make())
         return number + 1
 
-    def _good(self, frame=scene(), stamp=None):
+    def _good(self, frame=None, stamp=None):
+        frame = scene() if frame is None else frame
         make = compressed_from_frame if self._kind is CompressedImage else image_from_frame
         return make(frame, Header(stamp=stamp, frame_id='eye'))
 
@@ -203,12 +195,11 @@ class _Torture:
     def _seconds(self, name):
         if self._nodes[name].process.poll() is not None:
             return 0.0
-        times = psutil.Process(self._nodes[name].process.pid).cpu_times()
-        return times.user + times.system
+        return processor_seconds(self._nodes[name].process.pid)
 
     def _sizes(self):
         """Resident bytes of each node."""
-        return {name: 0 if each.process.poll() is not None else psutil.Process(each.process.pid).memory_info().rss
+        return {name: psutil.Process(each.process.pid).memory_info().rss if each.process.poll() is None else 0
                 for name, each in self._nodes.items()}
 
     def _watch(self):

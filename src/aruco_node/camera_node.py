@@ -196,8 +196,9 @@ class CameraNode:
         missing = self._count.came(message.header.seq)
         try:
             if not is_time(message.header.stamp):
-                raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the camera '
-                                 'driver.' % (message.header.stamp.secs, message.header.stamp.nsecs), kind='stamp')
+                raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the '
+                                 'camera driver.' % (message.header.stamp.secs, message.header.stamp.nsecs),
+                                 kind='stamp')
             frame = self._to_frame(message)
             self.scale = self.settings.scale  # which another thread may change meanwhile
             if self.scale != 1.0:

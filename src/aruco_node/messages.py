@@ -84,7 +84,7 @@ def picture_from_image(message):
 
 
 def _pixels(message):
-    """(h, w) or (h, w, channels) uint8 or uint16: what is in an Image; and how it becomes color: see ENCODINGS."""
+    """(h, w) or (h, w, channels), uint8 or uint16, of an Image; and how they become color: see ENCODINGS."""
     if message.width == 0 or message.height == 0:
         raise InputError('A frame of %d x %d pixels is empty; check the camera driver.'
                          % (message.width, message.height), kind='empty frame')
@@ -94,8 +94,8 @@ def _pixels(message):
                          'rgb8, bgr8, mono8 or yuv422.' % shorten(message.encoding, 40), kind='encoding')
     bits, channels, code = ENCODINGS[message.encoding]
     if message.encoding.startswith('yuv422') and message.width % 2:
-        raise InputError('A frame of %s has %d pixels in a row, where only even numbers can be; check the camera '
-                         'driver.' % (message.encoding, message.width), kind='half a pair of pixels')
+        raise InputError('A frame of %s has %d pixels in a row, where only even numbers can be; check the '
+                         'camera driver.' % (message.encoding, message.width), kind='half a pair of pixels')
     row = message.width * channels * bits // 8
     if message.step < row:
         raise InputError('A frame has a step of %d bytes where %d pixels of %s take %d; check the '
@@ -165,13 +165,14 @@ def _opened(message):
 
 
 def _too_large(frame):
-    return InputError('%s is too large; frames have at most %d million pixels, and %d to a side. Set the camera '
-                      'driver, or ~scale, to less.' % (frame, MAX_PIXELS // 10**6, MAX_SIDE_PX), kind='large frame')
+    return InputError('%s is too large; frames have at most %d million pixels, and %d to a side. Set the '
+                      'camera driver, or ~scale, to less.' % (frame, MAX_PIXELS // 10**6, MAX_SIDE_PX),
+                      kind='large frame')
 
 
 def _undecodable(message):
-    return InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be a whole JPEG or PNG.'
-                      % (shorten(message.format, 40), len(message.data)), kind='undecodable frame')
+    return InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be a whole JPEG '
+                      'or PNG.' % (shorten(message.format, 40), len(message.data)), kind='undecodable frame')
 
 
 def image_from_frame(frame, header, encoding='bgr8'):

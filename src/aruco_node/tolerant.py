@@ -1,11 +1,12 @@
 """Messages that cannot be read."""
 from functools import lru_cache
+from typing import Any
 
 import rospy
 
 
 @lru_cache(maxsize=None)
-def tolerant(kind):
+def tolerant(kind: Any):
     """A class of messages like ``kind``, of which one that cannot be read comes as an empty one.
 
     rospy tries to read such a message again and again, a second each time, and
@@ -20,7 +21,7 @@ def tolerant(kind):
             except Exception as error:  # genpy raises many kinds
                 if not Tolerant.told:
                     Tolerant.told = True
-                    rospy.logerr('A message that should be a %s cannot be read (%s), and counts as an empty one. '
-                                 'What publishes it?', kind._type, error)
+                    rospy.logerr('A message that should be a %s cannot be read (%s), and counts as an empty '
+                                 'one. What publishes it?', kind._type, error)
                 return Tolerant()
     return Tolerant

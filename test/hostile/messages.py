@@ -12,10 +12,11 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
 KNOWN = ['bgr8', 'rgb8', 'bgra8', 'rgba8', 'mono8', 'bgr16', 'rgb16', 'bgra16', 'rgba16', 'mono16', 'yuv422',
-         'yuv422_yuy2'] + ['bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16)]
-UNKNOWN = ['', '8UC1', '8UC3', '8UC0', '8UC-1', '8UC513', '8SC1', '16UC1', '16SC1', '32SC1', '32FC1', '32FC3', '64FC4',
-           'BGR8', 'bgr8 ', ' bgr8', 'bgr8; jpeg compressed', 'jpeg', 'yuyv', 'uyvy', 'nv21', 'mono12', 'mono', 'bayer',
-           'rgb\0', 'rgb8\n[ERROR] false line', 'bgr८', '⚠', '%s%n', 'x' * 1000]
+         'yuv422_yuy2', *('bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg')
+                          for bits in (8, 16))]
+UNKNOWN = ['', '8UC1', '8UC3', '8UC0', '8UC-1', '8UC513', '8SC1', '16UC1', '16SC1', '32SC1', '32FC1', '32FC3',
+           '64FC4', 'BGR8', 'bgr8 ', ' bgr8', 'bgr8; jpeg compressed', 'jpeg', 'yuyv', 'uyvy', 'nv21', 'mono12',
+           'mono', 'bayer', 'rgb\0', 'rgb8\n[ERROR] false line', 'bgr८', '⚠', '%s%n', 'x' * 1000]
 SIDES = [1, 2, 3, 5, 7, 8, 15, 16, 33, 64]
 HUGE = [32767, 65000, 65536, 10**6, 2**31 - 1, 2**31, 2**32 - 2, 2**32 - 1]
 SECONDS = [0, 1, 10**9, 2**31 - 1, 2**31, 2**32 - 1]
@@ -47,8 +48,9 @@ class Hostile:
         self._noise = np.random.RandomState(seed).bytes(1 << 16)
         self._frames = [cv2.resize(frame, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
                         for frame in frames for scale in (0.25, 0.4, 0.5)]
-        self._files = [cv2.imencode(kind, frame, options)[1].tobytes() for frame in self._frames for kind, options in (
-            ('.jpg', []), ('.png', []), ('.jpg', [cv2.IMWRITE_JPEG_PROGRESSIVE, 1]))]
+        kinds = ('.jpg', []), ('.png', []), ('.jpg', [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])
+        self._files = [cv2.imencode(kind, frame, options)[1].tobytes()
+                       for frame in self._frames for kind, options in kinds]
         self._files += [cv2.imencode('.png', changed)[1].tobytes() for frame in self._frames for changed in (
             frame[..., 0], cv2.cvtColor(frame, cv2.COLOR_BGR2BGRA), np.uint16(frame) * 257)]
         self._others = _other_formats(self._frames[0])
@@ -59,7 +61,8 @@ class Hostile:
     def image(self):
         """An Image, or Garbage."""
         return self._one_of(self._good_image, self._unknown_image, self._wrong_step, self._cut_off,
-                            self._gigantic, self._empty_image, self._garbage(Image), self._of_floats, self._noisy_image)
+                            self._gigantic, self._empty_image, self._garbage(Image), self._of_floats,
+                            self._noisy_image)
 
     def compressed(self):
         """A CompressedImage, or Garbage."""
@@ -70,17 +73,19 @@ class Hostile:
         """A CameraInfo with numbers of all kinds, or one that is good for some of the images."""
         pick, number = self._random.choice, self._number
         info = CameraInfo(header=self.header())
-        info.height, info.width = pick([frame.shape[:2] for frame in self._frames] + [(0, 0), (1, 1), (480, 2**32 - 1)])
+        sizes = [frame.shape[:2] for frame in self._frames]
+        info.height, info.width = pick([*sizes, (0, 0), (1, 1), (480, 2**32 - 1)])
         if self._random.random() < 0.3:
             info.K = [info.width, 0.0, info.width / 2, 0.0, info.width, info.height / 2, 0.0, 0.0, 1.0]
             return info
-        info.distortion_model = pick(['plumb_bob', 'rational_polynomial', 'equidistant', '', 'é\n', 'x' * 1000])
+        info.distortion_model = pick(['plumb_bob', 'rational_polynomial', 'equidistant', '', 'é\n', 'x' * 999])
         info.D = [number() for _ in range(pick([0, 1, 3, 4, 5, 8, 12, 14, 15, 1000]))]
         info.K = pick([[0.0] * 9, [500.0, 0, 320, 0, 500, 240, 0, 0, 1], [number() for _ in range(9)],
                        [number(), 0.0, number(), 0.0, number(), number(), 0.0, 0.0, 1.0]])
         info.P = [number() for _ in range(12)]
         info.binning_x, info.binning_y = pick([0, 1, 2, 2**32 - 1]), pick([0, 1, 2])
-        info.roi.x_offset, info.roi.width, info.roi.height = pick([0, 2**32 - 1]), pick([0, 640, 1]), pick([0, 480])
+        info.roi.x_offset, info.roi.width = pick([0, 2**32 - 1]), pick([0, 640, 1])
+        info.roi.height = pick([0, 480])
         return info
 
     def largest(self, kind):
@@ -141,13 +146,15 @@ class Hostile:
 
     def _gigantic(self):
         image = self._noisy_image()
-        names = self._random.choice([['width'], ['height'], ['width', 'height'], ['step'], ['width', 'height', 'step']])
+        names = self._random.choice([['width'], ['height'], ['width', 'height'], ['step'],
+                                     ['width', 'height', 'step']])
         for name in names:
             setattr(image, name, self._random.choice(HUGE))
         return image
 
     def _empty_image(self):
-        return self._random.choice([Image(), self._image(0, self._side(), 'bgr8'), self._image(self._side(), 0, 'bgr8')])
+        return self._random.choice([Image(), self._image(0, self._side(), 'bgr8'),
+                                    self._image(self._side(), 0, 'bgr8')])
 
     def _of_floats(self):
         encoding, width, height = self._random.choice(['32FC1', '32FC3', '64FC1', 'mono16', 'bgr8']), 8, 8
@@ -162,19 +169,21 @@ class Hostile:
             good = good.getvalue()[:4000]
             place = self._random.randrange(len(good))
             return Garbage(kind, self._random.choice([
-                b'', self._bytes(self._random.randrange(100)), good[:place], good[:place] + b'\xff' * 4 + good[place + 4:],
-                good[:12] + b'\2\0\0\0\xff\xfe' + good[16:]]))
+                b'', self._bytes(self._random.randrange(100)), good[:place],
+                good[:place] + b'\xff' * 4 + good[place + 4:], good[:12] + b'\2\0\0\0\xff\xfe' + good[16:]]))
         return make
 
     def _compressed(self, data):
         return CompressedImage(header=self.header(), format=self._random.choice(FORMATS), data=data)
 
     def _good_file(self):
-        return self._compressed(self._large_file if self._random.random() < LARGE else self._random.choice(self._files))
+        large = self._random.random() < LARGE
+        return self._compressed(self._large_file if large else self._random.choice(self._files))
 
     def _cut_file(self):
         data = self._random.choice(self._files)
-        return self._compressed(data[:self._random.randrange(len(data))] + self._random.choice([b'', b'\xff\xd9']))
+        end = self._random.choice([b'', b'\xff\xd9'])
+        return self._compressed(data[:self._random.randrange(len(data))] + end)
 
     def _damaged_file(self):
         data = bytearray(self._random.choice(self._files))
@@ -184,7 +193,8 @@ class Hostile:
 
     def _patched_file(self):
         """A small file with another size in its header."""
-        data, size = self._random.choice(self._files), [self._random.choice([0] + SIDES + HUGE) for _ in range(2)]
+        data = self._random.choice(self._files)
+        size = [self._random.choice([0, *SIDES, *HUGE]) for _ in range(2)]
         return self._compressed(_png_of_size(data, *size) if data[:1] == b'\x89' else jpeg_of_size(data, *size))
 
     def _other_file(self):
@@ -213,7 +223,8 @@ def _chunk(kind, data):
 
 
 def _png(width, height, *chunks, depth=8, color=0):
-    return b'\x89PNG\r\n\x1a\n' + _chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, depth, color, 0, 0, 0)) + \
+    header = struct.pack('>IIBBBBB', width, height, depth, color, 0, 0, 0)
+    return b'\x89PNG\r\n\x1a\n' + _chunk(b'IHDR', header) + \
         b''.join(_chunk(*chunk) for chunk in chunks) + _chunk(b'IEND', b'')
 
 
@@ -236,9 +247,10 @@ def _other_formats(frame):
         file = io.BytesIO()
         Picture.fromarray(frame[:48, :48]).save(file, kind)
         made.append(file.getvalue())
-    return made + [b'<svg xmlns="http://www.w3.org/2000/svg" width="99999" height="99999"/>', b'no picture', b'%PDF-1.4',
-                   b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "&b;&b;">]><a>&b;</a>', b'RIFF\xff\xff\xff\xffWEBP',
-                   b'GIF89a\xff\xff\xff\xff', b'BM' + b'\xff' * 60, b'II*\0' + b'\xff' * 60]
+    return [*made, b'<svg xmlns="http://www.w3.org/2000/svg" width="99999" height="99999"/>', b'no picture',
+            b'%PDF-1.4', b'<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "&b;&b;">]><a>&b;</a>',
+            b'RIFF\xff\xff\xff\xffWEBP', b'GIF89a\xff\xff\xff\xff', b'BM' + b'\xff' * 60,
+            b'II*\0' + b'\xff' * 60]
 
 
 def _bombs():
@@ -248,8 +260,9 @@ def _bombs():
     scan = jpeg[jpeg.rfind(b'\xff\xda'):-2]
     zeros = zlib.compress(bytes(1000 * 1001), 9)
     return [jpeg_of_size(jpeg, 65000, 65000), jpeg_of_size(jpeg[:-2] + scan * 5000 + b'\xff\xd9', 8000, 8000),
-            jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)), _png(2**31 - 1, 1, (b'IDAT', zeros)),
-            _png(1000, 1000, (b'IDAT', zeros[:500])), _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
+            jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)),
+            _png(2**31 - 1, 1, (b'IDAT', zeros)), _png(1000, 1000, (b'IDAT', zeros[:500])),
+            _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
             _png(8, 8, (b'zTXt', b'a\0\0' + zlib.compress(bytes(10**7))), (b'IDAT', zlib.compress(bytes(72)))),
             _png(8, 8, (b'IDAT', zlib.compress(b'\x09' * 72))), _png(8, 8, depth=16, color=6),
             cv2.imencode('.png', gray)[1].tobytes()]

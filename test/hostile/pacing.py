@@ -42,4 +42,5 @@ class PacedPublisher(rospy.Publisher):
             struct.pack('=I8s', 0, b'\xff' * 8)
         self._kernel.send(struct.pack('=IHHII', 16 + len(wanted), 20, 1, 0, 0) + wanted)
         answer = self._kernel.recv(1 << 16)
-        return struct.unpack_from('=I', answer, 16 + 56)[0] if struct.unpack_from('=H', answer, 4)[0] == 20 else 0
+        is_found = struct.unpack_from('=H', answer, 4)[0] == 20
+        return struct.unpack_from('=I', answer, 16 + 56)[0] if is_found else 0

@@ -10,13 +10,20 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_node.messages import ENCODINGS, MAX_PIXELS, frame_from_compressed, frame_from_image, picture_from_image
+from aruco_node.messages import (
+    ENCODINGS,
+    MAX_PIXELS,
+    frame_from_compressed,
+    frame_from_image,
+    picture_from_image,
+)
 from aruco_node.tolerant import tolerant
 from cv_bridge import CvBridge
 from hostile.messages import Hostile
 from sensor_msgs.msg import CompressedImage, Image
 
-KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels', 'undecodable frame'}
+KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels',
+         'undecodable frame'}
 
 
 def image(pixels, encoding, big=0):
@@ -34,7 +41,8 @@ def test_every_encoding_is_what_cv_bridge_makes_of_it(encoding, random):
         message = image(pixels, encoding, big)
         np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(message, 'bgr8'))
         if encoding.startswith(('bgra', 'rgba')):
-            np.testing.assert_array_equal(picture_from_image(message), CvBridge().imgmsg_to_cv2(message, 'bgra8'))
+            np.testing.assert_array_equal(picture_from_image(message),
+                                          CvBridge().imgmsg_to_cv2(message, 'bgra8'))
         else:
             np.testing.assert_array_equal(picture_from_image(message), frame_from_image(message))
 
@@ -55,10 +63,12 @@ def test_bytes_between_rows_are_no_pixels(random):
     wide = random.randint(0, 2**16, (5, 9)).astype(np.uint16)
     padded = image(wide, 'mono16')
     padded.width = 6
-    np.testing.assert_array_equal(frame_from_image(padded), frame_from_image(image(wide[:, :6].copy(), 'mono16')))
+    np.testing.assert_array_equal(frame_from_image(padded),
+                                  frame_from_image(image(wide[:, :6].copy(), 'mono16')))
 
 
-@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6, 'rgb8\n[ERROR]'])
+@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6,
+                                      'rgb8\n[ERROR]'])
 def test_what_is_no_color_is_refused_in_one_short_line(encoding):
     values = np.float32([[np.nan, np.inf, 0, 1]])
     with pytest.raises(InputError, match='set the camera driver to one such as rgb8') as error:
@@ -93,7 +103,7 @@ def large(width, height):
     lambda: (frame_from_compressed, CompressedImage(data=large(10000, 10000)))])
 def test_a_frame_that_is_too_large_is_refused(make):
     convert, message = make()
-    with pytest.raises(InputError, match='too large; frames have at most %d million pixels' % (MAX_PIXELS // 10**6)):
+    with pytest.raises(InputError, match='too large; frames have at most %d million' % (MAX_PIXELS // 10**6)):
         convert(message)
 
 
