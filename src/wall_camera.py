@@ -15,6 +15,7 @@ from aruco_ar.render import WallRenderer
 from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
 from aruco_node.camera_node import CAMERA
+from aruco_node.faults import guarded
 from aruco_node.health import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
 from aruco_node.manual import Manual
 from aruco_node.memory import keep_memory
@@ -75,6 +76,7 @@ class Driver:
         self._began = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
+    @guarded
     def _on_command(self, command):
         speed = np.array([command.linear.x, command.angular.z])
         if not np.all(np.isfinite(speed)):
@@ -163,6 +165,7 @@ class WallCamera:
                 return
             self._publish(stamp)
 
+    @guarded
     def _publish(self, stamp):
         pose, linear, angular = self._driver.now(stamp)
         header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp)

@@ -8,6 +8,7 @@ from aruco_ar.lens import Lens
 from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
+from .faults import guarded
 from .parameters import AUTO
 from .tolerant import tolerant
 from .waiting import SILENCE_S
@@ -109,6 +110,7 @@ class Calibration:
             self._made_for = info, size, scale
         return self._lens
 
+    @guarded
     def _on_info(self, info):
         info.header = None  # else each is another
         if info != self._info:

@@ -1,17 +1,16 @@
 """A node that looks at a camera's frames: topics, parameters, services, and everything that can go wrong."""
 import threading
 import time
-import traceback
 from typing import Sequence
 
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
 from aruco_ar.picture import resize
-from rospy.core import is_shutdown_requested
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
+from .faults import MAX_KINDS, guarded, note_fault
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
 from .messages import BUFFER_BYTES, TRANSPORTS, check_size, tags_from_pixels
@@ -102,7 +101,7 @@ class CameraNode:
         """Subscribe while somebody listens, and say so when nothing arrives, until shutdown."""
         self._snapshot.serve(lambda: self.settings.folder, lambda: self._why_nothing_arrives()[0])
         if self._learns:
-            rospy.Service('~reset', Trigger, self._on_reset)
+            rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
         Reconfigurer(self.settings, self._reconfigure)
         rospy.on_shutdown(self.wake.set)
         rospy.loginfo('Ready: %s -> %s', self._topic,
@@ -117,7 +116,7 @@ class CameraNode:
 
     def say_once(self, kind, sentence, log=rospy.logerr):
         """Log a sentence, unless one of that kind has been logged."""
-        if kind not in self._said:
+        if kind not in self._said and len(self._said) < MAX_KINDS:
             self._said.add(kind)
             log('%s', sentence)
 
@@ -138,6 +137,7 @@ class CameraNode:
         self.reset()
         return TriggerResponse(True, 'What was learned about the wall is forgotten.')
 
+    @guarded
     def _follow_listeners(self):
         wanted = self.is_wanted()
         self.follow(wanted)
@@ -166,6 +166,7 @@ class CameraNode:
         return explain_silence(self.camera, self.settings.transport, published,
                                own + [name + '/compressed' for name in own]), False
 
+    @guarded
     def _explain_silence(self):
         """Say why nothing arrives, again only when the reason has become another."""
         self._last_sign = time.monotonic()  # look again after another SILENCE_S
@@ -222,9 +223,4 @@ class CameraNode:
             self._unusable = str(error)
             self.say_once(error.kind, self._unusable)
         except Exception as error:  # a fault of ours: one frame is lost, not the node
-            if is_shutdown_requested():  # while all topics are closed, whatever is published fails
-                return
-            self._unusable = 'A frame is passed over, by a fault of this node: ' + traceback.format_exc()
-            # By where it was, of which there are few: what it says may be another each time.
-            places = [(place.filename, place.lineno) for place in traceback.extract_tb(error.__traceback__)]
-            self.say_once((type(error), *places), self._unusable)
+            self._unusable = note_fault(error)

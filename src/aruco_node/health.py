@@ -7,7 +7,8 @@ import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import Updater
-from rospy.core import is_shutdown_requested
+
+from .faults import guarded, last_fault
 
 PERIOD_S = 1.0
 WINDOW_S = 5.0       # what is said about rates and times is about the frames of so long
@@ -23,31 +24,31 @@ OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.E
 class Diagnostics:
     """Publishes, about once a second, what a function says of the node.
 
-    ``report`` returns a level, a sentence and {name: value}.
+    ``report`` returns a level, a sentence and {name: value}. A fault of the
+    node itself goes before.
     """
 
     def __init__(self, report):
         self._updater = Updater()
         self._updater.setHardwareID('none')
-        self._updater.add('frames', lambda status: _fill(status, *report()))
+        self._updater.add('frames', self._fill)
+        self._report = guarded(report)
         self._due = 0.0
 
+    @guarded
     def update(self):
         """Publish if it is time to, by a clock that does not stop: simulated time may."""
         if time.monotonic() >= self._due:
             self._due = time.monotonic() + PERIOD_S
-            try:
-                self._updater.force_update()
-            except rospy.ROSException:
-                if not is_shutdown_requested():  # which closes the topic first
-                    raise
+            self._updater.force_update()
 
-
-def _fill(status, level, sentence, values):
-    status.summary(level, sentence)
-    for name, value in values.items():
-        status.add(name, value)
-    return status
+    def _fill(self, status):
+        level, sentence, values = self._report() or (ERROR, 'It cannot be said how the node is doing.', {})
+        fault = last_fault()
+        status.summary(*(ERROR, fault) if fault else (level, sentence))
+        for name, value in values.items():
+            status.add(name, value)
+        return status
 
 
 class FrameCount:

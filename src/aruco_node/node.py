@@ -1,5 +1,4 @@
 """What every node of this package does when it starts and when it ends."""
-import io
 import sys
 import threading
 import traceback
@@ -8,6 +7,8 @@ import cv2
 import rospy
 from aruco_ar.errors import InputError
 from rospy.core import is_shutdown_requested
+
+from .streams import guard_streams
 
 
 def run_node(name, work, manual):
@@ -19,8 +20,7 @@ def run_node(name, work, manual):
     if any(argument in ('--help', '-h') for argument in sys.argv[1:]):
         print(manual.text(name, sys.modules['__main__'].__doc__))
         return
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(line_buffering=True)  # else a log that is no terminal comes late
+    guard_streams()
     rospy.init_node(name)
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)

@@ -9,6 +9,7 @@ import rospy
 from aruco_ar.errors import InputError
 from dynamic_reconfigure.server import Server
 
+from .faults import note_fault
 from .parameters import Choice, Number, abouts, plain, read
 
 
@@ -43,6 +44,8 @@ class Reconfigurer(Server):
                 self._on_change(settings)
         except InputError as error:
             rospy.logerr('%s Nothing is changed.', error)
+        except Exception as error:
+            note_fault(error)
         else:
             self._settings = settings
         values = self._live(self._settings)

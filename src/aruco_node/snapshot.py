@@ -9,6 +9,8 @@ from aruco_ar.errors import InputError
 from aruco_ar.files import write_whole
 from std_srvs.srv import Trigger, TriggerResponse
 
+from .faults import note_fault
+
 WAIT_S = 5.0
 
 
@@ -26,7 +28,7 @@ class Snapshot:
     def serve(self, folder, why):
         """Offer the service; ``folder`` to save into and ``why`` no frame came are asked when it is called."""
         self._folder, self._why = folder, why
-        rospy.Service('~snapshot', Trigger, self._answer)
+        rospy.Service('~snapshot', Trigger, self._answer, error_handler=note_fault)
 
     def before(self, frame):
         """A frame, before anybody paints into it."""
@@ -52,13 +54,19 @@ class Snapshot:
                 return TriggerResponse(False, str(error))
 
     def _write(self):
-        """Write the files; their paths."""
+        """Write the files, all or none; their paths."""
         folder = os.path.abspath(os.path.expanduser(self._folder()))
         # Not the frame's own time, which comes again where a bag is played over and over.
         start = '%s_%s' % (rospy.get_name()[1:].replace('/', '_'),
                            datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3])
         paths = []
-        for name, image in sorted(self._images.items()):
-            paths.append(os.path.join(folder, '%s_%s.png' % (start, name)))
-            write_whole(paths[-1], cv2.imencode('.png', image)[1].tobytes())
+        try:
+            for name, image in sorted(self._images.items()):
+                path = os.path.join(folder, '%s_%s.png' % (start, name))
+                write_whole(path, cv2.imencode('.png', image)[1].tobytes())
+                paths.append(path)
+        except InputError:
+            for path in paths:
+                os.unlink(path)
+            raise
         return paths

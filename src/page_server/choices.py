@@ -10,6 +10,7 @@ from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
 from aruco_ar.picture import decode_picture, resize
 from aruco_ar.sources import open_source
+from aruco_node.faults import guarded
 from aruco_node.messages import image_from_frame, jpeg_from_frame
 from aruco_node.settings import TOPIC
 from aruco_node.tolerant import tolerant
@@ -78,6 +79,7 @@ class Node:
             if isinstance(value, str) and taken.get(name) != value:
                 raise InputError('%s does not take "%s"; its log says why.' % (self.name, value))
 
+    @guarded
     def _on_update(self, config):
         self._values = values_of(config)
         self._on_change()

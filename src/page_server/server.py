@@ -10,6 +10,7 @@ import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
 from aruco_node.camera_node import CAMERA
+from aruco_node.faults import note_fault
 from aruco_node.health import OK, Diagnostics
 from aruco_node.node import parameter
 from aruco_node.parameters import AUTO, number, read, text, wish
@@ -122,6 +123,7 @@ def serve():
     address, port = settings.address, int(settings.port)
     for name in ('tornado.application', 'asyncio'):  # a fault of ours shows where the node's others do
         logging.getLogger(name).parent = logging.getLogger('rosout')
+        logging.getLogger(name).addFilter(_note_faults)
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     local, driver = is_loopback(address), None
@@ -145,6 +147,13 @@ def serve():
     rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port, 'on' if driver else 'off')
     loop.run_forever()
     server.stop()
+
+
+def _note_faults(record):
+    """Whether a record is to be logged as it is: one of an exception is a fault like the node's others."""
+    if record.exc_info:
+        note_fault(record.exc_info[1])
+    return not record.exc_info
 
 
 def application(parts):

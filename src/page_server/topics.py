@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.errors import InputError
+from aruco_node.faults import guarded
 from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.tolerant import tolerant
 from aruco_node.waiting import IMAGE_TYPES, SUFFIX
@@ -76,6 +77,7 @@ class Watched:
         except Exception as error:  # the master is away; whatever its client raises
             rospy.logwarn('%s cannot be subscribed to, or left: %s', self.name, error)
 
+    @guarded
     def _on_message(self, message):
         self._loop.call_soon_threadsafe(self._take, message)
 
