@@ -8,6 +8,7 @@ import argparse
 import os
 import sys
 
+import aruco_ar  # noqa: F401  before all else: see there
 import cv2
 from aruco_ar import InputError, draw_tag
 from aruco_ar.files import own_folder, write_whole

@@ -8,6 +8,7 @@ and axes drawn on the frame.
 import os
 import time
 
+import aruco_ar  # noqa: F401  before all else: see there
 import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator

@@ -7,6 +7,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Tuple
 
+import aruco_ar  # noqa: F401  before all else: see there
 import numpy as np
 import rospy
 import tf2_ros

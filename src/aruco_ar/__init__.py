@@ -5,6 +5,16 @@ A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
 to ROS is in ``aruco_node``.
 """
 import os
+import sys
+
+
+def _say(kind, error, trace, say=sys.excepthook):
+    """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
+    if not issubclass(kind, KeyboardInterrupt):
+        say(kind, error, trace)
+
+
+sys.excepthook = _say
 
 # All matrices here are small. Threads of numpy's OpenBLAS would only wait for
 # each other, and take up a whole core while they do; it has to know beforehand.

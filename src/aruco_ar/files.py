@@ -1,11 +1,11 @@
 """Files: where the package's own are, reading and writing them whole or not at all, and YAML."""
 from __future__ import annotations
 
+import errno
 import os
 import stat
-import tempfile
 from collections import Counter
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import IO, Any, Iterator
 
 import yaml
@@ -15,6 +15,9 @@ from .errors import InputError
 
 # A wall of a thousand tags has 60 kB.
 MAX_YAML_BYTES = 128 * 1024
+
+FULL = errno.ENOSPC, errno.EDQUOT
+NO_NAMELESS = errno.EOPNOTSUPP, errno.EISDIR  # of file systems that have no files without a name
 
 
 def package_folder() -> str:
@@ -45,30 +48,41 @@ def own_folder(name: str) -> str:
 def write_whole(path: str, data: bytes) -> None:
     """Write bytes to a file that appears only when it is complete.
 
-    Makes the folder if there is none. Raises InputError naming the folder if
-    it cannot be written.
+    Makes the folder if there is none. Raises InputError naming the file if it
+    cannot be written.
     """
     folder = os.path.dirname(os.path.abspath(path))
+    draft = os.path.join(folder, '.unit5-' + os.urandom(8).hex())
     try:
         os.makedirs(folder, exist_ok=True)
-        handle, draft = tempfile.mkstemp(dir=folder, prefix='.' + os.path.basename(path))
         try:
-            with os.fdopen(handle, 'wb') as file:
-                file.write(data)
-            os.chmod(draft, 0o666 & ~_umask())  # mkstemp makes files private
+            _write_draft(folder, draft, data)
             os.replace(draft, path)
         except BaseException:
-            os.unlink(draft)
+            with suppress(FileNotFoundError):
+                os.unlink(draft)
             raise
     except (OSError, ValueError) as error:  # ValueError: what can be no path
-        raise InputError('Cannot write "%s": %s. Choose another place to write to.'
-                         % (path, _reason(error))) from None
+        remedy = 'Make room there, or choose' if getattr(error, 'errno', None) in FULL else 'Choose'
+        raise InputError('Cannot write "%s": %s. %s another place to write to.'
+                         % (path, _reason(error), remedy)) from None
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _write_draft(folder: str, draft: str, data: bytes) -> None:
+    """Write bytes to a file without a name until it is complete: a process that is killed leaves nothing."""
+    try:
+        handle = os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666)
+    except OSError as error:
+        if error.errno not in NO_NAMELESS:
+            raise
+        with open(draft, 'xb') as file:
+            file.write(data)
+        return
+    with open(handle, 'wb') as file:
+        file.write(data)
+        file.flush()
+        # Only with a folder's descriptor does Python follow the link to the file; the path needs none.
+        os.link('/proc/self/fd/%d' % handle, draft, src_dir_fd=handle)
 
 
 @contextmanager

@@ -1,0 +1,197 @@
+"""Programs of the package that are ended at random moments, by Ctrl-C, SIGTERM or SIGKILL, and what is left of them."""
+import os
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import count
+
+import cv2
+import psutil
+import rospy
+from aruco_node.messages import image_from_frame
+from nodes import CAMERA, NODES, scene
+from sensor_msgs.msg import Image
+from serving import free_port
+from started import WAIT_S
+from std_msgs.msg import Header
+from std_srvs.srv import Trigger
+
+FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+MARK = 'UNIT5_STRUCK'
+ENDS_S = 15.0    # roslaunch gives its nodes as long
+SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
+TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
+         'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
+         'gazebo_wall': ['--output', '.']}
+LAUNCHES = {'roslaunch exercise5_6.launch': [], 'roslaunch all.launch': []}
+DEMO = 'script/demo'
+NUMBERS = count()
+
+
+@dataclass
+class Kill:
+    """A program that is to be ended; ``watched``: while somebody listens to it, and asks for snapshots."""
+
+    name: str
+    signal: signal.Signals
+    delay: float
+    watched: bool = False
+
+    def __str__(self):
+        return '%s, %s after %.2f s%s' % (self.name, self.signal.name, self.delay, ', watched' * self.watched)
+
+
+def kills(random, names=(*NODES, *TOOLS, *LAUNCHES, DEMO)):
+    """Kill after Kill, by a random.Random: of each name and by each signal as often, in any order, without end."""
+    while True:
+        ways = [(name, kind) for name in names for kind in SIGNALS
+                # Who kills roslaunch so has its nodes left.
+                if not (name in LAUNCHES and kind == signal.SIGKILL)]
+        random.shuffle(ways)
+        for name, kind in ways:
+            shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else \
+                (2, 10) if name in LAUNCHES else (0, 25)  # roslaunch passes over a Ctrl-C while it begins
+            yield Kill(name, kind, random.uniform(shortest, longest), name in NODES[:-2] and random.random() < 0.7)
+
+
+def command_of(name):
+    """(words, variables) that start a program in a namespace of its own."""
+    space = 'struck_%d' % next(NUMBERS)
+    if name in NODES:
+        return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
+                '_port:=%d' % free_port()], space
+    if name in TOOLS:
+        return [os.path.join(FOLDER, 'src', name.split()[0] + '.py'), '--output', '.', *TOOLS[name]], space
+    if name in LAUNCHES:
+        return [*name.replace(' ', ' unit5 ').split(), 'camera:=' + CAMERA], space
+    return [os.path.join(FOLDER, DEMO), '--seconds', '30', '--folder', 'demo'], ''
+
+
+def strike(kill):
+    """Start a program and end it; (seconds that its end took, sentences about what it left)."""
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile('w+') as output:
+        words, space = command_of(kill.name)
+        mark = '%s=%s' % (MARK, folder)
+        variables = dict(os.environ, **{MARK: folder}, **({'ROS_NAMESPACE': space} if space else {}))
+        process = subprocess.Popen(words, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                   cwd=folder, env=variables, start_new_session=True)
+        with watched(space + '/' + kill.name) if kill.watched else nothing():
+            time.sleep(kill.delay)
+            began = time.monotonic()
+            found = []
+            if kill.signal == signal.SIGINT:
+                os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+            else:
+                process.send_signal(kill.signal)
+            try:
+                code = process.wait(ENDS_S)
+            except subprocess.TimeoutExpired:
+                code = None
+                found.append('it does not end within %d s' % ENDS_S)
+            took = time.monotonic() - began
+        left = left_of(mark)
+        if left:
+            found.append('these are left: ' + ', '.join(' '.join(each) for each in left))
+        output.seek(0)
+        said = output.read()
+        if 'Traceback' in said and FOLDER + '/src' in said:  # else it was Python's own beginning
+            found.append('it says:\n' + said[-3000:])
+        # What Python, rospy, bash and roslaunch make of the signal, or the program was done before.
+        if code not in (0, -kill.signal, 128 + kill.signal, None):
+            found.append('its exit code is %d; it says:\n%s' % (code, said[-1000:]))
+        found += ['this is left: ' + path for path in halves(folder)]
+        return took, ['%s: %s' % (kill, each) for each in found]
+
+
+def left_of(mark, seconds=ENDS_S):
+    """The commands of processes with that variable that do not end by themselves within that time; they are killed."""
+    end = time.monotonic() + seconds
+    while True:
+        marked = [each for each in psutil.process_iter() if _has(each, mark)]
+        if not marked or time.monotonic() > end:
+            break
+        time.sleep(0.1)
+    commands = []
+    for each in marked:
+        try:
+            commands.append(each.cmdline())
+            each.kill()
+        except psutil.NoSuchProcess:
+            pass
+    return commands
+
+
+def _has(process, mark):
+    try:
+        with open('/proc/%d/environ' % process.pid) as file:
+            return mark in file.read().split('\0')
+    except OSError:  # it has ended, or is another's
+        return False
+
+
+def halves(folder):
+    """Paths of files that are hidden, or that are no whole picture or PDF."""
+    found = []
+    for place, folders, names in os.walk(folder):
+        folders[:] = [name for name in folders if not name == 'demo']  # others write there
+        for name in names:
+            path = os.path.join(place, name)
+            if name.startswith('.'):
+                found.append(path)
+            elif name.endswith('.png'):
+                with open(path, 'rb') as file:
+                    if b'IEND' not in file.read()[-12:] or cv2.imread(path) is None:
+                        found.append(path)
+            elif name.endswith('.pdf'):
+                with open(path, 'rb') as file:
+                    if not file.read().rstrip().endswith(b'%%EOF'):
+                        found.append(path)
+    return found
+
+
+@contextmanager
+def nothing():
+    yield
+
+
+@contextmanager
+def watched(node):
+    """Listen to a node's images, and ask it for one snapshot after the other."""
+    stopped = threading.Event()
+    subscriber = rospy.Subscriber('/%s/image' % node, Image, lambda message: None, queue_size=1)
+
+    def ask():
+        while not stopped.wait(0.02):
+            try:
+                rospy.ServiceProxy('/%s/snapshot' % node, Trigger)()
+            except Exception:  # it is not there yet, or not any more
+                pass
+    asking = threading.Thread(target=ask, daemon=True)
+    asking.start()
+    try:
+        yield
+    finally:
+        stopped.set()
+        asking.join(WAIT_S)
+        subscriber.unregister()
+
+
+@contextmanager
+def camera():
+    """Frames, thirty a second."""
+    publisher = rospy.Publisher(CAMERA, Image, queue_size=1)
+    frame = scene()
+
+    def publish(event):
+        publisher.publish(image_from_frame(frame, Header(stamp=rospy.Time.now(), frame_id='eye')))
+    frames = rospy.Timer(rospy.Duration(1 / 30), publish)
+    try:
+        yield
+    finally:
+        frames.shutdown()
+        frames.join()
+        publisher.unregister()
