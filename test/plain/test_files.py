@@ -1,0 +1,59 @@
+"""Files are written whole or not at all."""
+import errno
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import pytest
+from aruco_ar import InputError
+from aruco_ar.files import write_whole
+
+WRITING = '''
+import sys
+from aruco_ar.files import write_whole
+print('begins', flush=True)
+while True:
+    write_whole(sys.argv[1] + '/new/file', bytes(1 << 25))
+'''
+
+
+def test_a_writer_that_is_killed_leaves_nothing_that_is_not_whole():
+    at_random = random.Random(6)
+    for _ in range(6):
+        with tempfile.TemporaryDirectory(dir='/dev/shm') as folder:
+            with subprocess.Popen([sys.executable, '-c', WRITING, folder], stdout=subprocess.PIPE) as writing:
+                assert writing.stdout.readline() == b'begins\n'
+                time.sleep(at_random.uniform(0, 0.05))
+                writing.send_signal(signal.SIGKILL)
+            if os.path.exists(folder + '/new'):
+                assert os.listdir(folder + '/new') in ([], ['file'])
+            if os.path.exists(folder + '/new/file'):
+                assert os.path.getsize(folder + '/new/file') == 1 << 25
+
+
+@pytest.mark.parametrize('has_nameless', [True, False])
+def test_a_file_is_replaced_or_stays(tmp_path, monkeypatch, has_nameless):
+    if not has_nameless:
+        def without_nameless(path, flags, *others, before=os.open):
+            if flags & os.O_TMPFILE == os.O_TMPFILE:
+                raise OSError(errno.EOPNOTSUPP, 'Operation not supported')
+            return before(path, flags, *others)
+        monkeypatch.setattr(os, 'open', without_nameless)
+    path = tmp_path / 'made' / 'for' / 'it.txt'
+    before = os.umask(0o027)
+    try:
+        for text in b'one', b'another':
+            write_whole(str(path), text)
+            assert path.read_bytes() == text and path.stat().st_mode & 0o777 == 0o640
+    finally:
+        os.umask(before)
+    with pytest.raises(InputError, match='Cannot write ".*for": Is a directory. Choose another place'):
+        write_whole(str(path.parent), b'a third')
+    with pytest.raises(TypeError):
+        write_whole(str(path), 'no bytes')
+    assert [each.name for each in path.parent.iterdir()] == ['it.txt'] and path.read_bytes() == b'another'
+    assert [each.name for each in path.parent.parent.iterdir()] == ['for']
