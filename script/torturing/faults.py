@@ -1,24 +1,56 @@
-"""Programs that are ended at random moments."""
+"""Disks that fill up, and programs that are ended at random moments."""
+import os
 import random
+import subprocess
+import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
 
+import cv2
 import numpy as np
 from aruco_ar.progress import tell
 from hostile import kills
 from master import Master
 
 COUNT, AT_A_TIME = 100, 3
+DISK_BYTES, RECORDED_S = 16 << 20, 20
 
 
 def run(seconds, seed):
-    """Kill; what was left."""
+    """Fill disks, and kill; what was wrong then."""
+    found = fill()
     with Master(), kills.camera():
-        return kill(seconds, seed)
+        return found + kill(seconds, seed)
+
+
+def fill():
+    """Record with script/demo onto a disk that is too small."""
+    with tempfile.TemporaryDirectory() as folder:
+        if subprocess.call(['mount', '-t', 'tmpfs', '-o', 'size=%d' % DISK_BYTES, 'unit5', folder]):
+            print('A small disk cannot be mounted here, so none is filled.')
+            return []
+        try:
+            done = subprocess.run([os.path.join(kills.FOLDER, kills.DEMO), '--record', '--seconds', str(RECORDED_S),
+                                   '--folder', folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            found = ['the demo leaves half a file: ' + path for path in kills.halves(folder)]
+            video, frames = cv2.VideoCapture(folder + '/exercise5_6.avi'), 0
+            while video.grab():
+                frames += 1
+            if not 0 < frames == video.get(cv2.CAP_PROP_FRAME_COUNT):
+                found.append('of the video %d frames can be read' % frames)
+            sentence = 'demo: the disk of %s is full: recording has ended. Make room there' % folder
+            if done.returncode != 1 or sentence not in done.stdout or 'Traceback' in done.stdout:
+                found.append('the demo ends with %d, saying:\n%s' % (done.returncode, done.stdout))
+        finally:
+            subprocess.check_call(['umount', '--lazy', folder])
+    print('script/demo --record on a disk of %d MB: %d frames of video, whole: %d findings (target: 0)' % (
+        DISK_BYTES >> 20, frames, len(found)))
+    return found
 
 
 def kill(seconds, seed):
+    """End programs at random moments, COUNT or for so long."""
     others = [name for name in (*kills.NODES, *kills.TOOLS, *kills.LAUNCHES)]
     end = None if seconds is None else time.monotonic() + seconds
     taken, found = [], []

@@ -4,25 +4,7 @@ A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
 (overlay). A Tracker finds the area in a sequence of frames. What connects this
 to ROS is in ``aruco_node``.
 """
-import os
-import sys
-
-
-def _say(kind, error, trace, say=sys.excepthook):
-    """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
-    if not issubclass(kind, KeyboardInterrupt):
-        say(kind, error, trace)
-
-
-sys.excepthook = _say
-
-# All matrices here are small. Threads of numpy's OpenBLAS would only wait for
-# each other, and take up a whole core while they do; it has to know beforehand.
-os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-# What OpenCV and its FFmpeg think of a broken file is said by us, once, in a sentence.
-os.environ.setdefault('OPENCV_LOG_LEVEL', 'FATAL')
-os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
-
+from . import beginning  # noqa: F401  before all else
 from .area import Area, find_area, find_four_centers
 from .area_pose import AreaPose
 from .detector import Detector

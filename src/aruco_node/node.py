@@ -21,7 +21,12 @@ def run_node(name, work, manual):
         print(manual.text(name, sys.modules['__main__'].__doc__))
         return
     guard_streams()
-    rospy.init_node(name)
+    try:
+        rospy.init_node(name)
+    except rospy.ROSInitException:
+        if is_shutdown_requested():  # Ctrl-C
+            return
+        raise
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)
     errors: list[object] = []

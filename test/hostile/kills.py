@@ -98,10 +98,11 @@ def strike(kill):
             found.append('these are left: ' + ', '.join(' '.join(each) for each in left))
         output.seek(0)
         said = output.read()
-        if 'Traceback' in said and FOLDER + '/src' in said:  # else it was Python's own beginning
+        begun = 'Traceback' not in said or FOLDER + '/src' in said  # else it was Python's own beginning
+        if begun and 'Traceback' in said:
             found.append('it says:\n' + said[-3000:])
         # What Python, rospy, bash and roslaunch make of the signal, or the program was done before.
-        if code not in (0, -kill.signal, 128 + kill.signal, None):
+        if begun and code not in (0, -kill.signal, 128 + kill.signal, None):
             found.append('its exit code is %d; it says:\n%s' % (code, said[-1000:]))
         found += ['this is left: ' + path for path in halves(folder)]
         return took, ['%s: %s' % (kill, each) for each in found]

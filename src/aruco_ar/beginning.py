@@ -1,0 +1,28 @@
+"""What is done before numpy and OpenCV are imported, and while they are."""
+import os
+import signal
+import sys
+
+
+def _say(kind, error, trace, say=sys.excepthook):
+    """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
+    if not issubclass(kind, KeyboardInterrupt):
+        say(kind, error, trace)
+
+
+sys.excepthook = _say
+
+# All matrices here are small. Threads of numpy's OpenBLAS would only wait for
+# each other, and take up a whole core while they do; it has to know beforehand.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+# What OpenCV and its FFmpeg think of a broken file is said by us, once, in a sentence.
+os.environ.setdefault('OPENCV_LOG_LEVEL', 'FATAL')
+os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
+
+# A Ctrl-C waits for so long: numpy takes one for a broken installation.
+_before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+try:
+    import cv2  # noqa: F401
+    import numpy  # noqa: F401
+finally:
+    signal.pthread_sigmask(signal.SIG_SETMASK, _before)
