@@ -1,6 +1,8 @@
 """What every node of this package does when it starts and when it ends."""
+import signal
 import sys
 import threading
+import time
 import traceback
 
 import cv2
@@ -21,18 +23,16 @@ def run_node(name, work, manual):
         print(manual.text(name, sys.modules['__main__'].__doc__))
         return
     guard_streams()
-    try:
-        rospy.init_node(name)
-    except rospy.ROSInitException:
-        if is_shutdown_requested():  # Ctrl-C
-            return
-        raise
-    # A frame takes a few milliseconds: threads would add more work than they save time.
-    cv2.setNumThreads(1)
     errors: list[object] = []
+    asked: list[int] = []
+    for each in signal.SIGINT, signal.SIGTERM:
+        signal.signal(each, lambda number, frame: asked.append(number))
 
     def guarded():
         try:
+            rospy.init_node(name, disable_signals=True)
+            # A frame takes a few milliseconds: threads would add more work than they save time.
+            cv2.setNumThreads(1)
             work()
         except InputError as error:
             errors.append(error)
@@ -44,11 +44,13 @@ def run_node(name, work, manual):
             errors.append(traceback.format_exc())
             rospy.logfatal('%s', errors[0])
             rospy.signal_shutdown('a fault of this node')
-    # Not in the main thread: there rospy handles Ctrl-C by talking to the
-    # master, and if that thread is talking to it already, waits for itself.
+    # Not in the main thread: there rospy would handle Ctrl-C by talking to the
+    # master, and if that thread is talking to it already, wait for itself.
     worker = threading.Thread(target=guarded, daemon=True)
     worker.start()
-    rospy.spin()
+    while not asked and not rospy.is_shutdown():
+        time.sleep(0.1)
+    rospy.signal_shutdown('asked to end')
     worker.join(2.0)
     sys.exit(1 if errors else 0)
 

@@ -76,7 +76,7 @@ def strike(kill):
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile('w+') as output:
         words, space = command_of(kill.name)
         mark = '%s=%s' % (MARK, folder)
-        variables = dict(os.environ, **{MARK: folder}, **({'ROS_NAMESPACE': space} if space else {}))
+        variables = dict(os.environ, PYTHONFAULTHANDLER='1', **{MARK: folder}, **({'ROS_NAMESPACE': space} if space else {}))
         process = subprocess.Popen(words, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                    cwd=folder, env=variables, start_new_session=True)
         with watched(space + '/' + kill.name) if kill.watched else nothing():
@@ -91,7 +91,10 @@ def strike(kill):
                 code = process.wait(ENDS_S)
             except subprocess.TimeoutExpired:
                 code = None
-                found.append('it does not end within %d s' % ENDS_S)
+                process.send_signal(signal.SIGABRT)  # has Python say where it is
+                process.wait()
+                output.seek(0)
+                found.append('it does not end within %d s:\n%s' % (ENDS_S, output.read()))
             took = time.monotonic() - began
         left = left_of(mark)
         if left:
