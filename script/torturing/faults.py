@@ -14,7 +14,7 @@ from hostile import kills
 from master import Master
 
 COUNT, AT_A_TIME = 100, 3
-DISK_BYTES, RECORDED_S = 16 << 20, 20
+DISK_BYTES, RECORDED_S = 16 << 20, '20'
 
 
 def run(seconds, seed):
@@ -31,8 +31,9 @@ def fill():
             print('A small disk cannot be mounted here, so none is filled.')
             return []
         try:
-            done = subprocess.run([os.path.join(kills.FOLDER, kills.DEMO), '--record', '--seconds', str(RECORDED_S),
-                                   '--folder', folder], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+            demo = os.path.join(kills.FOLDER, kills.DEMO)
+            done = subprocess.run([demo, '--record', '--seconds', RECORDED_S, '--folder', folder],
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
             found = ['the demo leaves half a file: ' + path for path in kills.halves(folder)]
             video, frames = cv2.VideoCapture(folder + '/exercise5_6.avi'), 0
             while video.grab():
@@ -51,7 +52,7 @@ def fill():
 
 def kill(seconds, seed):
     """End programs at random moments, COUNT or for so long."""
-    others = [name for name in (*kills.NODES, *kills.TOOLS, *kills.LAUNCHES)]
+    others = *kills.NODES, *kills.TOOLS, *kills.LAUNCHES
     end = None if seconds is None else time.monotonic() + seconds
     taken, found = [], []
 
@@ -77,7 +78,7 @@ def kill(seconds, seed):
         for job in jobs:
             job.result()
         seed += 1
-    print('%d programs ended by SIGINT, SIGTERM or SIGKILL at a random moment: %d findings (target: 0); they took '
-          '%.2f s to end, the slowest %.1f s (target: below %d s)' % (
-              len(taken), len(found), np.median(taken), max(taken), kills.ENDS_S))
+    print('%d programs ended by SIGINT, SIGTERM or SIGKILL at a random moment: %d findings (target: 0);\n'
+          'they took %.2f s to end, the slowest %.1f s (target: below %d s)'
+          % (len(taken), len(found), np.median(taken), max(taken), kills.ENDS_S))
     return found

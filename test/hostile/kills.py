@@ -1,11 +1,11 @@
-"""Programs of the package that are ended at random moments, by Ctrl-C, SIGTERM or SIGKILL, and what is left of them."""
+"""Programs of the package that are ended at random moments, by signals, and what is left of them."""
 import os
 import signal
 import subprocess
 import tempfile
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import count
 
@@ -26,7 +26,7 @@ ENDS_S = 15.0    # roslaunch gives its nodes as long
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
-         'gazebo_wall': ['--output', '.']}
+         'gazebo_wall': []}
 LAUNCHES = {'roslaunch exercise5_6.launch': [], 'roslaunch all.launch': []}
 DEMO = 'script/demo'
 NUMBERS = count()
@@ -46,21 +46,23 @@ class Kill:
 
 
 def kills(random, names=(*NODES, *TOOLS, *LAUNCHES, DEMO)):
-    """Kill after Kill, by a random.Random: of each name and by each signal as often, in any order, without end."""
+    """Kill after Kill without end, by a random.Random: of each name, by each signal, as often."""
     while True:
         ways = [(name, kind) for name in names for kind in SIGNALS
                 # Who kills roslaunch so has its nodes left.
                 if not (name in LAUNCHES and kind == signal.SIGKILL)]
         random.shuffle(ways)
         for name, kind in ways:
-            shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else \
-                (2, 10) if name in LAUNCHES else (0, 25)  # roslaunch passes over a Ctrl-C while it begins
-            yield Kill(name, kind, random.uniform(shortest, longest), name in NODES[:-2] and random.random() < 0.7)
+            shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else (0, 25)
+            if name in LAUNCHES:
+                shortest, longest = 2, 10  # roslaunch passes over a Ctrl-C while it begins
+            watched = name in NODES[:-2] and random.random() < 0.7
+            yield Kill(name, kind, random.uniform(shortest, longest), watched)
 
 
 def command_of(name):
     """(words, variables) that start a program in a namespace of its own."""
-    space = 'struck_%d' % next(NUMBERS)
+    space = 'struck_%d' % next(NUMBERS)  # nodes of one name end each other
     if name in NODES:
         return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
                 '_port:=%d' % free_port()], space
@@ -76,10 +78,10 @@ def strike(kill):
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile('w+') as output:
         words, space = command_of(kill.name)
         mark = '%s=%s' % (MARK, folder)
-        variables = dict(os.environ, PYTHONFAULTHANDLER='1', **{MARK: folder}, **({'ROS_NAMESPACE': space} if space else {}))
+        variables = dict(os.environ, PYTHONFAULTHANDLER='1', ROS_NAMESPACE=space, **{MARK: folder})
         process = subprocess.Popen(words, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                    cwd=folder, env=variables, start_new_session=True)
-        with watched(space + '/' + kill.name) if kill.watched else nothing():
+        with watched(space + '/' + kill.name) if kill.watched else nullcontext():
             time.sleep(kill.delay)
             began = time.monotonic()
             found = []
@@ -112,7 +114,7 @@ def strike(kill):
 
 
 def left_of(mark, seconds=ENDS_S):
-    """The commands of processes with that variable that do not end by themselves within that time; they are killed."""
+    """The commands of processes with that variable that do not end in that time by themselves; kills them."""
     end = time.monotonic() + seconds
     while True:
         marked = [each for each in psutil.process_iter() if _has(each, mark)]
@@ -140,8 +142,7 @@ def _has(process, mark):
 def halves(folder):
     """Paths of files that are hidden, or that are no whole picture or PDF."""
     found = []
-    for place, folders, names in os.walk(folder):
-        folders[:] = [name for name in folders if not name == 'demo']  # others write there
+    for place, _, names in os.walk(folder):
         for name in names:
             path = os.path.join(place, name)
             if name.startswith('.'):
@@ -155,11 +156,6 @@ def halves(folder):
                     if not file.read().rstrip().endswith(b'%%EOF'):
                         found.append(path)
     return found
-
-
-@contextmanager
-def nothing():
-    yield
 
 
 @contextmanager

@@ -86,10 +86,11 @@ class DiskFull(NodeTest):
 
     def test_also_where_its_files_may_not_be_so_large(self):
         self.publisher, self.connections = self.camera()
-        self.node = Started('bash', '-c', 'ulimit -f 40; exec rosrun unit5 exercise5_6.py _folder:="$1"', 'bash',
-                            self.folder)
+        self.node = Started(
+            'bash', '-c', 'ulimit -f 40; exec rosrun unit5 exercise5_6.py _folder:=' + self.folder)
         self.running.append(self.node)
-        self.attend({'image': self.listen('/exercise5_6/image'), 'tags': self.listen('/exercise5_6/tags', TagArray)})
+        self.attend({'image': self.listen('/exercise5_6/image'),
+                     'tags': self.listen('/exercise5_6/tags', TagArray)})
         self.assert_refused('File too large', 'Choose another place')
         self.assert_goes_on()
 
@@ -99,11 +100,11 @@ class DiskFull(NodeTest):
                             ('artag_generator', ['--sheet', self.folder + '/tags.pdf', '--ids', '0-249']),
                             ('gazebo_wall', [])):
             self.fill(20 * PAGE_BYTES if tool == 'artag_generator' else 5 * PAGE_BYTES)
-            done = subprocess.run([os.path.join(SOURCE, tool + '.py'), '--output', self.folder, *words],
-                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            command = [os.path.join(SOURCE, tool + '.py'), '--output', self.folder, *words]
+            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             self.assertEqual(done.returncode, 1, done)
-            self.assertRegex(done.stderr, r'^%s: Cannot write "%s/.*": No space left on device\. Make room there, or '
-                                          r'choose another place to write to\.\n$' % (tool, self.folder))
+            self.assertRegex(done.stderr, r'^%s: Cannot write "%s/.*": No space left on device\. Make room there, '
+                                          r'or choose another place to write to\.\n$' % (tool, self.folder))
             self.assertEqual(self.written(), sorted(line[len('Wrote '):] for line in done.stdout.splitlines()))
             for path in self.written():
                 if path.endswith('.png'):

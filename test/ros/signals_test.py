@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ended at random moments, by Ctrl-C, SIGTERM or SIGKILL, nodes and tools leave nothing behind; nor do broken pipes."""
+"""Programs that are ended at random moments leave nothing behind; nodes do not mind who reads what they say."""
 import os
 import random
 import sys

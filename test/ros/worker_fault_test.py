@@ -43,7 +43,7 @@ class WorkerFault(NodeTest):
         self.running.append(self.node)
 
     def assert_said(self, provokes):
-        """Have one function after the other raise, {place: what makes it}, each twice; it is said, and logged once."""
+        """Have functions raise, {place: what has it called}, twice each; it is said, and logged once."""
         for place, provoke in provokes.items():
             self.fail(place)
             for _ in range(2):
@@ -53,8 +53,8 @@ class WorkerFault(NodeTest):
         self.fail()
         self.diagnoses.wait(self.name)
         for place in provokes:
-            self.assertEqual(len([line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]), 1,
-                             self.node.lines)
+            said = [line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]
+            self.assertEqual(len(said), 1, self.node.lines)
         self.assertEqual(len([line for line in self.node.lines if 'Traceback' in line]), len(provokes),
                          self.node.lines)
 
@@ -76,8 +76,8 @@ class WorkerFault(NodeTest):
         node = 'aruco_node.camera_node:CameraNode.'
         update, write = 'aruco_ar.tracker:Tracker.update', 'aruco_node.snapshot:Snapshot._write'
         self.publisher, self.connections = self.camera()
-        self.start_failing('exercise5_6', [node + name for name in ('is_wanted', 'report', 'reset', 'prepare')] +
-                           [update, write])
+        self.start_failing('exercise5_6', [update, write] + [
+            node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])
         self.attend({topic: self.listen('/exercise5_6/' + topic, kind)
                      for topic, kind in (('image', Image), ('tags', TagArray))})
         self.show_always()
