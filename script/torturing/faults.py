@@ -68,7 +68,7 @@ def kill(seconds, seed):
             if end is not None and time.monotonic() > end:
                 break
             strike(each)
-    while not taken or end is not None and time.monotonic() < end:
+    while not taken or (end is not None and time.monotonic() < end):
         with ThreadPoolExecutor(AT_A_TIME) as pool:
             demos = kills.kills(random.Random(seed), [kills.DEMO])  # they share build/: one at a time
             jobs = [pool.submit(strike_all, demos, COUNT // 10)]

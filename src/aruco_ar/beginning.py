@@ -2,9 +2,10 @@
 import os
 import signal
 import sys
+from typing import Any, Callable
 
 
-def _say(kind, error, trace, say=sys.excepthook):
+def _say(kind: Any, error: Any, trace: Any, say: Callable[..., Any] = sys.excepthook) -> None:
     """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
     if not issubclass(kind, KeyboardInterrupt):
         say(kind, error, trace)

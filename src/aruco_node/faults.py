@@ -3,6 +3,7 @@ import threading
 import time
 import traceback
 from functools import wraps
+from typing import Any, List, Set, Tuple
 
 import rospy
 from aruco_ar.errors import InputError
@@ -11,7 +12,9 @@ from rospy.core import is_shutdown_requested
 LASTS_S = 3.0    # so long /diagnostics says a fault, if it does not come again
 MAX_KINDS = 100  # of what is wrong are logged; /diagnostics says the others, too
 
-_kinds, _last, _lock = set(), None, threading.Lock()
+_kinds: Set[Any] = set()
+_last: List[Tuple[float, str]] = []  # when and what; one at most
+_lock = threading.Lock()
 
 
 def note_fault(error, *_):
@@ -20,7 +23,6 @@ def note_fault(error, *_):
     None while ROS shuts down: while all topics are closed, whatever is
     published fails. It may be the ``error_handler`` of a service.
     """
-    global _last
     if is_shutdown_requested():
         return None
     if isinstance(error, InputError):
@@ -33,7 +35,7 @@ def note_fault(error, *_):
         # Its place in the code: the text may be another each time.
         kind = (type(error), *((frame.f_code, line) for frame, line in traceback.walk_tb(error.__traceback__)))
     with _lock:
-        _last = time.monotonic(), sentence
+        _last[:] = [(time.monotonic(), sentence)]
         is_new = kind not in _kinds and len(_kinds) < MAX_KINDS
         if is_new:
             _kinds.add(kind)
@@ -45,7 +47,7 @@ def note_fault(error, *_):
 def last_fault():
     """The sentence of the last fault, or None where there was none for LASTS_S."""
     with _lock:
-        return _last[1] if _last and time.monotonic() - _last[0] < LASTS_S else None
+        return next((sentence for when, sentence in _last if time.monotonic() - when < LASTS_S), None)
 
 
 def guarded(work):

@@ -44,8 +44,9 @@ def run_node(name, work, manual):
             errors.append(traceback.format_exc())
             rospy.logfatal('%s', errors[0])
             rospy.signal_shutdown('a fault of this node')
-    # Not in the main thread: there rospy would handle Ctrl-C by talking to the
-    # master, and if that thread is talking to it already, wait for itself.
+    # Not in the main thread, nor are signals left to rospy: it would talk to the
+    # master in the midst of whatever that thread does, and wait forever for
+    # itself if it is talking to the master already.
     worker = threading.Thread(target=guarded, daemon=True)
     worker.start()
     while not asked and not rospy.is_shutdown():

@@ -5,7 +5,7 @@ import subprocess
 import tempfile
 import threading
 import time
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from itertools import count
 
@@ -123,11 +123,9 @@ def left_of(mark, seconds=ENDS_S):
         time.sleep(0.1)
     commands = []
     for each in marked:
-        try:
+        with suppress(psutil.NoSuchProcess):
             commands.append(each.cmdline())
             each.kill()
-        except psutil.NoSuchProcess:
-            pass
     return commands
 
 
@@ -166,10 +164,8 @@ def watched(node):
 
     def ask():
         while not stopped.wait(0.02):
-            try:
+            with suppress(Exception):  # it is not there yet, or not any more
                 rospy.ServiceProxy('/%s/snapshot' % node, Trigger)()
-            except Exception:  # it is not there yet, or not any more
-                pass
     asking = threading.Thread(target=ask, daemon=True)
     asking.start()
     try:

@@ -101,10 +101,10 @@ class DiskFull(NodeTest):
                             ('gazebo_wall', [])):
             self.fill(20 * PAGE_BYTES if tool == 'artag_generator' else 5 * PAGE_BYTES)
             command = [os.path.join(SOURCE, tool + '.py'), '--output', self.folder, *words]
-            done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            done = subprocess.run(command, capture_output=True, text=True)
             self.assertEqual(done.returncode, 1, done)
-            self.assertRegex(done.stderr, r'^%s: Cannot write "%s/.*": No space left on device\. Make room there, '
-                                          r'or choose another place to write to\.\n$' % (tool, self.folder))
+            self.assertRegex(done.stderr, r'^%s: Cannot write "%s/.*": No space left on device\. Make room '
+                                          r'there, or choose another place to write to\.\n$' % (tool, self.folder))
             self.assertEqual(self.written(), sorted(line[len('Wrote '):] for line in done.stdout.splitlines()))
             for path in self.written():
                 if path.endswith('.png'):

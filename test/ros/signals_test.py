@@ -14,7 +14,7 @@ from started import Started
 from unit5.msg import TagArray
 
 sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
-from hostile import kills  # noqa: E402
+from hostile import kills
 
 COUNT, AT_A_TIME, SEED = 12, 3, 1
 
