@@ -21,7 +21,7 @@ from aruco_node.health import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
 from aruco_node.manual import Manual
 from aruco_node.memory import keep_memory
 from aruco_node.node import parameter, run_node
-from aruco_node.parameters import number, read, text
+from aruco_node.parameters import Number, number, read, text
 from aruco_node.publishing import ImagePublisher
 from aruco_node.reconfigure import Reconfigurer
 from aruco_node.tolerant import tolerant
@@ -44,8 +44,11 @@ MANUAL_TOPICS = [
     ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
 
 
+COEFFICIENT = Number(-1000, 1000)
+
+
 def coefficients(value):
-    k1, k2, p1, p2, k3 = (float(part) for part in value)
+    k1, k2, p1, p2, k3 = map(COEFFICIENT.read, value)
     return k1, k2, p1, p2, k3
 
 

@@ -76,6 +76,8 @@ class Detector:
         self._dictionary = dictionary
         self._marker = get_dictionary(dictionary)
         self._ids = frozenset(ids)
+        for tag_id in self._ids:
+            tag_cells(dictionary, tag_id)  # raises where the dictionary has no such id
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
         self._cells: dict[int, Image] = {}
         self._preset = _PRESETS[search]

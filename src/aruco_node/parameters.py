@@ -3,12 +3,19 @@
 From that one place come the checks when a node starts, what dynamic_reconfigure
 shows and takes (see reconfigure), and what ``--help`` prints (see manual).
 """
+import re
+import reprlib
 from dataclasses import dataclass, field, fields
 from typing import Callable, Tuple
 
-from aruco_ar.errors import InputError
+from aruco_ar.errors import InputError, shorten
 
 AUTO = 'auto'
+MAX_TEXT = 64 * 1024  # characters of any parameter
+MAX_PATH = 4096       # and of a path or a name: what the system takes
+MAX_SHOWN = 100       # and of what a sentence repeats
+# What no parameter server can keep, for it writes XML, or what does to a log what it likes.
+CONTROL = re.compile('[\0-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
 
 
 @dataclass(frozen=True)
@@ -93,8 +100,8 @@ def _wish(value):
 
 
 def some_text(value):
-    """The value, a text that is not empty and can be a path. Raises ValueError for any other."""
-    if not isinstance(value, str) or not value.strip() or '\0' in value:
+    """The value, a text that is not empty and can be a path or a name. Raises ValueError for any other."""
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_PATH or CONTROL.search(value):
         raise ValueError
     return value
 
@@ -123,11 +130,20 @@ def read(kind_of_settings, get):
         kind = item.metadata['about'].kind
         value = get(item.name, kind.plain(item.default))
         try:
+            if isinstance(value, str) and len(value) > MAX_TEXT:
+                raise ValueError
             values[item.name] = kind.read(value)
         except (TypeError, ValueError, AttributeError):
-            raise InputError('The parameter ~%s is %s; it must be %s.' % (
-                item.name, '"%s"' % value if isinstance(value, str) else value, kind.allowed)) from None
+            raise InputError('The parameter ~%s is %s; it must be %s.'
+                             % (item.name, shown(value), kind.allowed)) from None
     return kind_of_settings(**values)
+
+
+def shown(value):
+    """A value as a sentence repeats it."""
+    if isinstance(value, str):
+        return '"%s"' % shorten(value, MAX_SHOWN)
+    return shorten(reprlib.repr(value), MAX_SHOWN)
 
 
 def plain(settings):

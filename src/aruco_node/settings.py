@@ -1,4 +1,5 @@
 """The parameters of the nodes that look at a camera's frames, and of areas files."""
+import re
 from dataclasses import dataclass
 from typing import Tuple, Union
 
@@ -9,7 +10,7 @@ from aruco_ar.fitting import FITS
 from aruco_ar.tags import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
 from aruco_ar.tracker import HOLD_S, UPRIGHT
 
-from .parameters import AUTO, Number, choice, number, read, some_text, text, wish
+from .parameters import AUTO, MAX_TEXT, Number, choice, number, read, some_text, text, wish
 from .waiting import IMAGE_TYPES
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
@@ -25,10 +26,19 @@ def _ids(value):
     if value == 'any':
         return ()
     parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
-    ids = tuple(int(part) for part in parts if not isinstance(part, (bool, float)))
-    if parts and not len(ids) == len(parts) == len(set(ids)) == 4:
+    ids = tuple(map(_id, parts))
+    if parts and not len(ids) == len(set(ids)) == 4:
         raise ValueError
     return ids
+
+
+def _id(value):
+    """An id, from a number or from text."""
+    if isinstance(value, str) and re.fullmatch(' *[0-9]{1,9} *', value):
+        return int(value)
+    if type(value) is not int or not 0 <= value < 10**9:
+        raise ValueError
+    return value
 
 
 def _ids_as_text(ids):
@@ -88,11 +98,15 @@ def _sizes(value):
         return ()
     pairs = value.items() if not isinstance(value, str) else \
         [part.split(':') for part in value.strip('{} ').split(',')]
-    return tuple((int(tag_id), SIZE.read(float(size))) for tag_id, size in pairs)
+    sizes = tuple((_id(tag_id), SIZE.read(float(size) if isinstance(size, str) else size))
+                  for tag_id, size in pairs)
+    if len(dict(sizes)) < len(sizes) or len(_sizes_as_text(sizes)) > MAX_TEXT:
+        raise ValueError
+    return sizes
 
 
 def _sizes_as_text(sizes):
-    return ', '.join('%d: %g' % pair for pair in sizes) or 'none'
+    return ', '.join('%d: %s' % pair for pair in sizes) or 'none'
 
 
 def _tag_frame(value):
