@@ -52,14 +52,15 @@ class Inputs:
         before = self._settings
         same = 'picture' not in self._takes or settings.picture == before.picture
         source = self._source if same else self._open(settings.picture)
-        begin = any(getattr(settings, name, None) != getattr(before, name, None) for name in (*FINDS, *BEGINS))
+        begun = self._begin(settings) if any(getattr(settings, name, None) != getattr(before, name, None)
+                                             for name in (*FINDS, *BEGINS)) else None
 
         def change():
             with self._lock:
                 if not same and isinstance(self._source, TopicPicture):
                     self._source.follow(False)
-                if begin:
-                    self._detector, self._tracker = self._begin(settings)
+                if begun:
+                    self._detector, self._tracker = begun
                 elif self._tracker is not None:
                     self._tracker.hold = settings.hold
                 self._settings, self._source = settings, source

@@ -6,11 +6,12 @@ the settings say (see parameters), once for each node.
 from types import SimpleNamespace
 
 import rospy
-from aruco_ar.errors import InputError
+from aruco_ar.errors import InputError, shorten
+from dynamic_reconfigure.encoding import encode_config
 from dynamic_reconfigure.server import Server
 
 from .faults import note_fault
-from .parameters import Choice, Number, abouts, plain, read
+from .parameters import MAX_SHOWN, Choice, Number, abouts, plain, read
 
 
 class Reconfigurer(Server):
@@ -28,6 +29,28 @@ class Reconfigurer(Server):
         """Begin with what has been read and checked, in place of what the parameter server holds."""
         self.config.update(self._live(self._settings))
 
+    def _set_callback(self, request):
+        """Answer a wish with all parameters as they are then.
+
+        The names of the parameters alone count: of the groups, which nobody has
+        here, the server would take any, and fail for those that are none.
+        """
+        config = request.config
+        wishes = {item.name: item.value for item in config.bools + config.ints + config.strs + config.doubles}
+        try:
+            self._check_names(wishes)
+        except InputError as error:
+            rospy.logerr('%s Nothing is changed.', error)
+            wishes = {}
+        return encode_config(self.update_configuration(wishes))
+
+    def _check_names(self, names):
+        live = self._live(self._settings)
+        for name in names:
+            if name not in live:
+                raise InputError('The parameter ~%s cannot be changed while the node runs; those that can be '
+                                 'are ~%s.' % (shorten(name, MAX_SHOWN), ', ~'.join(live)))
+
     def _clamp(self, config):
         """Leave a number that is too large as it is: it is refused, not cut without a word."""
 
@@ -44,14 +67,13 @@ class Reconfigurer(Server):
                 self._on_change(settings)
         except InputError as error:
             rospy.logerr('%s Nothing is changed.', error)
-        except Exception as error:
+        except Exception as error:  # a fault of ours: one wish is refused, and the node goes on
             note_fault(error)
+            rospy.logerr('The parameters cannot be changed, by a fault of this node: %s: %s. Nothing is '
+                         'changed.', type(error).__name__, InputError(str(error)))
         else:
             self._settings = settings
-        values = self._live(self._settings)
-        for name in set(config) - set(values) - {'groups'}:
-            del config[name]  # it is no parameter
-        config.update(values)
+        config.update(self._live(self._settings))
         return config
 
 
