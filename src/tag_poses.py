@@ -49,7 +49,8 @@ class TagPoses(CameraNode):
 
     def __init__(self):
         super().__init__(['tags', 'area'], ['image'], PoseSettings)
-        self._estimator, self._watch = self._begin(self.settings)
+        self._wall = _load_wall(self.settings)
+        self._estimator, self._watch = self._begin(self.settings, self._wall)
         self._calibration = Calibration(self.settings, self.camera)
         self._faults = {}  # what is wrong, by its kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
@@ -78,15 +79,16 @@ class TagPoses(CameraNode):
         changes = super().prepare(settings)
         if all(getattr(settings, name) == getattr(self.settings, name) for name in BEGINS):
             return changes
-        begun = self._begin(settings)
+        wall = self._wall if settings.wall == self.settings.wall else _load_wall(settings)
+        begun = self._begin(settings, wall)
 
         def change():
-            self._estimator, self._watch = begun
+            self._wall, (self._estimator, self._watch) = wall, begun
         return changes + [change]
 
     def reset(self):
         super().reset()
-        self._estimator, self._watch = self._begin(self.settings)
+        self._estimator, self._watch = self._begin(self.settings, self._wall)
 
     def answer(self, frame, given, header, stamp):
         tags, area = given[0]
@@ -114,15 +116,12 @@ class TagPoses(CameraNode):
         # Frames that are dropped are not worth a word where all poses are missing.
         return (WARN, faults[0], values) if faults and level < ERROR else (level, sentence, values)
 
-    def _begin(self, settings):
-        """A PoseEstimator and a WallWatch. Raises InputError if there is no such wall."""
-        wall = None
-        if settings.wall != LEARN:
-            wall = load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
-            if wall.dictionary != settings.dictionary:
-                raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give '
-                                 'the same: dictionary:=%s.' % (settings.wall, wall.dictionary,
-                                                                settings.dictionary, wall.dictionary))
+    def _begin(self, settings, wall):
+        """A PoseEstimator and a WallWatch. Raises InputError if the wall has tags of another dictionary."""
+        if wall is not None and wall.dictionary != settings.dictionary:
+            raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give the '
+                             'same: dictionary:=%s.' % (settings.wall, wall.dictionary, settings.dictionary,
+                                                        wall.dictionary))
         return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
 
     def _lens(self, size, faults):
@@ -185,6 +184,13 @@ class TagPoses(CameraNode):
                                                           shorten(str(error), 200))
             return None
         return camera.carry(*pose_messages.from_transform(found))
+
+
+def _load_wall(settings):
+    """The Wall that settings name, or None where it is learned. Raises InputError if there is no such wall."""
+    if settings.wall == LEARN:
+        return None
+    return load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
 
 
 if __name__ == '__main__':
