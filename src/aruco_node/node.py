@@ -6,10 +6,12 @@ import time
 import traceback
 
 import cv2
+import rosgraph
 import rospy
 from aruco_ar.errors import InputError
 from rospy.core import is_shutdown_requested
 
+from .parameters import shown
 from .streams import guard_streams
 
 
@@ -30,9 +32,7 @@ def run_node(name, work, manual):
 
     def guarded():
         try:
-            rospy.init_node(name, disable_signals=True)
-            # A frame takes a few milliseconds: threads would add more work than they save time.
-            cv2.setNumThreads(1)
+            _start(name)
             work()
         except InputError as error:
             errors.append(error)
@@ -56,6 +56,42 @@ def run_node(name, work, manual):
     sys.exit(1 if errors else 0)
 
 
+def _start(name):
+    """Become a ROS node. Raises InputError if that cannot be."""
+    try:
+        _check_names(rosgraph.names.load_mappings(sys.argv))
+        rospy.init_node(name, disable_signals=True)
+    except Exception as error:  # whatever rospy raises, such as for a _PARAMETER:= that XML-RPC cannot carry
+        raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
+    _check_clock()
+    # A frame takes a few milliseconds: threads would add more work than they save time.
+    cv2.setNumThreads(1)
+
+
+def _check_names(mappings):
+    """Raise InputError if a name is remapped to one that the ROS master refuses: rospy would go on unheard."""
+    for given, name in mappings.items():
+        if (given in ('__name', '__ns') or not given.startswith('__')) and any(each in name for each in ' :'):
+            raise InputError('%s:=%s gives no name of ROS; it must be of letters, digits, _ and /.'
+                             % (given, name))
+
+
+def _check_clock():
+    clock = _get('/use_sim_time', False)
+    if not isinstance(clock, bool):
+        rospy.logwarn('The parameter /use_sim_time is %s, which counts as %s here, and may elsewhere as the '
+                      'other; it must be true or false: rosparam set use_sim_time false.',
+                      shown(clock), str(bool(clock)).lower())
+
+
 def parameter(name, default):
-    """The value of a private parameter."""
-    return rospy.get_param('~' + name, default)
+    """The value of a private parameter, ~name. Raises InputError if the ROS master cannot say it."""
+    return _get('~' + name, default)
+
+
+def _get(name, default):
+    try:
+        return rospy.get_param(name, default)
+    except Exception as error:  # whatever the master's client raises, such as for what XML-RPC cannot carry
+        raise InputError('The ROS master does not say what the parameter %s is (%s); set it anew: rosparam set '
+                         '%s VALUE.' % (name, error, rospy.resolve_name(name))) from None
