@@ -14,7 +14,8 @@ class Started:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                         start_new_session=True)
         self.lines, self._arrived = [], threading.Condition()
-        threading.Thread(target=self._read, daemon=True).start()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def _read(self):
         with self.process.stdout as lines:
@@ -34,8 +35,10 @@ class Started:
             return found()[0]
 
     def ends(self):
-        """The exit code."""
-        return self.process.wait(WAIT_S)
+        """The exit code; all that it printed is in ``lines`` then."""
+        code = self.process.wait(WAIT_S)
+        self._reader.join(WAIT_S)
+        return code
 
     def stop(self):
         stop_all([self])
