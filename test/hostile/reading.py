@@ -1,0 +1,124 @@
+"""What a node reads before it goes to work, without a node: its parameters, and what they name."""
+import os
+import resource
+import runpy
+import signal
+from contextlib import contextmanager
+from unittest import mock
+
+import numpy as np
+import yaml
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+from aruco_ar.robot import load_path
+from aruco_ar.wall import load_wall
+from aruco_node.calibration import Calibration
+from aruco_node.inputs import Inputs
+from aruco_node.parameters import plain, read
+from aruco_node.settings import LEARN, PictureSettings, load_areas
+from page_server.guard import is_loopback
+
+MAX_SENTENCE = 500
+FRAME = np.full((48, 64, 3), 180, np.uint8)
+
+
+class Stuck(BaseException):
+    """Raised where something takes too long; no Exception, which somebody might catch."""
+
+
+def settings_of(node):
+    """The class of the parameters of a node, which it tells when it is run."""
+    told = []
+
+    def tell(name, work, manual):
+        told.append(manual.settings)
+    with mock.patch('aruco_node.node.run_node', tell), mock.patch('aruco_node.exercise.run_node', tell):
+        runpy.run_path(os.path.join(package_folder(), 'src', node + '.py'), run_name='__main__')
+    return told[0]
+
+
+def read_with(kind, name, value):
+    """Settings of that class where one parameter has that value and all others their own."""
+    return read(kind, lambda other, default: value if other == name else default)
+
+
+def taken(kind, name, value):
+    """The Settings with that value of a parameter, of which all that they name has been opened.
+
+    Raises InputError where a node would refuse it.
+    """
+    settings = read_with(kind, name, value)
+    assert read(kind, plain(settings).get) == settings, 'it reads otherwise from the parameter server'
+    has = {each: getattr(settings, each) for each in plain(settings)}
+    if has.get('areas', 'none') != 'none':
+        for area in load_areas(settings.areas):
+            _look(read(kind, lambda other, default: area.get(other, has[other])))
+    elif 'search' in has:
+        _look(settings)
+    if 'camera_info' in has:
+        Calibration(settings, '/camera/rgb/image_raw')
+    if has.get('wall', LEARN) != LEARN:
+        load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
+    if has.get('path', 'none') != 'none':
+        load_path(settings.path)
+    if 'address' in has:
+        is_loopback(settings.address)
+    return settings
+
+
+def area_taken(path, name, value):
+    """What is read of a file of areas, written to that path, whose first area has such an entry.
+
+    Raises InputError where a node would refuse it.
+    """
+    with open(path, 'w') as file:
+        yaml.dump({'areas': [{'ids': [1, 2, 3, 4], name: value}, {'ids': [5, 6, 7, 8]}]}, file)
+    for area in load_areas(path):
+        _look(read(PictureSettings, area.get))
+
+
+def _look(settings):
+    takes = ['tags']
+    takes += ['area'] * hasattr(settings, 'hold') + ['picture', 'fit', 'opacity'] * hasattr(settings, 'picture')
+    inputs = Inputs(takes, settings, package_folder())
+    for stamp in 0.0, 0.1:
+        inputs.at(FRAME, stamp)
+
+
+def refusal(take, *arguments):
+    """The sentence with which a function that takes a value refuses it, or None. Raises what else it raises."""
+    try:
+        take(*arguments)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def fault_of(sentence, name=None):
+    """What is wrong with a sentence that refuses a value, or None. ``name``: the parameter it must name."""
+    if len(sentence) > MAX_SENTENCE:
+        return 'it has %d characters' % len(sentence)
+    if not sentence.isprintable():
+        return 'it has characters that cannot be printed'
+    if name and '~' + name not in sentence:
+        return 'it does not name ~' + name
+    return None
+
+
+@contextmanager
+def bounded(seconds=5, more_bytes=1 << 30):
+    """Raise Stuck or MemoryError in the block, in the main thread, if it takes longer or more memory."""
+    def stop(number, frame):
+        raise Stuck('it takes longer than %d s' % seconds)
+    with open('/proc/self/statm') as file:
+        now = int(file.read().split()[0]) * resource.getpagesize()
+    limits = resource.getrlimit(resource.RLIMIT_AS)
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    resource.setrlimit(resource.RLIMIT_AS, (now + more_bytes, limits[1]))
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+        resource.setrlimit(resource.RLIMIT_AS, limits)
