@@ -1,0 +1,146 @@
+"""Parameters of running nodes, by dynamic_reconfigure: wrong ones are refused, and frames answered as ever."""
+import os
+import queue
+import sys
+import time
+import urllib.request
+
+import rospy
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+from aruco_ar.progress import progress
+from aruco_node.messages import image_from_frame
+from aruco_node.parameters import abouts, plain
+from dynamic_reconfigure.msg import Config
+from dynamic_reconfigure.srv import Reconfigure
+from hostile import reading, values
+from hostile.wishes import GROUPS, NAMES, REFUSED, answered, wish
+from listening import Inbox
+from nodes import CAMERA, scene
+from sensor_msgs.msg import Image
+from serving import free_port
+from started import WAIT_S, Started, stop_all
+from std_msgs.msg import Header
+
+SIMULATED = '/simulated/image_raw'
+MASKS = {'wall_camera': SIMULATED}  # what to look at, in place of ~image
+
+
+
+class Live:
+    """All nodes at once, before a camera. ``counts``, ``found``: see parameters."""
+
+    def __init__(self, kinds, counts, found):
+        self._kinds, self._counts, self._found = kinds, counts, found
+        self._nodes, self._refused = {}, dict.fromkeys(kinds, 0)
+
+    def __enter__(self):
+        self._port = free_port()
+        arguments = {'page': ['_port:=%d' % self._port], 'wall_camera': [CAMERA + ':=' + SIMULATED]}
+        for node in self._kinds:
+            self._nodes[node] = Started(sys.executable, os.path.join(package_folder(), 'src', node + '.py'),
+                                        *arguments.get(node, []))
+        self._camera = rospy.Publisher(CAMERA, Image, queue_size=1)
+        self._inboxes = {node: Inbox(MASKS.get(node, '/%s/image' % node), Image)
+                         for node in self._kinds if node != 'page'}
+        self._services = {}
+        for node in self._kinds:
+            rospy.wait_for_service('/%s/set_parameters' % node, WAIT_S)
+            self._services[node] = rospy.ServiceProxy('/%s/set_parameters' % node, Reconfigure, persistent=True)
+        return self
+
+    def __exit__(self, *_):
+        for service in self._services.values():
+            service.close()
+        stop_all(self._nodes.values())
+        for inbox in self._inboxes.values():
+            inbox.subscriber.unregister()
+        self._camera.unregister()
+        for node, started in self._nodes.items():
+            if started.ends() != 0:
+                self._note('deaths', node, 'ends with exit code %s' % started.ends())
+            if any('Traceback' in line for line in started.lines):
+                self._note('tracebacks', node, 'shows a traceback')
+            said = [line for line in started.lines if REFUSED in line]
+            if len(said) != self._refused[node]:
+                self._note('bad sentences', node, 'refuses %d wishes with %d sentences' % (
+                    self._refused[node], len(said)))
+            for line in said:
+                fault = reading.fault_of(line.partition(']: ')[2].partition(REFUSED)[0])
+                if fault:
+                    self._note('bad sentences', node, 'refuses a wish with a bad sentence: ' + fault)
+        for name in self._kinds:
+            if rospy.has_param('/' + name):
+                rospy.delete_param('/' + name)
+
+    def wish(self, random, count):
+        """Wish ``count`` values of each parameter of each node, and odd messages, and look what comes of it."""
+        for node, kind in progress(self._kinds.items(), 'live', len(self._kinds)):
+            before = self._set(node, Config())
+            for name, about in abouts(kind).items():
+                given = values.typed(values.values(about, random))
+                for index in random.permutation(len(given))[:count]:
+                    before = self._wish(node, kind, name, given[index], about.live, before)
+                self._answers(node)
+            for config in GROUPS + NAMES:
+                self._counts['odd'] += 1
+                self._counts['odd', 'refused' if config in NAMES else 'taken'] += 1
+                self._refused[node] += config in NAMES
+                if self._set(node, config) != before:
+                    self._note('others', node, 'takes what is no parameter')
+            self._answers(node)
+
+    def _wish(self, node, kind, name, value, is_live, before):
+        """Wish one value; what the parameters are now."""
+        try:
+            settings = reading.taken(kind, name, value) if is_live else None
+        except InputError:
+            settings = None
+        after = self._set(node, wish(name, value))
+        self._counts['live'] += 1
+        self._counts['live', 'refused' if settings is None else 'taken'] += 1
+        if settings is None:
+            self._refused[node] += 1
+            if after != before:
+                self._note('others', node, 'takes %s for ~%s' % (ascii(value)[:60], name))
+            return after
+        expected = dict(before, **{name: plain(settings)[name]})
+        if after != expected:
+            self._note('others', node, 'makes of %s for ~%s something else' % (ascii(value)[:60], name))
+        self._answers(node)
+        return self._set(node, wish(name, before[name]))
+
+    def _set(self, node, config):
+        """What the node answers: {name: value}; empty where it does not."""
+        try:
+            answer = self._services[node](config).config
+        except (rospy.ServiceException, rospy.ROSException) as error:
+            self._note('tracebacks', node, 'answers a wish with an error: %s' % str(error)[:80])
+            return {}
+        return answered(answer)
+
+    def _answers(self, node):
+        """Look whether the node does its work still."""
+        self._counts['answers'] += 1
+        if node == 'page':
+            try:
+                urllib.request.urlopen('http://127.0.0.1:%d/' % self._port, timeout=WAIT_S).close()
+            except OSError as error:
+                self._note('hangs', node, 'does not answer: %s' % error)
+            return
+        inbox, end = self._inboxes[node], time.monotonic() + WAIT_S
+        stamp = rospy.Time.now()
+        while time.monotonic() < end:
+            if node != 'wall_camera':
+                self._camera.publish(image_from_frame(scene(), Header(stamp=stamp, frame_id='eye')))
+            try:
+                if inbox.get(timeout=0.5).header.stamp >= stamp:
+                    return
+            except queue.Empty:
+                pass
+        self._note('hangs' if self._nodes[node].process.poll() is None else 'deaths', node, 'answers no frame')
+
+    def _note(self, kind, node, what):
+        self._counts[kind] += 1
+        self._found.setdefault('%s: %s' % (node, what), 'while it runs')
+
