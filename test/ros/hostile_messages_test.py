@@ -28,7 +28,7 @@ from hostile.pacing import PacedPublisher
 
 IDS = sorted(CENTERS)
 LINES = 20  # that a node may write about all that is hostile
-MESSAGES = 1000
+MESSAGES = 500  # of each kind
 
 
 class HostileMessages(NodeTest):
