@@ -186,8 +186,8 @@ class PageHttp(ServerTest):
             live.close()
             return json.loads(said), head, picture
         said, head, picture = asyncio.run(look())
-        self.assertEqual(said, {'without': '/eye/image',
-                                'why': 'A frame of 70000 x 1 pixels is too large for a JPEG.'})
+        self.assertEqual(said['without'], '/eye/image')
+        self.assertIn('A frame of 70000 x 1 pixels is too large', said['why'])
         self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
     def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):
