@@ -13,6 +13,13 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 sys.path += [os.path.join(PACKAGE, 'script', 'benchmark'), os.path.join(PACKAGE, 'test')]
 
 
+def pytest_configure(config):
+    # What goes wrong where nobody can catch it: as things are forgotten, and in threads.
+    for kind in 'ResourceWarning', 'pytest.PytestUnraisableExceptionWarning', \
+            'pytest.PytestUnhandledThreadExceptionWarning':
+        config.addinivalue_line('filterwarnings', 'error::' + kind)
+
+
 @pytest.fixture(scope='session')
 def package():
     return PACKAGE
