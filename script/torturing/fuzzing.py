@@ -53,7 +53,8 @@ def hunt(target, seconds, seed):
             [sys.executable, os.path.join(FUZZ, 'hunt.py'), '--target=' + target, corpus,
              os.path.join(FUZZ, 'corpus', target),
              '-max_total_time=%d' % seconds, '-seed=%d' % seed, '-timeout=%d' % HANG_S,
-             '-max_len=%d' % MAX_BYTES, '-rss_limit_mb=%d' % MEMORY_MB, '-print_final_stats=1', '-artifact_prefix=%s-' % corpus],
+             '-max_len=%d' % MAX_BYTES, '-rss_limit_mb=%d' % MEMORY_MB, '-print_final_stats=1',
+             '-artifact_prefix=%s-' % corpus],
             stdout=file, stderr=subprocess.STDOUT)
     with open(log, errors='replace') as file:
         said = file.read()
