@@ -124,6 +124,8 @@ def _good_pictures():
     yield 'a JPEG.gif', jpeg(), True
     yield 'a GIF', animation('GIF'), True
     yield 'no suffix', video('.mp4', 'mp4v'), True
+    yield 'not UTF-8 \udcff.mp4', video('.mp4', 'mp4v'), True
+    yield 'two\nlines.jpg', jpeg(), True
     yield 'a video.jpg', video('.avi', 'MJPG'), True
     for kind, mode in (('JPEG', 'CMYK'), ('JPEG', 'L'), ('PNG', '1'), ('PNG', 'P'), ('PNG', 'LA'),
                        ('PNG', 'RGBA'), ('PNG', 'I'), ('WEBP', 'RGBA'), ('BMP', 'P'),
