@@ -116,7 +116,8 @@ GOOD = message(COLORS, 'bgr8')
     (dict(encoding='nonsense'), '"nonsense"'),
     (dict(encoding=''), '""'),
     (dict(step=10), 'step of 10 bytes where 48 pixels'),
-    (dict(width=10**6), 'step of 144 bytes where 1000000'),
+    (dict(width=10**4), 'step of 144 bytes where 10000'),
+    (dict(width=10**6), '1000000 x 32 pixels is too large'),
 ])
 def test_a_frame_that_cannot_be_used_is_explained(change, words):
     fields = {name: getattr(GOOD, name) for name in ('height', 'width', 'encoding', 'step', 'data')}
@@ -144,7 +145,7 @@ def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
 
 @pytest.mark.parametrize('data', [b'', b'no picture', b'\xff\xd8\xff\xe0'])
 def test_compressed_data_that_cannot_be_decoded_is_explained(data):
-    with pytest.raises(InputError, match='must be JPEG or PNG'):
+    with pytest.raises(InputError, match='must be a whole JPEG or PNG'):
         frame_from_compressed(CompressedImage(data=data))
 
 
