@@ -1,0 +1,42 @@
+// The one door that ROS_HOSTNAME=localhost leaves open. A node in C++ has its topics and services on
+// the loopback then, but its XML-RPC server on all addresses; and whoever reaches that can have the
+// topics sent to themselves by UDP, feed the node others, and shut it down. Loaded before ROS's
+// libxmlrpcpp (LD_PRELOAD, in script/env), this takes the place of the function that binds it.
+#include <arpa/inet.h>
+#include <cstdlib>
+#include <cstring>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+static bool is_local(const char *name) {
+  return !strcmp(name, "localhost") || !strncmp(name, "127.", 4) || !strcmp(name, "::1");
+}
+
+namespace XmlRpc {
+
+class XmlRpcSocket {
+  static bool bind(int fd, int port);
+};
+
+bool XmlRpcSocket::bind(int fd, int port) {
+  const char *name = getenv("ROS_HOSTNAME");
+  if (!name || !*name) name = getenv("ROS_IP");
+  const bool local = name && is_local(name);
+  int family = AF_INET;
+  socklen_t length = sizeof(family);
+  getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &family, &length);
+  if (family == AF_INET6) {
+    sockaddr_in6 address = {};
+    address.sin6_family = AF_INET6;
+    address.sin6_port = htons(port);
+    address.sin6_addr = local ? in6addr_loopback : in6addr_any;
+    return ::bind(fd, reinterpret_cast<sockaddr *>(&address), sizeof(address)) == 0;
+  }
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(local ? INADDR_LOOPBACK : INADDR_ANY);
+  return ::bind(fd, reinterpret_cast<sockaddr *>(&address), sizeof(address)) == 0;
+}
+
+}  // namespace XmlRpc
