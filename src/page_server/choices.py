@@ -26,6 +26,8 @@ FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PIXELS = 32 * 1000 * 1000
+MAX_SCANS = 64  # of a JPEG, each of which takes as long as the whole picture; the finest have a dozen
+SCAN = b'\xff\xda'
 THUMBNAIL_PX = 160
 ANSWER_S = 5.0
 
@@ -110,9 +112,11 @@ class Choices:
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last."""
+        folder = os.path.join(package_folder(), FOLDER)
         try:
-            files = sorted(entry.name for entry in os.scandir(os.path.join(package_folder(), FOLDER))
-                           if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.'))
+            files = sorted(entry.name for entry in os.scandir(folder)
+                           if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.')
+                           and os.path.dirname(os.path.realpath(entry.path)) == os.path.realpath(folder))
         except OSError:  # the page is good for other things as well
             files = []
         return files + [self._drop_name()] * (self._drops > 0)
@@ -129,7 +133,7 @@ class Choices:
         self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
         self._thumbnails.pop(self._drop_name(), None)
         self._drops += 1
-        self._thumbnails[self._drop_name()] = await self._in_worker(_shrink, picture)
+        self._thumbnails[self._drop_name()] = self._in_worker(_shrink, picture)
         await self._painter.set(picture=self._drop_topic())
 
     async def slide(self, name, value):
@@ -142,8 +146,12 @@ class Choices:
         self._check(name)
         if name not in self._thumbnails:
             path = os.path.join(package_folder(), FOLDER, name)
-            self._thumbnails[name] = await self._in_worker(lambda: _shrink(open_source(path).at(0)))
-        return self._thumbnails[name]
+            self._thumbnails[name] = self._in_worker(lambda: _shrink(open_source(path).at(0)))
+        try:
+            return await asyncio.shield(self._thumbnails[name])  # for all who ask meanwhile
+        except Exception:
+            self._thumbnails.pop(name, None)  # the file may be mended
+            raise
 
     def _drop_name(self):
         return 'dropped %d' % self._drops
@@ -169,14 +177,17 @@ class Choices:
         try:  # the header alone, before memory is taken for the pixels
             with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
                 pixels = image.width * image.height
+                scans = data.count(SCAN) if image.format == 'JPEG' else 0
         except PillowImage.DecompressionBombError:
-            pixels = float('inf')
+            pixels, scans = float('inf'), 0
         except Exception:  # Pillow raises many kinds
             raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.'
                              % FOLDER) from None
         if pixels > MAX_PIXELS:
             raise InputError('The picture is too large; drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
+        if scans > MAX_SCANS:
+            raise InputError('The picture is a JPEG of %d scans; save it with at most %d.' % (scans, MAX_SCANS))
         return decode_picture(data, 'dropped')
 
 

@@ -1,5 +1,6 @@
 """Whom the server answers: who asks it by its own name, and no other site's page in between."""
 import ipaddress
+import re
 import socket
 from functools import lru_cache
 from urllib.parse import urlsplit
@@ -29,6 +30,8 @@ def is_own_name(host):
     Any other name may belong to a site whose owner lets it point here, so
     that their page counts as ours (DNS rebinding).
     """
+    if not re.fullmatch(r'[\w.-]*(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?', host, re.ASCII):
+        return False  # there is more in it than a name and a port
     try:
         name = urlsplit('//' + host).hostname or ''
         return name in own_names() or ipaddress.ip_address(name) is not None

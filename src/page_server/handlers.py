@@ -1,10 +1,11 @@
 """What the server answers to HTTP: the page, image topics under web_video_server's addresses, pictures."""
 import asyncio
+from contextlib import contextmanager
 from urllib.parse import quote
 
 from aruco_ar.errors import InputError
 from tornado.iostream import StreamClosedError
-from tornado.web import RequestHandler, stream_request_body
+from tornado.web import Finish, RequestHandler, stream_request_body
 
 from .choices import MAX_BYTES
 from .guard import is_own_name, is_same_site
@@ -12,6 +13,7 @@ from .topics import MAX_SIDE_PX
 
 BOUNDARY = 'boundarydonotcross'  # web_video_server's
 MAX_UPLOADS = 2                  # at a time
+MAX_VIEWERS = 64                 # of streams and snapshots, at a time
 STALLED_S = 30.0                 # a browser that takes nothing for so long is given up
 SILENT_S = 5.0                   # for so long a snapshot waits for a frame
 POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -38,6 +40,7 @@ class Guarded(RequestHandler):
             self.refuse(403, refusal)
 
     def set_default_headers(self):
+        self.set_header('Content-Type', 'text/plain; charset=utf-8')
         self.set_header('Server', 'unit5')
         self.set_header('X-Content-Type-Options', 'nosniff')
         self.set_header('Cache-Control', 'no-store')
@@ -47,6 +50,12 @@ class Guarded(RequestHandler):
         self.set_status(status)
         self.set_header('Content-Type', 'text/plain; charset=utf-8')
         self.finish(sentence + '\n')
+
+    def write_error(self, status_code, **_):
+        if status_code == 405:
+            self.set_header('Allow', ', '.join(method for method in self.SUPPORTED_METHODS if
+                                               getattr(type(self), method.lower()) is not RequestHandler.options))
+        self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))
 
 
 class Handler(Guarded):
@@ -58,9 +67,6 @@ class Handler(Guarded):
 
     def on_connection_close(self):
         self.gone = True
-
-    def write_error(self, status_code, **_):
-        self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))
 
     def number(self, name, high):
         """A whole number among the query's arguments, 1 to high, or None if it is not there."""
@@ -91,6 +97,20 @@ class Handler(Guarded):
         except InputError as error:
             self.refuse(503, str(error))
         return None, None
+
+    @contextmanager
+    def looking(self, topic):
+        """Watch a topic for as long as the ``with`` block lasts. Ends the request if all places are taken."""
+        if len(self.parts.viewers) >= MAX_VIEWERS:
+            self.refuse(503, 'There are %d streams and snapshots already, and no more at a time; try again.'
+                        % MAX_VIEWERS)
+            raise Finish
+        self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]
+        try:
+            with topic.watched():
+                yield
+        finally:
+            del self.parts.viewers[self]
 
 
 class Unknown(Handler):
@@ -132,8 +152,8 @@ class Stream(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
-        with topic.watched():
+        with self.looking(topic):
+            self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
             number = topic.number
             try:
                 self.write('--%s\r\n' % BOUNDARY)
@@ -167,7 +187,7 @@ class Snapshot(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with topic.watched():
+        with self.looking(topic):
             if not await topic.newer(topic.number, SILENT_S):
                 self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
                 return
@@ -186,8 +206,11 @@ class Snapshot(Handler):
 class Picture(Handler):
     """GET: a small view of a file in images/. POST: have the picture in the body painted."""
 
+    def initialize(self, parts):
+        super().initialize(parts)
+        self._body, self._bytes, self._whole = [], 0, False
+
     def prepare(self):
-        self._body, self._bytes = [], 0
         # Else tornado refuses without a word. The connection is an HTTP1Connection.
         self.request.connection.set_max_body_size(1 << 62)  # type: ignore[union-attr]
         super().prepare()
@@ -206,8 +229,9 @@ class Picture(Handler):
 
     def on_connection_close(self):
         super().on_connection_close()
-        self._body = []
-        self.parts.uploads.discard(self)
+        if not self._whole:  # else somebody works at it still
+            self._body = []
+            self.parts.uploads.discard(self)
 
     def data_received(self, chunk):
         self._bytes += len(chunk)
@@ -228,11 +252,14 @@ class Picture(Handler):
     async def post(self):
         if self._finished:
             return
+        self._whole = True
         try:
             await self.parts.choices.drop(b''.join(self._body))
         except InputError as error:
             self.refuse(422, str(error))
             return
+        finally:
+            self.parts.uploads.discard(self)
         self.set_status(204)
 
     def _refuse_size(self):

@@ -23,6 +23,8 @@ STALE_S = 1.0       # which tags were in sight longer ago, nobody wants to know
 MAX_LATENCY_S = 60  # more than that: the stamps are of another clock
 MAX_LOOKS = 16
 MAX_BROWSERS = 64
+MAX_UNTOLD = 64     # more than that a browser cannot have waiting: it takes nothing, and asks for ever more
+MAX_CHOICES = 4     # at a time, of one browser
 
 
 class View:
@@ -61,14 +63,17 @@ class Live(Guarded, WebSocketHandler):
         self.parts = parts
         self._views = {}
         self._tasks = set()  # asyncio itself forgets those that nobody else keeps
+        self._untold = self._choices = 0
+
+    def prepare(self):
+        super().prepare()
+        if not self._finished and len(self.parts.browsers) >= MAX_BROWSERS:
+            self.refuse(503, 'There are %d pages open already, and no more at a time.' % MAX_BROWSERS)
 
     def check_origin(self, origin):
         return True  # prepare has refused what is not of this site
 
     def open(self):
-        if len(self.parts.browsers) >= MAX_BROWSERS:
-            self.close(1013, 'too many pages are open')
-            return
         self.set_nodelay(True)
         self.parts.browsers.add(self)
         self.tell({'state': self.parts.state()})
@@ -79,7 +84,10 @@ class Live(Guarded, WebSocketHandler):
         if self.parts.driver:
             self.parts.driver.leave(self)
 
-    def on_message(self, message):
+    async def on_message(self, message):
+        await asyncio.sleep(0)  # others have their turn between any two
+        if self not in self.parts.browsers:
+            return  # it has gone meanwhile
         try:
             said = json.loads(message)
             if 'look' in said:
@@ -89,24 +97,32 @@ class Live(Guarded, WebSocketHandler):
             elif 'drive' in said and self.parts.driver:
                 self.parts.driver.command(self, *said['drive'])
             elif 'picture' in said:
-                self._begin(self._choose(self.parts.choices.choose(said['picture'])))
+                self._begin(self._choose(self.parts.choices.choose, said['picture']))
             elif 'slide' in said:
-                self._begin(self._choose(self.parts.choices.slide(*said['slide'])))
+                name, value = said['slide']
+                self._begin(self._choose(self.parts.choices.slide, name, value))
         except (ValueError, TypeError, OverflowError, RecursionError):
             self.close(1003, 'not the language of this page')
 
     def _begin(self, work):
-        """Have a coroutine run, and wait for nothing."""
+        """Have a coroutine run, and wait for nothing; its task."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
+        return task
 
-    async def _choose(self, choosing):
+    async def _choose(self, choose, *arguments):
         """Await a choice, which may take a while: driving does not wait for it."""
+        if self._choices >= MAX_CHOICES:
+            self.tell({'problem': 'That is too much at once; try again.'})
+            return
+        self._choices += 1
         try:
-            await choosing
+            await choose(*arguments)
         except InputError as error:
             self.tell({'problem': str(error)})
+        finally:
+            self._choices -= 1
 
     def _look(self, names):
         """Send frames of these topics and no others."""
@@ -158,7 +174,14 @@ class Live(Guarded, WebSocketHandler):
 
     def tell(self, message):
         """Send the page a JSON object."""
-        self._begin(self._send(json.dumps(message)))
+        if self._untold >= MAX_UNTOLD:
+            self._give_up()
+            return
+        self._untold += 1
+        self._begin(self._send(json.dumps(message))).add_done_callback(self._on_told)
+
+    def _on_told(self, _):
+        self._untold -= 1
 
     async def _send(self, message):
         """Send text or bytes; a browser that does not take them for long is given up."""
@@ -167,5 +190,8 @@ class Live(Guarded, WebSocketHandler):
         except WebSocketClosedError:
             pass
         except asyncio.TimeoutError:
-            if self.ws_connection is not None and self.ws_connection.stream is not None:  # not closed meanwhile
-                self.ws_connection.stream.close()
+            self._give_up()
+
+    def _give_up(self):
+        if self.ws_connection is not None and self.ws_connection.stream is not None:  # not closed meanwhile
+            self.ws_connection.stream.close()

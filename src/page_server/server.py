@@ -1,6 +1,7 @@
 """The server: puts its parts together and answers until ROS shuts down."""
 import asyncio
 import logging
+import mimetypes
 import os
 import socket
 from dataclasses import dataclass, field
@@ -23,12 +24,13 @@ from tornado.web import Application, StaticFileHandler
 from .choices import Choices
 from .driving import Driver
 from .guard import is_loopback
-from .handlers import Guarded, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
+from .handlers import STALLED_S, Guarded, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
 from .live import Live
 from .topics import Topics
 
 SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
-IDLE_S = 60
+IDLE_S = 20         # for so long a request may take to be made, beginning with the end of the one before
+BODY_S = 60         # and for so long, what is sent with it
 MAX_CONNECTIONS = 256
 PING_S = 5
 LOOK_MS = 2000
@@ -76,6 +78,7 @@ class Parts:
     choices: Choices = field(init=False)  # which tells the browsers
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
+    viewers: Any = field(default_factory=dict)  # who waits for frames, by HTTP -> their connection
     told: Any = None
 
     def tags_beside(self, name):
@@ -97,19 +100,39 @@ class Parts:
 
 
 class Server(HTTPServer):
-    """Takes so many connections at a time and no more, so that it never runs out of file descriptors."""
+    """Has so many connections at a time and no more, so that it never runs out of file descriptors.
 
-    count = 0
+    For one more, that one is closed which has been without a new request for
+    longest, be it that it is silent, says one slowly, or takes the answer
+    slowly: nobody keeps others out. Whoever looks at a stream stays.
+    """
+
+    def initialize(self, *arguments, viewers, **options):
+        super().initialize(*arguments, **options)
+        self._viewers, self._streams = viewers, {}  # the latest request last
+
+    @property
+    def count(self):
+        """How many connections there are, without websockets."""
+        return len(self._streams)
 
     def handle_stream(self, stream, address):
         if self.count >= MAX_CONNECTIONS:
-            stream.close()
-            return
-        self.count += 1
+            staying = set(self._viewers.values())
+            longest = next(each for each in self._streams if each not in staying)
+            del self._streams[longest]
+            longest.close()
+        self._streams[stream] = None
         super().handle_stream(stream, address)
 
+    def start_request(self, server_conn, request_conn):
+        if server_conn.stream in self._streams:
+            del self._streams[server_conn.stream]
+            self._streams[server_conn.stream] = None
+        return super().start_request(server_conn, request_conn)
+
     def on_close(self, server_conn):
-        self.count -= 1
+        self._streams.pop(server_conn.stream, None)
         super().on_close(server_conn)
 
 
@@ -137,7 +160,7 @@ def serve():
     parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
     # What is chosen elsewhere tells of itself; a node that ends does not.
     PeriodicCallback(parts.tell_browsers, LOOK_MS).start()
-    server = _listen(application(parts), address, port)
+    server = _listen(application(parts), parts.viewers, address, port)
     diagnostics = Diagnostics(lambda: (OK, 'The page is served.', {
         'connections': server.count, 'pages open': len(parts.browsers), 'driving': 'on' if driver else 'off'}))
     PeriodicCallback(diagnostics.update, DIAGNOSTICS_MS).start()
@@ -159,19 +182,20 @@ def _note_faults(record):
 def application(parts):
     """The tornado Application that answers with these Parts."""
     page = os.path.join(package_folder(), 'page')
+    mimetypes.add_type('application/yaml', '.yaml')  # not all systems know it
     shared = {'parts': parts}
     return Application([
         ('/', Page, shared), ('/live', Live, shared), ('/picture', Picture, shared),
         ('/stream', Stream, shared), ('/stream_viewer', StreamViewer, shared), ('/snapshot', Snapshot, shared),
-        (r'/page/([a-z]+\.(?:js|css|svg))', Files, {'path': page}),
+        (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': page}),
     ], default_handler_class=Unknown, default_handler_args=shared, template_path=page,
         log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
         websocket_max_message_size=64 * 1024)
 
 
-def _listen(app, address, port):
-    server = Server(app, idle_connection_timeout=IDLE_S, body_timeout=IDLE_S, max_header_size=16 * 1024,
-                        max_body_size=16 * 1024)
+def _listen(app, viewers, address, port):
+    server = Server(app, viewers=viewers, idle_connection_timeout=IDLE_S, body_timeout=BODY_S,
+                    max_header_size=16 * 1024, max_body_size=16 * 1024)
     try:
         listening = bind_sockets(port, address)
     except OSError as error:
@@ -179,5 +203,6 @@ def _listen(app, address, port):
                          % (address, port, error.strerror)) from None
     for each in listening:  # what comes in inherits it
         each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
+        each.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, int(1000 * STALLED_S))
     server.add_sockets(listening)
     return server

@@ -29,7 +29,7 @@ class Watched:
         """``registrar``: an executor of one thread, which talks to the ROS master."""
         self.name, self.message, self.number = name, None, 0
         self._kind, self._registrar, self._loop = kind, registrar, asyncio.get_event_loop()
-        self._watchers, self._subscriber = 0, None
+        self._watchers, self._subscriber, self._following = 0, None, False
         self._arrival = self._loop.create_future()
         self._times: deque[float] = deque(maxlen=256)
 
@@ -37,14 +37,14 @@ class Watched:
     def watched(self):
         """Subscribe for as long as the ``with`` block lasts."""
         self._watchers += 1
-        self._registrar.submit(self._follow_watchers)
+        self._follow()
         try:
             yield
         finally:
             self._watchers -= 1
             if not self._watchers:
                 self.message = None  # what it shows is soon of long ago
-            self._registrar.submit(self._follow_watchers)
+            self._follow()
 
     async def newer(self, number, seconds):
         """Wait for a message after that of this ``number``: whether one came within that time."""
@@ -66,7 +66,14 @@ class Watched:
         span = self._times[-1] - self._times[0] if self._times else 0
         return (len(self._times) - 1) / span if span > 0 else 0.0
 
+    def _follow(self):
+        """Have the registrar subscribe, or leave, unless it is about to look at this topic anyway."""
+        if not self._following:
+            self._following = True
+            self._registrar.submit(self._follow_watchers)
+
     def _follow_watchers(self):
+        self._following = False  # before it looks who watches
         try:
             if self._watchers and self._subscriber is None:
                 self._subscriber = rospy.Subscriber(self.name, self._kind, self._on_message, queue_size=1,
@@ -140,14 +147,15 @@ class Topics:
         self._registrar = ThreadPoolExecutor(1, 'registrar')
         self._encoder = ThreadPoolExecutor(2, 'encoder')
         self._known = {}
-        self._published, self._listed = {}, -LISTING_S
+        self._published, self._listed, self._listing = {}, -LISTING_S, None
 
     async def published(self):
         """{name: type} of all topics. Raises InputError where the ROS master does not answer."""
         if time.monotonic() - self._listed > LISTING_S:
+            if self._listing is None or self._listing.done():  # those who ask meanwhile wait for the same
+                self._listing = asyncio.get_event_loop().run_in_executor(self._registrar, rospy.get_published_topics)
             try:
-                self._published = dict(await asyncio.wait_for(asyncio.get_event_loop().run_in_executor(
-                    self._registrar, rospy.get_published_topics), MASTER_S))
+                self._published = dict(await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S))
             except asyncio.TimeoutError:
                 raise InputError('The ROS master does not answer.') from None
             except Exception as error:  # whatever the master's client raises
