@@ -1,5 +1,6 @@
 """What is chosen on the page: the picture to paint, and what the simulation looks like."""
 import asyncio
+import gc
 import io
 import os
 import threading
@@ -127,9 +128,12 @@ class Choices:
         dropped = self._drops and name == self._drop_name()
         await self._painter.set(picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
 
-    async def drop(self, data):
-        """Have the picture with these bytes painted. Raises InputError if they are none that can be taken."""
-        picture = await self._in_worker(self._decode, data)
+    async def drop(self, parts):
+        """Have the picture with these bytes painted: a list, which is emptied.
+
+        Raises InputError if they are none that can be taken.
+        """
+        picture = await self._in_worker(self._decode, parts)
         self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
         self._thumbnails.pop(self._drop_name(), None)
         self._drops += 1
@@ -173,7 +177,10 @@ class Choices:
         folder, name = os.path.split(os.path.join(package_folder(), picture))
         return name if folder == os.path.join(package_folder(), FOLDER) else ''
 
-    def _decode(self, data):
+    def _decode(self, parts):
+        gc.collect()  # what was dropped before, if it was refused, is in the frames of that error still
+        data = b''.join(parts)
+        parts.clear()
         try:  # the header alone, before memory is taken for the pixels
             with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
                 pixels = image.width * image.height

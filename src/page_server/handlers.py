@@ -252,9 +252,9 @@ class Picture(Handler):
     async def post(self):
         if self._finished:
             return
-        self._whole = True
+        body, self._body, self._whole = self._body, [], True
         try:
-            await self.parts.choices.drop(b''.join(self._body))
+            await self.parts.choices.drop(body)
         except InputError as error:
             self.refuse(422, str(error))
             return
