@@ -68,6 +68,11 @@ class Handler(Guarded):
     def on_connection_close(self):
         self.gone = True
 
+    def show(self, template, **names):
+        """Answer with a page made of that template."""
+        self.set_header('Content-Type', 'text/html; charset=utf-8')
+        self.render(template, **names)
+
     def number(self, name, high):
         """A whole number among the query's arguments, 1 to high, or None if it is not there."""
         text = self.get_query_argument(name, '')
@@ -132,7 +137,7 @@ class Page(Handler):
             topics = []
         self.set_header('Content-Security-Policy', POLICY % (self.request.host, self.request.host))
         self.set_header('Referrer-Policy', 'no-referrer')
-        self.render('index.html', tiles=self.parts.tiles, topics=topics, quote=quote)
+        self.show('index.html', tiles=self.parts.tiles, topics=topics, quote=quote)
 
 
 class StreamViewer(Handler):
@@ -142,7 +147,7 @@ class StreamViewer(Handler):
         topic, _ = await self.image()
         if topic is not None:
             self.set_header('Content-Security-Policy', "default-src 'none'; img-src 'self'")
-            self.render('stream_viewer.html', name=self.get_query_argument('topic'), query=self.request.query)
+            self.show('stream_viewer.html', name=self.get_query_argument('topic'), query=self.request.query)
 
 
 class Stream(Handler):

@@ -1,0 +1,31 @@
+"""page/openapi.yaml, which describes the page's addresses, says what its server has, no more and no less."""
+import os
+import re
+
+import yaml
+from page_server.handlers import Unknown
+from page_server.live import Live
+from page_server.server import application
+from tornado.web import RequestHandler
+
+
+def test_the_description_has_all_addresses_and_their_methods(package):
+    with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
+        described = {(path, method) for path, methods in yaml.safe_load(file)['paths'].items() for method in methods}
+    rules = application(None).wildcard_router.rules
+    assert len(rules) > 6
+    served = set()
+    for rule in rules:
+        path = re.sub(r'\((?!\?).*\)', '{file}', rule.matcher.regex.pattern.rstrip('$'))
+        assert rule.target is not Unknown
+        served |= {(path, method.lower()) for method in RequestHandler.SUPPORTED_METHODS
+                   if getattr(rule.target, method.lower()) is not RequestHandler.options}
+    assert ('/live', 'get') in served and Live.get is not RequestHandler.options
+    assert described == served
+
+
+def test_every_file_of_the_page_can_be_asked_for(package):
+    with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
+        pattern = yaml.safe_load(file)['paths']['/page/{file}']['get']['parameters'][0]['schema']['pattern']
+    files = [name for name in os.listdir(os.path.join(package, 'page')) if not name.endswith('.html')]
+    assert len(files) > 6 and all(re.search(pattern, name) for name in files)
