@@ -110,10 +110,9 @@ class Attack:
                 try:
                     line.sendall(large)
                     answer = waits and line.recv(65536)
-                except OSError:
-                    return  # it has hung up
-            if answer:
-                self.take('one upload of many', answer, (204, 422, 503))
+                except OSError:  # it has hung up
+                    answer = b''
+            self.take('one upload of many', answer or b'', (204, 422, 503))
         for _ in range(int(5 * share) or 1):
             with ExitStack() as stack:
                 for number in range(100):
