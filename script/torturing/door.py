@@ -1,4 +1,4 @@
-"""The page's server against hostile clients: what it answers, what it holds, what it takes, and whom it serves meanwhile."""
+"""The page's server against hostile clients: what it answers, holds and takes, and whom it serves meanwhile."""
 import random
 import sys
 import time
@@ -14,11 +14,12 @@ from serving import PICTURE, free_port
 from started import Started
 from std_msgs.msg import Header
 
-MORE_MB, MORE_FDS = 128, 24  # that the server may have after an attack: two uploads at once, and what is not collected yet
+MORE_MB, MORE_FDS = 128, 24  # that it may have after an attack: two uploads, and what is not collected yet
 REST_S = 10                  # for which it may have more
 LIMITS = {  # seconds within which who is slow is given up; page_server's are 20, 60, 30
     'says nothing': (b'', 30), 'a byte of a header a second': (b'GET / HTTP/1.1\r\nX: ', 30),
-    'a byte of an upload a second': (b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n', 75),
+    'a byte of an upload a second': (
+        b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n', 75),
     'takes no answer': (b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\n\r\n' * 100, 75),
     'takes no stream': (attacks.STREAM, 75)}
 
@@ -26,8 +27,8 @@ LIMITS = {  # seconds within which who is slow is given up; page_server's are 20
 def run(seconds, seed):
     """Print what each attack sent and what became of the server."""
     found = []
-    print('Target: no 5xx but 503, pictures and the page for a good client during all of it; afterward, within %d s, at '
-          'most %d MB and %d file descriptors more.\n' % (REST_S, MORE_MB, MORE_FDS))
+    print('Target: no 5xx but 503, pictures and the page for a good client during all of it; afterward, within '
+          '%d s, at most %d MB and %d file descriptors more.\n' % (REST_S, MORE_MB, MORE_FDS))
     with Master(), camera():
         with server() as (page, port):
             found += describe(port, seed, 20)
@@ -84,12 +85,13 @@ def attack(name, page, port, seed):
     while any(now > limit for now, limit in zip(figures(page), most)) and time.monotonic() < end:
         time.sleep(0.2)
     after = figures(page)
-    print('%-9s %7d sent in %4.0f s, %4d held at once; answers %s; %d to %d MB, %d to %d file descriptors, %d to %d '
-          'threads; %.0f frames a second to a good client' % (
+    print('%-9s %7d sent in %4.0f s, %4d held at once; answers %s; %d to %d MB, %d to %d file descriptors, '
+          '%d to %d threads; %.0f frames a second to a good client' % (
               name, one.sent, took, one.held, dict(sorted(one.answers.items())), *(
                   figure for pair in zip(before, after) for figure in pair), frames / took), flush=True)
-    return one.faults + ['after %s the server has %d %s, before %d' % (name, now, what, was) for was, now, limit, what in zip(
-        before, after, most, ('MB', 'file descriptors', 'threads')) if now > limit]
+    kinds = 'MB', 'file descriptors', 'threads'
+    return one.faults + ['after %s the server has %d %s, before %d' % (name, now, kind, was)
+                         for was, now, limit, kind in zip(before, after, most, kinds) if now > limit]
 
 
 def figures(page):
@@ -114,7 +116,9 @@ def describe(port, seed, count):
 
 def connections(process):
     """What a process has open to the network."""
-    return (process.net_connections if hasattr(process, 'net_connections') else process.connections)('inet')  # psutil < 6
+    # Its name, and that before psutil 6.
+    ask = process.net_connections if hasattr(process, 'net_connections') else process.connections
+    return ask('inet')
 
 
 def slow(page, port):

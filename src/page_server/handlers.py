@@ -53,8 +53,9 @@ class Guarded(RequestHandler):
 
     def write_error(self, status_code, **_):
         if status_code == 405:
-            self.set_header('Allow', ', '.join(method for method in self.SUPPORTED_METHODS if
-                                               getattr(type(self), method.lower()) is not RequestHandler.options))
+            self.set_header('Allow', ', '.join(
+                method for method in self.SUPPORTED_METHODS
+                if getattr(type(self), method.lower()) is not RequestHandler.options))  # which nobody has
         self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))
 
 

@@ -24,7 +24,7 @@ MAX_LATENCY_S = 60  # more than that: the stamps are of another clock
 MAX_LOOKS = 16
 MAX_BROWSERS = 64
 MAX_UNTOLD = 64     # more than that a browser cannot have waiting: it takes nothing, and asks for ever more
-MAX_CHOICES = 4     # at a time, of one browser
+MAX_CHOICES = 64    # at a time, of one browser: a slider makes seven a second, a node may take five to answer
 
 
 class View:

@@ -107,7 +107,7 @@ class Server(HTTPServer):
     slowly: nobody keeps others out. Whoever looks at a stream stays.
     """
 
-    def initialize(self, *arguments, viewers, **options):
+    def initialize(self, *arguments, viewers, **options):  # type: ignore[override]  # called by our own call alone
         super().initialize(*arguments, **options)
         self._viewers, self._streams = viewers, {}  # the latest request last
 
@@ -197,7 +197,7 @@ def _listen(app, viewers, address, port):
     server = Server(app, viewers=viewers, idle_connection_timeout=IDLE_S, body_timeout=BODY_S,
                     max_header_size=16 * 1024, max_body_size=16 * 1024)
     try:
-        listening = bind_sockets(port, address)
+        listening = bind_sockets(port, address, backlog=MAX_CONNECTIONS)  # so that no crowd knocks twice
     except OSError as error:
         raise InputError('The page cannot be served at %s:%d: %s. Give another place: port:=8081.'
                          % (address, port, error.strerror)) from None

@@ -153,7 +153,8 @@ class Topics:
         """{name: type} of all topics. Raises InputError where the ROS master does not answer."""
         if time.monotonic() - self._listed > LISTING_S:
             if self._listing is None or self._listing.done():  # those who ask meanwhile wait for the same
-                self._listing = asyncio.get_event_loop().run_in_executor(self._registrar, rospy.get_published_topics)
+                self._listing = asyncio.get_event_loop().run_in_executor(
+                    self._registrar, rospy.get_published_topics)
             try:
                 self._published = dict(await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S))
             except asyncio.TimeoutError:

@@ -46,8 +46,19 @@ class Guest:
         self._line.close()
 
 
+def send(line, data):
+    """Send, to a server that may have hung up already."""
+    try:
+        line.sendall(data)
+    except OSError:
+        pass  # what that means, others ask
+
+
 class Attack:
-    """What has been sent and answered: ``answers``, {status: how often}; ``faults``, sentences; ``held``, connections at once."""
+    """What has been sent and answered.
+
+    ``answers``: {status: how often}; ``faults``: sentences; ``held``: connections at once.
+    """
 
     def __init__(self, guest, random):
         self.port, self.guest, self.random = guest.port, guest, random
@@ -64,7 +75,7 @@ class Attack:
         self.sent += 1
         self.answers.update(found)
         self.expect(len(found) <= most and set(found) <= set(allowed), '%s is answered with %s' % (name, found))
-        self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s is answered with what is secret' % name)
+        self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s tells what is secret' % name)
 
     def ask_guest(self, meanwhile):
         self.expect(self.guest.is_served(), 'during %s a good client is not served' % meanwhile)
@@ -78,7 +89,8 @@ class Attack:
     def requests(self, share):
         """Requests that are none, or are two, or are much too long."""
         for name, data, most in intruders.requests():
-            self.take(name, say(self.port, data, 0.1, 1.0), (200, 400, 403, 404, 405, 413, 414, 416, 422, 431, 505), most)
+            allowed = 200, 400, 403, 404, 405, 413, 414, 416, 422, 431, 505
+            self.take(name, say(self.port, data, 0.1, 1.0), allowed, most)
         self.ask_guest('odd requests')
 
     def queries(self, share):
@@ -97,7 +109,7 @@ class Attack:
         self.ask_guest('picture bombs')
 
     def uploads(self, share):
-        """Uploads that are too large, that claim to be, and many at once, whose sender may not wait for the answer."""
+        """Uploads that are too large, that claim to be, and many at once, half of which wait for no answer."""
         self.take('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
         self.take('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
         claim = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\nab'
@@ -105,7 +117,7 @@ class Attack:
             self.take('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
         large = intruders.post(intruders.made('JPEG', 64, 64) + bytes(15 << 20))
 
-        def send(waits):
+        def upload(waits):
             with connect(self.port) as line:
                 try:
                     line.sendall(large)
@@ -116,7 +128,7 @@ class Attack:
         for _ in range(int(5 * share) or 1):
             with ExitStack() as stack:
                 for number in range(100):
-                    sender = threading.Thread(target=send, args=(number % 2 == 0,))
+                    sender = threading.Thread(target=upload, args=(number % 2 == 0,))
                     sender.start()
                     stack.callback(sender.join)
                 self.ask_guest('100 uploads at once')
@@ -127,10 +139,7 @@ class Attack:
         for data in [*map(intruders.frame, sayings), *intruders.frames().values()]:
             with upgrade(self.port) as line:
                 self.sent += 1
-                try:
-                    line.sendall(data)
-                except OSError:
-                    pass  # it has hung up already
+                send(line, data)
         self.ask_guest('nonsense on websockets')
 
     def floods(self, share):
@@ -152,33 +161,39 @@ class Attack:
     def _flood(self, line, data, done):
         line.settimeout(0.5)
         at = 0
-        while not done.is_set():
-            try:
-                at = (at + line.send(data[at:])) % len(data)
-                self.sent += not at
-            except socket.timeout:
-                continue  # it takes no more for now
-            except OSError:
-                break
+        while not done.is_set() and not at < 0:
+            at = self._part(line, data, at)
+
+    def _part(self, line, data, at):
+        """Send what goes of data[at:]; where it goes on, or -1 where the server has hung up."""
+        try:
+            at = (at + line.send(data[at:])) % len(data)
+            self.sent += not at
+        except socket.timeout:
+            return at  # it takes no more for now
+        except OSError:
+            return -1
+        return at
 
     def crowds(self, share):
-        """Hundreds of connections that say nothing, half a request, a slow upload; that take nothing; streams; websockets."""
+        """Hundreds that say nothing, half a request, a slow upload; that take nothing; streams; websockets."""
         half = b'GET / HTTP/1.1\r\nHost: localhost\r\nX: '
         slow = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\nab'
         page = b'GET /page/style.css HTTP/1.1\r\nHost: localhost\r\n\r\n'
-        for name, data, count in (('silent', b'', max(300, int(1000 * share))), ('half a request', half, 300), ('slow uploads', slow, 300),
-                                  ('takers of nothing', page * 100, 100), ('streams', STREAM, 300)):
+        crowds = [('silent', b'', max(300, int(1000 * share))), ('half a request', half, 300),
+                  ('slow uploads', slow, 300), ('takers of nothing', page * 100, 100), ('streams', STREAM, 300)]
+        for name, data, count in crowds:
             with self._crowd(data, count) as lines:
                 for _ in range(1 + int(2 * share)):
                     for line in lines:
-                        self._drip(line, data)
+                        send(line, b'' if not data or data.endswith(b'\r\n') else b'a')
                     self.ask_guest('%d %s' % (count, name))
                 if name == 'streams':
                     self.expect(sum(map(closed, lines)) < count, 'all streams are gone')
         lines = [upgrade(self.port) for _ in range(200)]
         self.sent += len(lines)
         self.held = max(self.held, len([line for line in lines if line]))
-        self.expect(0 < len([line for line in lines if line]) < 200, 'there are as many websockets as one likes')
+        self.expect(0 < len([line for line in lines if line]) < 200, 'there are any number of websockets')
         self.ask_guest('200 websockets')
         for line in filter(None, lines):
             line.close()
@@ -188,20 +203,9 @@ class Attack:
         with ExitStack() as stack:
             lines = [stack.enter_context(connect(self.port, received=4096)) for _ in range(count)]
             for line in lines:
-                try:
-                    line.sendall(data)
-                except OSError:
-                    pass  # it has made room for another
+                send(line, data)
             self.sent += count
             yield lines
             self.held = max(self.held, sum(not closed(line) for line in lines))
-
-    def _drip(self, line, data):
-        """Go on as slowly as can be."""
-        try:
-            line.send(b'a' if data and not data.endswith(b'\r\n') else b'')
-        except OSError:
-            pass  # it has made room for another
-
 
 ATTACKS = 'paths', 'requests', 'queries', 'bombs', 'uploads', 'frames', 'floods', 'crowds'

@@ -1,4 +1,4 @@
-"""Requests made by schemathesis from the description of the page's addresses: right ones, and wrong ones of each kind."""
+"""Requests made by schemathesis from the description of the page's addresses: right ones, and wrong ones."""
 import collections
 import warnings
 
@@ -57,9 +57,10 @@ def ask(port, seed, count, known):
 
 def answer_to(case, port):
     """The requests.Response to a schemathesis Case; of what need not end, without its body."""
-    with requests.request(stream=True, timeout=WAIT_S, **case.as_transport_kwargs('http://127.0.0.1:%d' % port)) as answer:
+    request = case.as_transport_kwargs('http://127.0.0.1:%d' % port)
+    with requests.request(stream=True, timeout=WAIT_S, **request) as answer:
         if 'multipart' in answer.headers.get('Content-Type', ''):
             answer._content, answer._content_consumed = b'', True
         else:
-            answer.content
+            len(answer.content)  # reads it
     return answer

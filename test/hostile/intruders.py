@@ -1,4 +1,4 @@
-"""What a hostile client says to the page's server: raw requests, uploads, websocket frames; and how it says them."""
+"""What a hostile client says to the page's server: raw requests, uploads, websocket frames."""
 import base64
 import io
 import os
@@ -6,6 +6,7 @@ import re
 import socket
 import struct
 import zlib
+from urllib.parse import quote
 
 import numpy as np
 from PIL import Image
@@ -15,28 +16,35 @@ ENOUGH = 1 << 20  # bytes of an answer: a stream does not end
 FORGED = 'FORGED'  # must not begin a line of any log
 SECRETS = b'root:', b'<name>unit5</name>', b'"""'  # of /etc/passwd, of package.xml, of any of our modules
 OUTSIDE = [
-    '/../package.xml', '//package.xml', '/page/../package.xml', '/page/..%2fpackage.xml', '/page/%2e%2e/package.xml',
-    '/page/%252e%252e/package.xml', '/page/..%252fpackage.xml', '/page/..\\package.xml', '/page/%5c..%5cpackage.xml',
-    '/page/....//package.xml', '/page//etc/passwd', '/page/%2fetc%2fpasswd', '/page/page.js%00.svg', '/page/page.js/',
-    '/page/page.js/../../package.xml', '/page/index.html', '/page/style.css%0a', '/page/%c0%ae%c0%ae/package.xml',
-    '/page/..;/package.xml', '/./page/./../package.xml', '/page/.', '/page/..', '/page/', '/page', '/images/earth.jpg',
-    '/picture?name=../package.xml', '/picture?name=%2e%2e/package.xml', '/picture?name=%252e%252e/package.xml',
-    '/picture?name=/etc/passwd', '/picture?name=..%5cpackage.xml', '/picture?name=readme', '/picture?name=.',
-    '/picture?name=', '/picture?name=readme/page.jpg', '/picture?name=earth.jpg/..',
-    '/picture?name=./earth.jpg', '/picture?name=file:///etc/passwd', '/picture?name=topic:/eye/image',
-    'http://localhost/../package.xml', 'file:///etc/passwd', '/stream?topic=/etc/passwd', '/stream?topic=../../x']
-ODD = ['', '0', '-1', '1e9', 'NaN', 'inf', '1.5', '+5', ' 7', '0x10', '\u0661\u0662', '99999999999999999999', '5_0', '%00',
-       '%0d%0a' + FORGED, '%0a' + FORGED, '%ff', '%f0%9f%a4%96', '/\u00fcmlaut', '~', '~/x', '//', '/a//b', '{}', "'",
-       '"><script>', '/eye/image', '/eye/image%0a', '/eye/image/', '/nowhere', '../..', '%2e%2e', '[]', 'a' * 3000, 'mjpeg',
-       'ros_compressed', 'h264', '80', '320', '4096', '4097', '&&==', ';', '#']
-SAYINGS = ['', '[]', '7', 'null', 'true', '"look"', '["look"]', '{}', '{"look": 5}', '{"look": [5, null, [], {}]}',
-           '{"look": {"a": 1}}', '{"look": ["/\\u0000", "~", "", "//", "\\ud800", "\\n%s"]}' % FORGED, '{"shown": []}',
-           '{"shown": {}}', '{"drive": "fast"}', '{"drive": [1]}', '{"drive": [NaN, 1]}', '{"drive": [Infinity, -Infinity]}',
-           '{"drive": [1e400, 0]}', '{"drive": [1%s, 0]}' % ('0' * 400), '{"drive": [true, false]}', '{"drive": {"a": 1, "b": 2}}',
-           '{"drive": ["1", "1"]}', '{"drive": [[], []]}', '{"drive": [1, 2, 3]}', '{"picture": 5}', '{"picture": ["x"]}',
-           '{"picture": {"a": 1}}', '{"picture": "\\n%s"}' % FORGED, '{"picture": "../package.xml"}', '{"slide": [1, 2, 3]}',
-           '{"slide": ["noise", NaN]}', '{"slide": ["noise", 1e308]}', '{"slide": [["noise"], 1]}', '{"slide": ["light", "1"]}',
-           '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00', '{"look": ["/%s"]}' % ('x' * 60000)]
+    '/../package.xml', '//package.xml', '/page/../package.xml', '/page/..%2fpackage.xml',
+    '/page/%2e%2e/package.xml', '/page/%252e%252e/package.xml', '/page/..%252fpackage.xml',
+    '/page/..\\package.xml', '/page/%5c..%5cpackage.xml', '/page/....//package.xml', '/page//etc/passwd',
+    '/page/%2fetc%2fpasswd', '/page/page.js%00.svg', '/page/page.js/', '/page/page.js/../../package.xml',
+    '/page/index.html', '/page/style.css%0a', '/page/%c0%ae%c0%ae/package.xml', '/page/..;/package.xml',
+    '/./page/./../package.xml', '/page/.', '/page/..', '/page/', '/page', '/images/earth.jpg',
+    '/picture?name=../package.xml', '/picture?name=%2e%2e/package.xml',
+    '/picture?name=%252e%252e/package.xml', '/picture?name=/etc/passwd', '/picture?name=..%5cpackage.xml',
+    '/picture?name=readme', '/picture?name=.', '/picture?name=', '/picture?name=readme/page.jpg',
+    '/picture?name=earth.jpg/..', '/picture?name=./earth.jpg', '/picture?name=file:///etc/passwd',
+    '/picture?name=topic:/eye/image', 'http://localhost/../package.xml', 'file:///etc/passwd',
+    '/stream?topic=/etc/passwd', '/stream?topic=../../x']
+ODD = [
+    '', '0', '-1', '1e9', 'NaN', 'inf', '1.5', '+5', ' 7', '0x10', '\u0661\u0662', '99999999999999999999',
+    '5_0', '%00', '%0d%0a' + FORGED, '%0a' + FORGED, '%ff', '%f0%9f%a4%96', '/\u00fcmlaut', '~', '~/x', '//',
+    '/a//b', '{}', "'", '"><script>', '/eye/image', '/eye/image%0a', '/eye/image/', '/nowhere', '../..',
+    '%2e%2e', '[]', 'a' * 3000, 'mjpeg', 'ros_compressed', 'h264', '80', '320', '4096', '4097', '&&==', ';',
+    '#']
+SAYINGS = [
+    '', '[]', '7', 'null', 'true', '"look"', '["look"]', '{}', '{"look": 5}', '{"look": [5, null, [], {}]}',
+    '{"look": {"a": 1}}', '{"look": ["/\\u0000", "~", "", "//", "\\ud800", "\\n%s"]}' % FORGED,
+    '{"shown": []}', '{"shown": {}}', '{"drive": "fast"}', '{"drive": [1]}', '{"drive": [NaN, 1]}',
+    '{"drive": [Infinity, -Infinity]}', '{"drive": [1e400, 0]}', '{"drive": [1%s, 0]}' % ('0' * 400),
+    '{"drive": [true, false]}', '{"drive": {"a": 1, "b": 2}}', '{"drive": ["1", "1"]}', '{"drive": [[], []]}',
+    '{"drive": [1, 2, 3]}', '{"picture": 5}', '{"picture": ["x"]}', '{"picture": {"a": 1}}',
+    '{"picture": "\\n%s"}' % FORGED, '{"picture": "../package.xml"}', '{"slide": [1, 2, 3]}',
+    '{"slide": ["noise", NaN]}', '{"slide": ["noise", 1e308]}', '{"slide": [["noise"], 1]}',
+    '{"slide": ["light", "1"]}', '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00',
+    '{"look": ["/%s"]}' % ('x' * 60000)]
 
 
 def requests():
@@ -77,18 +85,23 @@ def requests():
         ('a host with a user', b'GET / HTTP/1.1\r\nHost: evil.example@localhost\r\n\r\n', 1),
         ('another name', b'GET / HTTP/1.1\r\nHost: rebound.example\r\n\r\n', 1),
         ('another name with our address', b'GET / HTTP/1.1\r\nHost: 127.0.0.1.evil.example\r\n\r\n', 1),
-        ('garbage', bytes(range(256)) * 20, 1), ('TLS', b'\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03' + bytes(500), 1),
-        ('no words', b'\r\n' * 3000 + b'\r\n', 1), ('one word', b'GET\r\n\r\n', 1), ('HTTP/0.9', b'GET /\r\n\r\n', 1),
-        ('HTTP/9.9', b'GET / HTTP/9.9\r\nHost: localhost\r\n\r\n', 1), ('HTTP/2', b'PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n', 1),
+        ('garbage', bytes(range(256)) * 20, 1),
+        ('TLS', b'\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03' + bytes(500), 1),
+        ('no words', b'\r\n' * 3000 + b'\r\n', 1), ('one word', b'GET\r\n\r\n', 1),
+        ('HTTP/0.9', b'GET /\r\n\r\n', 1),
+        ('HTTP/9.9', b'GET / HTTP/9.9\r\nHost: localhost\r\n\r\n', 1),
+        ('HTTP/2', b'PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n', 1),
         ('a body where none belongs', get + b'Content-Length: 5\r\nConnection: close\r\n\r\nabcde', 1),
-        ('a form that is none', b'POST / HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=a\r\n'
-         b'Content-Length: 9000\r\nConnection: close\r\n\r\n' + b'--a\r\n\r\n\r\n' * 900, 1),
+        ('a form that is none', b'POST / HTTP/1.1\r\nHost: localhost\r\n'
+         b'Content-Type: multipart/form-data; boundary=a\r\nContent-Length: 9000\r\n'
+         b'Connection: close\r\n\r\n' + b'--a\r\n\r\n\r\n' * 900, 1),
         ('a range', b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\nRange: bytes=9-5,-1,a-\r\n\r\n', 1),
-        ('a date', b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\nIf-Modified-Since: %s\r\n\r\n' % FORGED.encode(), 1),
+        ('a date', b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\nIf-Modified-Since: never\r\n\r\n', 1),
         ('a half request', get[:20], 0),
         *(('method ' + method, b'%s %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % (
             method.encode(), target), 1)
-          for method in ('PUT', 'DELETE', 'TRACE', 'OPTIONS', 'HEAD', 'CONNECT', 'PATCH', 'get', 'FOO', 'G\u00cbT')
+          for method in (
+              'PUT', 'DELETE', 'TRACE', 'OPTIONS', 'HEAD', 'CONNECT', 'PATCH', 'get', 'FOO', 'G\u00cbT')
           for target in (b'/', b'/picture', b'/live', b'/stream', b'/page/page.js', b'*')),
     ]
 
@@ -126,7 +139,8 @@ def say(port, data, pause=0.3, patience=WAIT_S):
 
 def get(port, target, pause=0.3):
     """What is answered to a GET of that raw target."""
-    return say(port, b'GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % target.encode(), pause)
+    request = 'GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % target
+    return say(port, request.encode(), pause)
 
 
 def statuses(answer):
@@ -136,12 +150,13 @@ def statuses(answer):
 
 def query(random):
     """A random target with a query that makes no sense, or nearly does. ``random``: a random.Random."""
-    address = random.choice(['/stream', '/snapshot', '/stream_viewer', '/picture', '/live', '/', '/page/page.js'])
+    address = random.choice([
+        '/stream', '/snapshot', '/stream_viewer', '/picture', '/live', '/', '/page/page.js'])
     known = {'topic': '/eye/image'} if random.random() < 0.7 else {}
     wrong = {random.choice(['topic', 'quality', 'width', 'height', 'type', 'name', 'x']): random.choice(ODD)
              for _ in range(random.randrange(4))}
     text = '&'.join('%s=%s' % part for part in dict(known, **wrong).items())
-    return address + '?' + re.sub(r'[^!-~]', lambda odd: ''.join('%%%02x' % byte for byte in odd.group().encode()), text)
+    return address + '?' + re.sub(r'[^!-~]', lambda odd: quote(odd.group()), text)
 
 
 def png(width, height, depth=1, rows=b''):
@@ -168,16 +183,17 @@ def scans(count, side=4000):
 
 def bombs():
     """{name: bytes} of uploads that are no picture, or one that takes too much."""
-    good = made('PNG', 64, 64)
+    good, gif, bmp = made('PNG', 64, 64), made('GIF', 2, 2), made('BMP', 2, 2)
     return {
-        'nothing': b'', 'text': b'no picture', 'half a PNG': good[:60], 'SVG': b'<svg xmlns="http://www.w3.org/2000/svg"/>',
-        'a PNG of 60000 x 60000': png(60000, 60000), 'a PNG of 6000 x 6000': png(6000, 6000, 1, bytes(751 * 6000)),
+        'nothing': b'', 'text': b'no picture', 'half a PNG': good[:60],
+        'SVG': b'<svg xmlns="http://www.w3.org/2000/svg"/>', 'a PNG of 60000 x 60000': png(60000, 60000),
+        'a PNG of 6000 x 6000': png(6000, 6000, 1, bytes(751 * 6000)),
         'a PNG of 2147483647 x 2147483647': png(2**31 - 1, 2**31 - 1), 'a PNG of 0 x 0': png(0, 0),
         'a PNG without rows': png(3000, 3000), 'a GIF': made('GIF', 100, 100),
-        'a GIF of 65535 x 65535': made('GIF', 2, 2)[:6] + b'\xff\xff\xff\xff' + made('GIF', 2, 2)[10:],
+        'a GIF of 65535 x 65535': gif[:6] + b'\xff\xff\xff\xff' + gif[10:],
         'a WebP of 16383 x 16383': made('WEBP', 64, 64)[:26] + b'\xff\x3f\xff\x3f' + bytes(500),
-        'a BMP of 100000 x 100000': made('BMP', 2, 2)[:18] + struct.pack('<ii', 100000, 100000) + made('BMP', 2, 2)[26:],
-        'a BMP of -1 x -1': made('BMP', 2, 2)[:18] + struct.pack('<ii', -1, -1) + made('BMP', 2, 2)[26:],
+        'a BMP of 100000 x 100000': bmp[:18] + struct.pack('<ii', 100000, 100000) + bmp[26:],
+        'a BMP of -1 x -1': bmp[:18] + struct.pack('<ii', -1, -1) + bmp[26:],
         'a JPEG of 2000 scans': scans(2000), 'TIFF': made('TIFF', 10, 10), 'ICO': made('ICO', 16, 16),
         'PDF': b'%PDF-1.4\n' + bytes(100), 'EPS': b'%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n',
         'noise': os.urandom(100000)}
@@ -220,14 +236,16 @@ def frame(data, opcode=1, fin=True, length=None, mask=b'\0\0\0\0'):
 def frames():
     """{name: bytes} of what is no good on a websocket."""
     text = frame(b'{"look": []}')
-    return {'a giant message': frame(b'a' * 200000), 'a claimed giant': frame(b'a', length=2**63 - 1),
-            'a message in a million parts': frame(b'{', fin=False) + frame(b' ', 0, fin=False) * 100000,
-            'empty parts': frame(b'', fin=False) + frame(b'', 0, fin=False) * 100000, 'no mask': frame(b'{}', mask=b''),
-            'garbage': os.urandom(5000), 'an opcode that is none': frame(b'', 7), 'a part of nothing': frame(b'a', 0),
-            'a long ping': frame(b'a' * 300, 9), 'pings': frame(b'a' * 125, 9) * 50000, 'pongs': frame(b'', 10) * 50000,
-            'reserved bits': bytes([text[0] | 0x70]) + text[1:], 'an odd farewell': frame(b'a', 8),
-            'a farewell of no code': frame(struct.pack('>H', 5), 8), 'no UTF-8': frame(b'\xff\xfe\xc0'),
-            'HTTP again': b'GET / HTTP/1.1\r\nHost: localhost\r\n\r\n'}
+    return {
+        'a giant message': frame(b'a' * 200000), 'a claimed giant': frame(b'a', length=2**63 - 1),
+        'a message in a million parts': frame(b'{', fin=False) + frame(b' ', 0, fin=False) * 100000,
+        'empty parts': frame(b'', fin=False) + frame(b'', 0, fin=False) * 100000,
+        'no mask': frame(b'{}', mask=b''), 'garbage': os.urandom(5000),
+        'an opcode that is none': frame(b'', 7), 'a part of nothing': frame(b'a', 0),
+        'a long ping': frame(b'a' * 300, 9), 'pings': frame(b'a' * 125, 9) * 50000,
+        'pongs': frame(b'', 10) * 50000, 'reserved bits': bytes([text[0] | 0x70]) + text[1:],
+        'an odd farewell': frame(b'a', 8), 'a farewell of no code': frame(struct.pack('>H', 5), 8),
+        'no UTF-8': frame(b'\xff\xfe\xc0'), 'HTTP again': b'GET / HTTP/1.1\r\nHost: localhost\r\n\r\n'}
 
 
 def closed(line):

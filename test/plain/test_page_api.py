@@ -11,7 +11,8 @@ from tornado.web import RequestHandler
 
 def test_the_description_has_all_addresses_and_their_methods(package):
     with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
-        described = {(path, method) for path, methods in yaml.safe_load(file)['paths'].items() for method in methods}
+        paths = yaml.safe_load(file)['paths']
+    described = {(path, method) for path, methods in paths.items() for method in methods}
     rules = application(None).wildcard_router.rules
     assert len(rules) > 6
     served = set()

@@ -16,24 +16,26 @@ from serving import PICTURE, ServerTest
 from std_msgs.msg import Header
 
 sys.path.append(os.path.join(package_folder(), 'test'))
-from hostile import attacks, intruders  # noqa: E402
+from hostile import attacks, intruders
 
 SHARE = 0.05
-MORE_MB, MORE_FDS = 128, 16  # that it may have afterward: two uploads at once, and what Python has not collected yet
+MORE_MB, MORE_FDS = 128, 16  # that it may have afterward: two uploads, and what Python has not collected yet
 
 
 class PageAttack(ServerTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.page = next(process for process in psutil.Process(cls.server.process.pid).children(recursive=True)
+        processes = psutil.Process(cls.server.process.pid).children(recursive=True)
+        cls.page = next(process for process in processes
                         if any(word.endswith('/page.py') for word in process.cmdline()))
         cls.publisher = rospy.Publisher(attacks.TOPIC, Image, queue_size=1)
         rospy.Timer(rospy.Duration(1 / 30), lambda event: cls.publisher.publish(
             image_from_frame(PICTURE, Header(stamp=rospy.Time.now()))))
 
     def setUp(self):
-        until(lambda: intruders.statuses(intruders.get(self.port, '/snapshot?topic=' + attacks.TOPIC, 5)) == [200])
+        snapshot = '/snapshot?topic=' + attacks.TOPIC
+        until(lambda: intruders.statuses(intruders.get(self.port, snapshot, 5)) == [200])
         self.guest = attacks.Guest(self.port)
         self.assertTrue(self.guest.is_served())
 
@@ -77,8 +79,8 @@ class PageAttack(ServerTest):
         known = {'topic': [attacks.TOPIC], 'file': ['page.js', 'openapi.yaml'], 'name': ['earth.jpg']}
         answers, faults = described.ask(self.port, 1, 4, known)
         self.assertEqual(faults, [])
-        for answer in ('GET', '/', 200), ('GET', '/stream', 200), ('GET', '/snapshot', 200), ('GET', '/stream', 400), \
-                ('POST', '/picture', 422), ('GET', '/page/{file}', 200):
+        for answer in (('GET', '/', 200), ('GET', '/stream', 200), ('GET', '/snapshot', 200),
+                       ('GET', '/stream', 400), ('POST', '/picture', 422), ('GET', '/page/{file}', 200)):
             self.assertGreater(answers[answer], 0, answer)
         self.guest.close()
 
