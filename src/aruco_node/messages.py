@@ -159,7 +159,8 @@ def _opened(message):
     except Exception:  # Pillow raises many kinds
         raise _undecodable(message) from None
     check_size(*picture.size)
-    if picture.width * picture.height > MAX_PIXELS_A_BYTE * len(data) or data.count(JPEG_SCAN) > MAX_SCANS:
+    scans = 1 if picture.format == 'PNG' else data.count(JPEG_SCAN)  # a large PNG has these bytes by chance
+    if picture.width * picture.height > MAX_PIXELS_A_BYTE * len(data) or scans > MAX_SCANS:
         raise _undecodable(message)
     return picture
 

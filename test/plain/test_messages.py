@@ -19,6 +19,7 @@ from aruco_node.messages import (
 )
 from aruco_node.tolerant import tolerant
 from cv_bridge import CvBridge
+from hostile.files import chunk, png
 from hostile.messages import Hostile
 from sensor_msgs.msg import CompressedImage, Image
 
@@ -165,3 +166,8 @@ for _ in range(1000):
     done = subprocess.run([sys.executable, '-c', script], env=dict(os.environ, PYTHONPATH=path),
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert (done.returncode, done.stdout) == (0, '')
+
+
+def test_a_png_may_hold_what_begins_the_scan_of_a_jpeg_often():
+    data = png(9, 9, bytes(27), more=chunk(b'tEXt', b'a\0' + 200 * b'\xff\xda'))
+    assert frame_from_compressed(CompressedImage(data=data)).shape == (9, 9, 3)
