@@ -1,17 +1,17 @@
 """What is done before numpy and OpenCV are imported, and while they are."""
-import os
-import signal
 import sys
-from typing import Any, Callable
 
 
-def _say(kind: Any, error: Any, trace: Any, say: Callable[..., Any] = sys.excepthook) -> None:
+def _say(kind, error, trace, say=sys.excepthook):  # type: ignore[no-untyped-def]  # typing would be read before
     """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
     if not issubclass(kind, KeyboardInterrupt):
         say(kind, error, trace)
 
 
 sys.excepthook = _say
+
+import os  # noqa: E402
+import signal  # noqa: E402
 
 # All matrices here are small. Threads of numpy's OpenBLAS would only wait for
 # each other, and take up a whole core while they do; it has to know beforehand.

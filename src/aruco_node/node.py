@@ -25,7 +25,7 @@ def run_node(name, work, manual):
         print(manual.text(name, sys.modules['__main__'].__doc__))
         return
     guard_streams()
-    errors: list[object] = []
+    errors: list[str] = []
     asked: list[int] = []
     for each in signal.SIGINT, signal.SIGTERM:
         signal.signal(each, lambda number, frame: asked.append(number))
@@ -34,16 +34,12 @@ def run_node(name, work, manual):
         try:
             _start(name)
             work()
-        except InputError as error:
-            errors.append(error)
-            rospy.logfatal('%s', error)
-            rospy.signal_shutdown(str(error))
-        except Exception:
-            if is_shutdown_requested():  # while all topics are closed, whatever is published fails
+        except Exception as error:
+            if is_shutdown_requested():  # whatever is asked for, or published, fails then
                 return
-            errors.append(traceback.format_exc())
+            errors.append(str(error) if isinstance(error, InputError) else traceback.format_exc())
             rospy.logfatal('%s', errors[0])
-            rospy.signal_shutdown('a fault of this node')
+            rospy.signal_shutdown(errors[0])
     # Not in the main thread, nor are signals left to rospy: it would talk to the
     # master in the midst of whatever that thread does, and wait forever for
     # itself if it is talking to the master already.

@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 
 FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MARK = 'UNIT5_STRUCK'
-ENDS_S = 15.0    # roslaunch gives its nodes as long
+ENDS_S = 25.0    # roslaunch asks its nodes for 15 s before it insists
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
