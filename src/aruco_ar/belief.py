@@ -14,6 +14,7 @@ from typing import Hashable, Sequence
 import numpy as np
 
 from .arrays import Floats, Integers, Pose
+from .recent import Recent
 from .solving import angles_of, crossed
 
 SPEED_M_S = 1.0      # of the camera past the thing: a standard deviation
@@ -30,7 +31,7 @@ class Belief:
     """What was believed about things, by their keys, when they were last in sight."""
 
     def __init__(self) -> None:
-        self._before: dict[Hashable, tuple[float, Floats, Floats, Floats, int]] = {}
+        self._before: Recent[Hashable, tuple[float, Floats, Floats, Floats, int]] = Recent()
 
     def weigh(self, keys: Sequence[Hashable], poses: Pose, costs: Floats,
               now: float) -> tuple[Integers, Floats]:

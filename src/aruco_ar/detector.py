@@ -9,6 +9,7 @@ import numpy as np
 from .arrays import Booleans, Floats, Image
 from .edges import fit_tags, look_at_cells, side_of
 from .errors import InputError
+from .ordering import is_quadrilateral
 from .tags import Tag, get_dictionary, tag_cells
 
 
@@ -46,9 +47,11 @@ SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32
 # As large a part may be light of the black border, and dark of the white ring
 # around it, of what is reread.
 MAX_WRONG = 0.15
-# Of the quadrilaterals that OpenCV takes for no tags, so many are reread: fine
-# textures have tens of thousands.
-MAX_REREAD = 2000
+# Of the quadrilaterals that OpenCV takes for tags, so many, the largest, are looked
+# at any further, and so many of those that it takes for none are reread: fine
+# textures have tens of thousands. Each is reread twice, and cv2.remap takes less
+# than 32767 edges at once.
+MAX_READ = MAX_REREAD = 2000
 
 
 class Detector:
@@ -128,6 +131,9 @@ class Detector:
         gray = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
         corners, ids, rejected = finder.detectMarkers(gray)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
+        if len(ids) > MAX_READ:
+            largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
+            corners, ids = [corners[number] for number in largest], [ids[number] for number in largest]
         quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
         # The middle of the first pixel is (0, 0), before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
@@ -155,7 +161,8 @@ class Detector:
         if not ids:
             return []
         fitted, _, likeness = self.fit(frame, ids, quads)
-        good = np.flatnonzero((likeness > self._likeness) & (side_of(fitted) >= self._min_side))
+        good = np.flatnonzero((likeness > self._likeness) & (side_of(fitted) >= self._min_side)
+                              & is_quadrilateral(fitted))
         if self._preset.rereads:
             good = _once(fitted, likeness, good)
         return [Tag(ids[number], fitted[number]) for number in good]
@@ -169,10 +176,12 @@ def _once(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:
     """
     centers, sides = quads.mean(axis=1), side_of(quads)
     kept: list[int] = []
-    for number in sorted(numbers, key=lambda number: -likeness[number]):
-        off = np.abs(centers[kept] - centers[number]).max(axis=1) + np.abs(sides[kept] - sides[number])
-        if (off > np.maximum(sides[kept], sides[number]) / 2).all():
-            kept.append(number)
+    left = np.array(sorted(numbers, key=lambda number: -likeness[number]), int)
+    while len(left):
+        best = left[0]
+        kept.append(best)
+        off = np.abs(centers[left] - centers[best]).max(axis=1) + np.abs(sides[left] - sides[best])
+        left = left[off > np.maximum(sides[left], sides[best]) / 2]
     return sorted(kept)
 
 

@@ -100,7 +100,7 @@ def _look(frame: Image, points: Floats) -> Floats:
 
 
 def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes, Booleans]:
-    """Fit (n, 4) complex quadrilaterals, reaching (n, 4) pixels far; and whether all edges were seen."""
+    """Fit (n, 4) complex quadrilaterals, reaching (n, 4) pixels far, where all edges are seen; and where."""
     along = quads[:, [1, 2, 3, 0]] - quads
     length = np.abs(along)
     outward = along * np.complex64(-1j) / np.maximum(length, 1e-6)
@@ -129,11 +129,11 @@ def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes
     # Each corner is where its edge crosses the one before.
     toward, before = along[:, [3, 0, 1, 2]], first[:, [3, 0, 1, 2]]
     crossed = (toward.conj() * along).imag
-    far = ((first - before).conj() * along).imag / np.where(crossed == 0, 1e-6, crossed)
+    far = ((first - before).conj() * along).imag / np.where(np.abs(crossed) < 1e-6, 1e-6, crossed)
     corners = before + far * toward
     seen = (_median(contrast).reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
-    near = np.abs(corners - quads) < 3 * reach
-    return corners.astype(np.complex64), (seen & near).all(axis=1)
+    good = (seen & (np.abs(corners - quads) < 3 * reach)).all(axis=1)
+    return np.where(good[:, None], corners, quads).astype(np.complex64), good
 
 
 def _fit_lines(offset: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:

@@ -12,6 +12,7 @@ from typing import Iterable
 import numpy as np
 
 from .arrays import Floats
+from .recent import Recent
 
 MEMORY_FRAMES = 15  # about so many frames, the last ones, count
 FADE = 1 - 1 / MEMORY_FRAMES
@@ -22,7 +23,7 @@ class Flatness:
 
     def __init__(self) -> None:
         # Sums over frames: how surely, (3, 3), that times how far off, (3,), and of how many.
-        self._known: dict[int, tuple[Floats, Floats, float]] = {}
+        self._known: Recent[int, tuple[Floats, Floats, float]] = Recent()
 
     def update(self, ids: Iterable[int], offs: Floats, spreads: Floats) -> tuple[Floats, Floats]:
         """Take in how far off n tags are in a frame, (n, 3) and covariances (n, 3, 3); the same of the mean."""

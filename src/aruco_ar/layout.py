@@ -70,7 +70,7 @@ class Layout:
             self.places[tag_id] = known + (place - known) / self._sights[tag_id]
         # The area is where the centers are, whatever was learned about the corners.
         drift = np.linalg.inv(homography_to([Tag(0, self.places[tag_id]).center for tag_id in self.ids]))
-        self.places = {tag_id: transform(drift, place) for tag_id, place in self.places.items()}
+        self.places = dict(zip(self.places, transform(drift, self.quads(self.places))))
         self.ratio = ratio_of(self.quads(self.ids))
 
     def forget(self, tag_id: int) -> None:

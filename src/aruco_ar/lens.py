@@ -71,8 +71,8 @@ class Lens:
                     break
                 rays = rays + _divided(off, slopes)
             seen, slopes = self.look(rays)
-        # Beyond where a lens folds back, where rays turn over, models see things twice.
-        good = (np.abs(wanted - seen).max(axis=1) < FAR_PX) & (np.linalg.det(slopes) > 0)
+            # Beyond where a lens folds back, where rays turn over, models see things twice.
+            good = (np.abs(wanted - seen).max(axis=1) < FAR_PX) & (np.linalg.det(slopes) > 0)
         return np.where(good[:, None], rays, np.nan)
 
     def look(self, rays: Floats) -> tuple[Floats, Floats]:

@@ -2,12 +2,13 @@
 
 A tag's place is (x, y, turn): its center, meters, and its turn counterclockwise,
 radians, in wall coordinates. How places may be off is told together, by a
-matrix whose q columns are independent deviations, the last one that of all sizes.
+matrix whose columns are independent deviations. Of some tags q of them tell all,
+three for each at most, and the last one is that of all sizes.
 """
 from __future__ import annotations
 
 from math import radians
-from typing import Iterable
+from typing import Sequence
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class Places:
     def __len__(self) -> int:
         return len(self._index)
 
-    def poses(self, ids: Iterable[int]) -> tuple[Floats, Floats, Floats]:
+    def poses(self, ids: Sequence[int]) -> tuple[Floats, Floats, Floats]:
         """Of those tags: rotations (n, 3, 3), centers (n, 3), and how these may be off, (n, 6, q)."""
         number = [self._index[tag_id] for tag_id in ids]
         x, y, turn = self._places[number].T
@@ -54,12 +55,13 @@ class Places:
         rotation[:, 0, 1] = -rotation[:, 1, 0]
         rotation[:, 2, 2] = 1
         center = np.stack([x, y, np.zeros(len(number))], axis=1)
-        off = np.zeros((len(number), 6, self._deviation.shape[1] + 1))
-        off[:, [0, 1, 5], :-1] = self._deviation.reshape(len(self._index), 3, -1)[number]
+        deviation = self._rows(ids) @ self._base(ids)
+        off = np.zeros((len(number), 6, deviation.shape[1] + 1))
+        off[:, [0, 1, 5], :-1] = deviation.reshape(len(number), 3, -1)
         off[:, :3, -1] = self._size_deviation * center
         return rotation, center, off
 
-    def points(self, ids: Iterable[int]) -> tuple[Floats, Floats]:
+    def points(self, ids: Sequence[int]) -> tuple[Floats, Floats]:
         """Their corners, (n, 4, 3) wall meters, and how these may be off, (n, 4, 3, q): see refine."""
         rotation, center, off = self.poses(ids)
         arms = square(self._sizes[[self._index[tag_id] for tag_id in ids]]) @ rotation.transpose(0, 2, 1)
@@ -79,13 +81,27 @@ class Places:
         if not exact:
             self._deviation[before[0]:, before[1]:] = np.diag(ANYWHERE)
 
-    def learn(self, own: Floats, covariance: Floats) -> None:
-        """Take in by how many deviations, (q,), the places turned out to be off, and how surely, (q, q)."""
-        self._places = self._places + (self._deviation @ own[:-1]).reshape(-1, 3)
+    def _rows(self, ids: Sequence[int]) -> Floats:
+        """How the places of those tags may be off."""
+        rows = self._deviation.reshape(len(self._index), 3, -1)[[self._index[tag_id] for tag_id in ids]]
+        return rows.reshape(3 * len(ids), -1)
+
+    def _base(self, ids: Sequence[int]) -> Floats:
+        """The q - 1 deviations that tell all about those tags, as columns of length 1 in terms of all."""
+        if self._deviation.shape[1] <= 3 * len(ids):
+            return np.eye(self._deviation.shape[1])
+        return np.linalg.qr(self._rows(ids).T)[0]
+
+    def learn(self, ids: Sequence[int], own: Floats, covariance: Floats) -> None:
+        """Take in by how many deviations, (q,), those tags turned out to be off, and how surely, (q, q)."""
+        base = self._base(ids)
+        told = self._deviation @ base
+        self._places = self._places + (told @ own[:-1]).reshape(-1, 3)
         # Before, all were 1. What a lesson does not tell is known no less after it: with the first tag
         # out of sight all others may have moved together, and no view tells.
         variance, axes = np.linalg.eigh(covariance[:-1, :-1])
-        self._deviation = self._deviation @ (axes * np.sqrt(np.clip(variance * (1 + 1 / LESSONS), 0, 1)))
+        less = (axes * np.sqrt(np.clip(variance * (1 + 1 / LESSONS), 0, 1))) @ axes.T - np.eye(len(axes))
+        self._deviation = self._deviation + told @ less @ base.T
 
     def forget(self, tag_id: int) -> None:
         """Forget a tag; what was learned about the others stays."""

@@ -14,6 +14,7 @@ from .belief import Belief, mixture
 from .errors import InputError
 from .lens import Lens
 from .ordering import is_quadrilateral
+from .recent import Recent
 from .sight import Sight
 from .solving import NEAR_M, crossed, guesses, refine, square
 from .tags import SIDE_M, Tag
@@ -102,7 +103,7 @@ class PoseEstimator:
         self._now = 0.0
         self._belief, self._wall = Belief(), WallView(self._given)
         # Of tags: their squared deviations, and of how many frames, lately.
-        self._noise: dict[int, tuple[float, float]] = {}
+        self._noise: Recent[int, tuple[float, float]] = Recent()
 
     def update(self, tags: Sequence[Tag], lens: Lens, stamp: float) -> list[TagPose]:
         """The poses of tags in a frame, a list of TagPose in their order.

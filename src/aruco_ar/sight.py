@@ -7,7 +7,8 @@ import numpy as np
 
 from .arrays import Floats, Integers, Pose
 from .belief import mixture
-from .solving import crossed
+from .places import Places
+from .solving import crossed, turned
 from .tags import Tag
 
 BULGE = np.diag([0.003**2, 0.02**2, 0.02**2])  # m, rad: by so much paper on a wall is off its plane
@@ -88,6 +89,30 @@ class View:
     def poses(self) -> list[Pose]:
         """Both as (rotation, translation, covariance (6, 6))."""
         return list(zip(self.rotation, self.translation, self.covariance[:, :6, :6]))
+
+    def camera(self, which: int = 0) -> Floats:
+        """(3,) meters: where the camera is in wall coordinates, by one of both."""
+        return -self.rotation[which].T @ self.translation[which]
+
+
+def poses_of_tags(view: View, places: Places) -> dict[int, tuple[Pose, Pose, float]]:
+    """{id: (pose, other pose, its weight)} of the tags of a View, by all of them together."""
+    rotation, center, spread = places.poses(view.ids)
+    found: dict[int, list[Pose]] = {tag_id: [] for tag_id in view.ids}
+    for which in (0, 1):
+        turn = view.rotation[which]
+        off = spread @ view.own[which]
+        arms = (center + off[:, :3]) @ turn.T
+        own_turn = turned(off[:, 3:])
+        moves = np.zeros((len(arms), 6, view.covariance.shape[1]))
+        moves[:, :, :6] = np.eye(6)
+        moves[:, :3, 3:6] = -crossed(arms)
+        moves[:, :3, 6:], moves[:, 3:, 6:] = turn @ spread[:, :3], turn @ spread[:, 3:]
+        covariance = moves @ view.covariance[which] @ moves.swapaxes(1, 2)
+        for number, tag_id in enumerate(view.ids):
+            found[tag_id].append((turn @ own_turn[number] @ rotation[number],
+                                  arms[number] + view.translation[which], covariance[number]))
+    return {tag_id: (one, other, view.weight) for tag_id, (one, other) in found.items()}
 
 
 def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats, Floats]:

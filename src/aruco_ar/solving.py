@@ -18,6 +18,7 @@ ENOUGH = 1e-3              # of 1 + all squared deviations: a step that promises
 FAR_WORSE = 100.0          # times as far off as the other pose: not worth it either
 HALF_TURN = -0.9           # cosine: turns by more are nearly half ones, whose sines say little
 NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
+ASIDE = 1e-6               # of a ray: nothing beside what corners are off
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
 
 
@@ -58,19 +59,24 @@ def guesses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
 
     None where there are none. T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
     """
-    try:
-        _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
-    except cv2.error:
-        return None
-    if not len(angles):
-        return None
-    rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles], np.float64)
-    shifts = np.array(shifts, np.float64).reshape(-1, 3)
-    good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1) & (shifts[:, 2] > NEAR_M)
-    if not good.any():
-        return None
-    keep = np.resize(np.flatnonzero(good), 2)
-    return rotations[keep], shifts[keep]
+    # Of a tag in the middle of the view that leans about one of its own edges, OpenCV takes the root of a
+    # rounding error, which may be below 0: then not of one that is a little aside.
+    for aside in (0, ASIDE * (np.arange(rays.size) % 3).reshape(rays.shape)):
+        try:
+            _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays + aside, np.eye(3), NO_ARRAY,
+                                                       flags=cv2.SOLVEPNP_IPPE)
+        except cv2.error:
+            return None
+        if not len(angles):
+            return None
+        rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles], np.float64)
+        shifts = np.array(shifts, np.float64).reshape(-1, 3)
+        good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1)
+        good &= shifts[:, 2] > NEAR_M
+        if good.any():
+            keep = np.resize(np.flatnonzero(good), 2)
+            return rotations[keep], shifts[keep]
+    return None
 
 
 def refine(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats,
@@ -110,7 +116,15 @@ def refine(points: Floats, rays: Floats, weights: Floats, rotation: Floats, tran
         here = tuple(_chosen(better, *pair) for pair in zip(there, here))
     curve = here[3].copy()
     curve[:, np.arange(6), np.arange(6)] += UNKNOWN ** -2
-    return rotation, translation, own, here[1], np.linalg.inv(curve)
+    return rotation, translation, own, here[1], _inverted(curve)
+
+
+def _inverted(curve: Floats) -> Floats:
+    """(m, n, n): the inverses of symmetric matrices of numbers of very different sizes, symmetric too."""
+    size = np.sqrt(np.einsum('mii->mi', curve))
+    size = size[:, :, None] * size[:, None]
+    inverse = np.linalg.inv(curve / size) / size
+    return (inverse + inverse.swapaxes(1, 2)) / 2
 
 
 def _chosen(first: Booleans, one: Floats, other: Floats) -> Floats:

@@ -28,6 +28,7 @@ SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its pl
 # What is more unlikely than this (see AreaMotion.unlikeliness) is no error of
 # measurement; and after allowing for a jerk of the camera, no jerk.
 UNLIKELY, SHAKEN_UNLIKELY = 9.0, 2.0
+MANY = 12              # of more tags that contradict each other, those that do most go together
 # Of the area's longer side. A frame that shows the corners less exactly does not
 # renew the time for which the area is held ...
 MAX_DEVIATION = 0.029
@@ -154,8 +155,8 @@ class Tracker:
 
     def _expected(self, layout: Layout) -> dict[int, Floats]:
         """{id: (4, 2) pixels}: where the known tags should be, in the frame or out of it."""
-        return {} if self._motion is None else \
-            {tag_id: self._motion.see(place) for tag_id, place in layout.places.items()}
+        ids = list(layout.places)
+        return {} if self._motion is None else dict(zip(ids, self._motion.see(layout.quads(ids))))
 
     def _follow(self, frame: Image, layout: Layout,
                 motion: AreaMotion | None) -> tuple[dict[int, Floats], bool]:
@@ -288,6 +289,11 @@ def _likely(layout: Layout, seen: Mapping[int, Floats], motion: AreaMotion, limi
         deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
         return motion.unlikeliness(points, pixels, deviation)
     ids = list(seen)
+    if len(ids) > MANY:  # to leave out each of them in turn takes too long
+        alone = {tag_id: unlikeliness([tag_id]) for tag_id in ids}
+        ids.sort(key=alone.__getitem__)
+        while len(ids) > MANY and unlikeliness(ids) > limit:
+            del ids[-(len(ids) // MANY):]
     while ids and unlikeliness(ids) > limit:
         ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
                   key=lambda some: unlikeliness(some) if some else 0)

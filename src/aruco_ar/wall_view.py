@@ -12,10 +12,12 @@ import numpy as np
 
 from .arrays import Booleans, Floats, Pose
 from .belief import Belief, mixture
+from .edges import side_of
 from .flatness import Flatness
 from .places import Places
-from .sight import Sight, View, height_deviation, off_others, off_plane, squared
-from .solving import NEAR_M, crossed, guesses, refine, turned
+from .recent import Recent
+from .sight import Sight, View, height_deviation, off_others, off_plane, poses_of_tags, squared
+from .solving import NEAR_M, guesses, refine
 from .wall import Wall
 
 SIGHTS = 3               # as often must tags be seen in one plane, to be believed
@@ -34,6 +36,8 @@ TRIED = 6                # of tags that contradict each other, so many, the wors
 JUMP_M = 0.2             # of two tags that contradict each other, one leaves the camera within this
 GAP_S = 0.5              # of where it was at most so long ago
 UNLIKELY = 12.0          # learned tags must be off by more, of which 1 in 140 is, to be learned anew
+MOST_IN_SIGHT = 24       # of more tags in a frame the others would tell nothing new, and take long to ask
+MOST_LEARNED = 100       # of more tags that were learned, the one that was used longest ago is forgotten
 ALL = -1                 # in place of an id: all tags, among those that are not where they belong
 
 
@@ -55,13 +59,15 @@ class WallView:
         self.miss()
         self._places = Places(self._wall)
         self._belief = Belief()
-        self._sights: dict[Hashable, int] = {}  # how often in a row tags were seen in one plane
+        self._sights: Recent[Hashable, int] = Recent()  # how often in a row tags were seen in one plane
         self._flatness = Flatness()
         # Of a known tag not where it belongs: since when, and how often seen so.
         self._elsewhere: dict[int, tuple[float, int]] = {}
         # Where tags were in the frame when they last taught their places.
         self._taught: dict[int, Floats] = {}
         self._teachings = 0
+        # The tags that no file tells of; the one that was used longest ago comes first.
+        self._learned: dict[int, bool] = {}
         # When and where the camera was last known to be.
         self._last: tuple[float, Floats] | None = None
 
@@ -73,13 +79,16 @@ class WallView:
     def update(self, sight: Sight, now: float) -> None:
         """Find the wall in a frame, by the Sight of its tags."""
         self.miss()
+        sight = self._foremost(sight)
         known = [number for number, tag_id in enumerate(sight.ids) if tag_id in self._places]
         trusted = [number for number in known if sight.ids[number] not in self._elsewhere]
         agreed, view = self._agreed(sight, trusted, now)
         if view is not None:
             self.view = view = self._believed(view, now)
-            self.tag_poses = self._poses_of_tags(view)
-            self._last = now, _camera(view)
+            self.tag_poses = poses_of_tags(view, self._places)
+            self._last = now, view.camera()
+            for tag_id in [tag_id for tag_id in view.ids if tag_id in self._learned]:
+                self._learned[tag_id] = self._learned.pop(tag_id)
             rest = self._astray(sight, [number for number in known if number not in agreed], view)
             if len(agreed) > 1:
                 self._learn(sight, agreed, view)
@@ -95,23 +104,14 @@ class WallView:
         if not len(self._places) and len(sight.ids) > 1:
             self._begin(sight)
 
-    def _poses_of_tags(self, view: View) -> dict[int, tuple[Pose, Pose, float]]:
-        rotation, center, spread = self._places.poses(view.ids)
-        found: dict[int, list[Pose]] = {tag_id: [] for tag_id in view.ids}
-        for which in (0, 1):
-            turn = view.rotation[which]
-            off = spread @ view.own[which]
-            arms = (center + off[:, :3]) @ turn.T
-            own_turn = turned(off[:, 3:])
-            moves = np.zeros((len(arms), 6, view.covariance.shape[1]))
-            moves[:, :, :6] = np.eye(6)
-            moves[:, :3, 3:6] = -crossed(arms)
-            moves[:, :3, 6:], moves[:, 3:, 6:] = turn @ spread[:, :3], turn @ spread[:, 3:]
-            covariance = moves @ view.covariance[which] @ moves.swapaxes(1, 2)
-            for number, tag_id in enumerate(view.ids):
-                found[tag_id].append((turn @ own_turn[number] @ rotation[number],
-                                      arms[number] + view.translation[which], covariance[number]))
-        return {tag_id: (one, other, view.weight) for tag_id, (one, other) in found.items()}
+    def _foremost(self, sight: Sight) -> Sight:
+        """The Sight of the known tags and the large ones, if there are too many."""
+        if len(sight.ids) <= MOST_IN_SIGHT:
+            return sight
+        octaves = np.round(np.log2(side_of(sight.quads)))  # not the very sides: the choice should last
+        numbers = sorted(range(len(sight.ids)), key=lambda number: (
+            sight.ids[number] not in self._places, -octaves[number], sight.ids[number]))
+        return sight.some(sorted(numbers[:MOST_IN_SIGHT]))
 
     def _solve(self, sight: Sight, some: list[int]) -> View | None:
         """The View that best explains those tags, the better pose first; or None."""
@@ -160,7 +160,7 @@ class WallView:
         """Of tags that contradict each other, the one that leaves the camera where it was."""
         if self._last is None or now - self._last[0] > GAP_S:
             return [], None
-        leaps = [min(np.linalg.norm(_camera(view, which) - self._last[1]) for which in (0, 1))
+        leaps = [min(np.linalg.norm(view.camera(which) - self._last[1]) for which in (0, 1))
                  for view, _ in views]
         if not leaps or min(leaps) > JUMP_M:
             return [], None
@@ -199,9 +199,12 @@ class WallView:
                 self._elsewhere.pop(tag_id, None)
         self._elsewhere.pop(ALL, None)
         for tag_id in [tag_id for tag_id in self._elsewhere if self._is_gone(tag_id, now)]:
-            self._places.forget(tag_id)
-            self._elsewhere.pop(tag_id)
-            self._taught.pop(tag_id, None)
+            self._drop(tag_id)
+
+    def _drop(self, tag_id: int) -> None:
+        self._places.forget(tag_id)
+        for memory in (self._elsewhere, self._taught, self._learned):
+            memory.pop(tag_id, None)
 
     def _doubt(self, tag_id: int, now: float) -> None:
         since, times = self._elsewhere.get(tag_id, (now, 0))
@@ -216,7 +219,7 @@ class WallView:
         quads = {sight.ids[number]: sight.quads[number] for number in agreed}
         moved = [np.abs(quad - self._taught.get(tag_id, np.inf)).max() for tag_id, quad in quads.items()]
         if view.own.shape[1] > 1 and (self._teachings < LEARN_FIRST or max(moved) > LEARN_PX):
-            self._places.learn(view.own[0], view.covariance[0, 6:, 6:])
+            self._places.learn(view.ids, view.own[0], view.covariance[0, 6:, 6:])
             self._taught.update(quads)
             self._teachings += 1
 
@@ -258,10 +261,13 @@ class WallView:
             else:
                 break
         key = tuple(sight.ids[number] for number in group)
-        self._sights = {key: self._sights.get(key, 0) + 1}
-        if len(group) > 1 and self._sights[key] >= SIGHTS:
-            self._sights.clear()
+        sights = self._sights.get(key, 0) + 1
+        self._sights.clear()
+        if len(group) == 1 or sights < SIGHTS:
+            self._sights[key] = sights
+        else:
             self._places.add(key[0], np.zeros(3), sight.sizes[group[0]], exact=True)
+            self._learned[key[0]] = True
             for number in group[1:]:
                 self._add(sight, number, rotation[group[0]], translation[group[0]])
 
@@ -271,16 +277,15 @@ class WallView:
         axes = rotation.T @ sight.poses[0][number, which]
         x, y, _ = rotation.T @ (sight.poses[1][number, which] - translation)
         turn = np.arctan2(axes[1, 0] - axes[0, 1], axes[0, 0] + axes[1, 1])
-        self._places.add(sight.ids[number], np.array([x, y, turn]), sight.sizes[number])
-        self._sights.pop(sight.ids[number], None)
+        if len(self._learned) >= MOST_LEARNED:
+            self._drop(next(iter(self._learned)))
+        tag_id = sight.ids[number]
+        self._places.add(tag_id, np.array([x, y, turn]), sight.sizes[number])
+        self._learned[tag_id] = True
+        self._sights.pop(tag_id, None)
         self._teachings = 0
 
 
 def _sure_height(translation: Floats) -> float:
     """Meters: how surely heights over a plane must be known of tags at a place (3,) in the optical frame."""
     return max(SURE_M, SURE_PART * float(np.linalg.norm(translation)))
-
-
-def _camera(view: View, which: int = 0) -> Floats:
-    """(3,) meters: where the camera is in wall coordinates."""
-    return -view.rotation[which].T @ view.translation[which]
