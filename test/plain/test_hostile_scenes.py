@@ -1,0 +1,145 @@
+"""Hostile pictures, a few of each kind: nothing wrong may come of any; and what once did."""
+import pickle
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Detector, Lens, PoseEstimator, Tag, Tracker, detector, draw_tag
+from aruco_ar.ordering import is_quadrilateral
+from aruco_ar.solving import square, turned
+from hostile.looking import Looking, watch
+from hostile.scenes import NAMES, canvas_of, put, turned_square
+from hostile.sequences import Picture
+from posing import PINHOLE, off
+
+FACING = np.diag([1.0, -1, -1])
+
+
+@pytest.mark.parametrize('kind', NAMES)
+def test_nothing_wrong_comes_of_a_kind_of_picture(kind):
+    random = np.random.RandomState([3, NAMES.index(kind)])
+    for _ in range(3):
+        looking = Looking(random)
+        canvas = canvas_of(kind, random, looking.dictionary, (200, 150))
+        for stamp in range(3):
+            assert looking.look(Picture(kind, cv2.cvtColor(canvas, cv2.COLOR_GRAY2BGR), stamp / 30)) == []
+
+
+def test_nothing_wrong_comes_of_sequences():
+    found = np.zeros(4, int)
+    for number in range(12):
+        for step, (kind, counts, _, faults) in enumerate(watch(1, number)):
+            assert faults == [], 'picture %d (%s) of sequence %d' % (step, kind, number)
+            found += counts
+    assert found.min() > 0  # tags, areas, poses, poses of the camera
+
+
+def grid(count, first=0, side=0.05):
+    """So many tags in rows on a wall that is seen at a slant."""
+    rotation, rows = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0], int(np.ceil(count**0.5))
+    places = [np.array([(n % rows - rows / 2) * 0.1, (n // rows - rows / 2) * 0.08, 0]) for n in range(count)]
+    return [Tag(first + number, np.float32(PINHOLE.project((square([side])[0] + place) @ rotation.T
+                                                           + [0, 0, 0.3 + 0.12 * rows])))
+            for number, place in enumerate(places)]
+
+
+def test_ids_that_are_ever_new_do_not_fill_the_memory():
+    """Every two seconds other tags."""
+    estimator, sizes = PoseEstimator(0.05), []
+    for number in range(160):
+        estimator.update(grid(12, 12 * number), PINHOLE, 2.0 * number)
+        sizes.append(len(pickle.dumps(estimator)))
+    assert max(sizes) < 1.02 * max(sizes[:90])  # 1024 ids are remembered
+
+
+def test_a_wall_without_an_end_does_not_fill_the_memory():
+    """Past a row of tags, ten of them in sight: those that were left behind long ago are forgotten."""
+    estimator, sizes = PoseEstimator(0.05), []
+    rotation = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0]
+    for first in range(0, 160, 4):
+        for number in range(4):
+            tags = [Tag(tag_id, np.float32(PINHOLE.project(
+                (square([0.05])[0] + [0.07 * (tag_id - first - 4.5), 0.04 * (tag_id % 2), 0]) @ rotation.T
+                + [0, 0, 0.7]))) for tag_id in range(first, first + 10)]
+            poses = estimator.update(tags, PINHOLE, (first + number) / 30)
+        sizes.append(len(pickle.dumps(estimator)))
+        assert len(poses) == 10 and len(estimator.camera().ids) >= 4
+    assert max(sizes) < 1.1 * max(sizes[:28])  # as many as 100 tags make it
+
+
+def test_of_a_crowd_the_foremost_tell_where_the_wall_is():
+    estimator, crowd = PoseEstimator(0.05), grid(100)
+    for number in range(4):
+        poses = estimator.update(crowd, PINHOLE, number / 30)
+    assert [pose.id for pose in poses] == list(range(100))
+    assert 4 <= len(estimator.camera().ids) <= 24
+
+
+def test_of_more_tags_than_are_read_the_largest_count(monkeypatch):
+    monkeypatch.setattr(detector, 'MAX_READ', 3)
+    frame = np.full((120, 560), 220, np.uint8)
+    for number, side in enumerate((30, 60, 40, 80, 50)):
+        frame[20:20 + side, 20 + 110 * number:20 + 110 * number + side] = draw_tag('DICT_6X6_250', number, side)
+    assert sorted(tag.id for tag in Detector().detect(frame)) == [1, 3, 4]
+
+
+def test_an_area_among_many_tags_survives_a_jerk_though_most_of_them_move():
+    random, canvas = np.random.RandomState(1), np.full((300, 400), 220, np.uint8)
+    corners = [(40, 40), (360, 40), (360, 260), (40, 260)]
+    for number, place in enumerate(corners):
+        put(canvas, 'DICT_4X4_50', number, turned_square(random, place, 36, 0.0))
+    inner = [(x, y) for y in (110, 150, 190) for x in range(90, 330, 38)]
+
+    def seen(shift, places):
+        image = canvas.copy()
+        for number, place in enumerate(places):
+            put(image, 'DICT_4X4_50', 10 + number, turned_square(random, place, 24, 0.0))
+        return cv2.warpAffine(image, np.float32([[1, 0, shift], [0, 1, 0]]), (400, 300), borderValue=220)
+    tracker = Tracker('DICT_4X4_50')
+    for number in range(4):
+        before = tracker.update(seen(0, inner), number / 30)
+    after = tracker.update(seen(12, [(x + 5, y + 3) for x, y in inner[::-1]]), 4 / 30)
+    np.testing.assert_allclose(after.corners, before.corners + [12, 0], atol=1.0)
+
+
+def test_what_is_no_quadrilateral_is_no_tag():
+    for seed in range(12):
+        noise = np.random.RandomState(seed).randint(0, 256, (40, 53)).astype(np.uint8)
+        frame = cv2.resize(noise, (160, 120), interpolation=cv2.INTER_LINEAR)
+        for tag in Detector('DICT_4X4_50', likeness=0).detect(frame):
+            assert is_quadrilateral(tag.corners)
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_a_lens_that_no_camera_has_shows_no_ray_and_is_quiet_about_it(seed):
+    distortion = np.random.RandomState(seed).normal(0, 1, 14) * 10**seed
+    with np.errstate(divide='raise', invalid='raise', over='raise'):
+        rays = Lens(320, 240, np.diag([288.0, 288, 1]), distortion).rays([[0, 0], [160, 120], [310, 0]])
+    assert rays.shape == (3, 2)
+
+
+def test_a_covariance_of_numbers_of_very_different_sizes_is_one():
+    """Tags of a millimeter through a telescope."""
+    matrix = np.array([[14000.0, 0, 160], [0, 14000, 120], [0, 0, 1]])
+    random, lens = np.random.RandomState(3), Lens(320, 240, matrix, np.zeros(0))
+    places = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.0015
+    for _ in range(25):
+        estimator, rotation = PoseEstimator(0.001), turned(random.normal(0, 0.4, (1, 3)) + [np.pi, 0, 0])[0]
+        far = 0.36 * random.uniform(0.5, 2)
+        for number in range(4):
+            tags = [Tag(tag_id, lens.project((square([0.001])[0] + place) @ rotation.T + [0, 0, far])
+                        + random.normal(0, 0.05, (4, 2))) for tag_id, place in enumerate(places)]
+            estimator.update(tags, lens, number / 30)
+        if estimator.camera():
+            spread = estimator.camera().covariance
+            np.testing.assert_allclose(spread, spread.T, rtol=0, atol=1e-9 * np.abs(spread).max())
+
+
+@pytest.mark.parametrize('slant', [0.2, 0.375, 0.5, 0.8])
+def test_a_tag_that_leans_exactly_about_its_own_edge_has_a_pose(slant):
+    for turn in np.arange(0, 6.28, 0.25):
+        lean = turned(np.array([[slant * np.cos(turn), slant * np.sin(turn), 0]]))[0]
+        truth = lean @ turned(np.array([[0, 0, turn]]))[0] @ FACING, np.array([0, 0, 0.5])
+        tag = Tag(1, PINHOLE.project(square([0.18])[0] @ truth[0].T + truth[1]))
+        pose, = PoseEstimator(0.18).update([tag], PINHOLE, 0.0)
+        assert off(pose, truth)[0] < 1e-4 and off(pose, truth)[1] < 0.01
