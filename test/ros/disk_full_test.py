@@ -104,8 +104,8 @@ class DiskFull(NodeTest):
             command = [os.path.join(SOURCE, tool + '.py'), '--output', self.folder, *words]
             done = subprocess.run(command, capture_output=True, text=True)
             self.assertEqual(done.returncode, 1, done)
-            words = '%s: Cannot write "%s/.*": No space left on device. Make room there, or choose another place'
-            self.assertRegex(done.stderr, words % (tool, self.folder))
+            self.assertRegex(done.stderr, '%s: Cannot write "%s/.*": No space left on device. Make room there, '
+                                          'or choose another place' % (tool, self.folder))
             self.assertNotIn('Traceback', done.stderr)
             self.assertEqual(self.written(), sorted(line[len('Wrote '):] for line in done.stdout.splitlines()))
             for path in self.written():
