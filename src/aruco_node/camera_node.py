@@ -13,6 +13,7 @@ from unit5.msg import TagArray
 from .faults import MAX_KINDS, guarded, note_fault
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
+from .master import is_there, published_topics
 from .messages import BUFFER_BYTES, TRANSPORTS, check_size, tags_from_pixels
 from .node import parameter
 from .parameters import plain, read
@@ -140,6 +141,8 @@ class CameraNode:
     @guarded
     def _follow_listeners(self):
         wanted = self.is_wanted()
+        if wanted != (self._subscriber is not None) and not is_there():
+            return  # rospy would wait for the master, and with it all that is done here
         self.follow(wanted)
         if wanted and self._subscriber is None:
             self._last_sign = time.monotonic()
@@ -156,9 +159,9 @@ class CameraNode:
         if self._unusable:
             return self._unusable, False
         try:
-            published = dict(rospy.get_published_topics())
-        except Exception as error:  # the master is away; whatever its client raises
-            return 'The ROS master does not answer: %s' % error, False
+            published = published_topics()
+        except InputError as error:
+            return str(error), False
         own = [output.name for output in self._outputs.values()]
         if self._subscriber is None and published.get(self._topic) == self._kind._type:
             return 'Nobody listens to %s, so nothing is computed. To see it: open the page, or rosrun ' \

@@ -1,4 +1,5 @@
 """What every node of this package does when it starts and when it ends."""
+import os
 import signal
 import sys
 import threading
@@ -11,8 +12,12 @@ import rospy
 from aruco_ar.errors import InputError
 from rospy.core import is_shutdown_requested
 
+from .connections import admit_each_alone
+from .master import keep_registered
 from .parameters import shown
 from .streams import guard_streams
+
+ENDS_S = 5.0  # a node that is asked to end has ended after so long
 
 
 def run_node(name, work, manual):
@@ -29,6 +34,10 @@ def run_node(name, work, manual):
     asked: list[int] = []
     for each in signal.SIGINT, signal.SIGTERM:
         signal.signal(each, lambda number, frame: asked.append(number))
+    # rospy waits for the master and for its own threads, perhaps forever: where the master is out of reach.
+    last = threading.Timer(ENDS_S, lambda: os._exit(1 if errors else 0))
+    last.daemon = True
+    rospy.on_shutdown(last.start)
 
     def guarded():
         try:
@@ -59,6 +68,8 @@ def _start(name):
         rospy.init_node(name, disable_signals=True)
     except Exception as error:  # whatever rospy raises, such as for a _PARAMETER:= that XML-RPC cannot carry
         raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
+    admit_each_alone()
+    keep_registered()
     _check_clock()
     # A frame takes a few milliseconds: threads would add more work than they save time.
     cv2.setNumThreads(1)

@@ -11,6 +11,7 @@ from dynamic_reconfigure.encoding import encode_config
 from dynamic_reconfigure.server import Server
 
 from .faults import note_fault
+from .master import ask, before_registering
 from .parameters import MAX_SHOWN, Choice, Number, abouts, plain, read
 
 
@@ -24,6 +25,7 @@ class Reconfigurer(Server):
     def __init__(self, settings, on_change):
         self._settings, self._on_change = settings, on_change
         super().__init__(_describe(type(settings)), self._reconfigure)
+        before_registering(self._put_back)
 
     def _copy_from_parameter_server(self):
         """Begin with what has been read and checked, in place of what the parameter server holds."""
@@ -50,6 +52,19 @@ class Reconfigurer(Server):
             if name not in live:
                 raise InputError('The parameter ~%s cannot be changed while the node runs; those that can be '
                                  'are ~%s.' % (shorten(name, MAX_SHOWN), ', ~'.join(live)))
+
+    def _copy_to_parameter_server(self):
+        try:
+            for name, value in self._live(self._settings).items():
+                ask('setParam', rospy.resolve_name('~' + name), value)
+        except InputError as error:
+            rospy.logwarn('%s. What has been changed counts all the same.', error)
+
+    def _put_back(self):
+        """Tell a master that has lost the parameters of them: who starts the node again wants the same."""
+        for name, value in plain(self._settings).items():
+            if not ask('hasParam', rospy.resolve_name('~' + name))[1]:
+                ask('setParam', rospy.resolve_name('~' + name), value)
 
     def _clamp(self, config):
         """Leave a number that is too large as it is: it is refused, not cut without a word."""

@@ -9,6 +9,7 @@ import cv2
 import rospy
 from aruco_ar.errors import InputError
 from aruco_node.faults import guarded
+from aruco_node.master import published_topics
 from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.tolerant import tolerant
 from aruco_node.waiting import IMAGE_TYPES, SUFFIX
@@ -154,13 +155,11 @@ class Topics:
         if time.monotonic() - self._listed > LISTING_S:
             if self._listing is None or self._listing.done():  # those who ask meanwhile wait for the same
                 self._listing = asyncio.get_event_loop().run_in_executor(
-                    self._registrar, rospy.get_published_topics)
+                    self._registrar, published_topics)
             try:
-                self._published = dict(await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S))
-            except asyncio.TimeoutError:
+                self._published = await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S)
+            except asyncio.TimeoutError:  # another who talks to it, before, waits still
                 raise InputError('The ROS master does not answer.') from None
-            except Exception as error:  # whatever the master's client raises
-                raise InputError('The ROS master does not answer: %s.' % error) from None
             self._listed = time.monotonic()
         return self._published
 

@@ -10,6 +10,7 @@ from listening import Diagnoses, until
 from nodes import NODES, NodeTest, scene
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
+from started import stop_all
 from tf2_msgs.msg import TFMessage
 from unit5.msg import TagPoseArray
 
@@ -54,14 +55,23 @@ class SimulatedTime(NodeTest):
         self.clock, self.diagnoses = Ticking(), Diagnoses()
         self.running += [self.clock, self.diagnoses.subscriber]
 
-    def test_a_clock_that_stands_still_stops_no_diagnostics(self):
-        self.start_all()  # before there is any time
+    def test_a_clock_that_stands_still_stops_no_diagnostics_and_keeps_no_node_from_ending(self):
+        nodes = self.start_all().values()  # before there is any time
         for seconds in None, 1000:
             if seconds:
                 self.clock.set(seconds)
             for _ in range(2):
                 for node in NODES:
                     self.diagnoses.wait(node)
+        stop_all(nodes)
+        self.assertEqual([node.ends() for node in nodes], [0] * len(NODES))
+
+    def test_frames_are_answered_before_there_is_any_time(self):
+        self.before_camera('exercise5_6')
+        for stamp in rospy.Time(0), rospy.Time(1000), rospy.Time(1000.1), rospy.Time(0):
+            self.assert_painted(self.see(scene(), stamp=stamp), scene())
+        values = self.diagnoses.wait('exercise5_6', 'frames a second')
+        self.assertEqual(values['latency, median (ms)'], 'unknown')
 
     def test_frames_are_answered_with_their_simulated_stamps(self):
         self.clock.set(1000)

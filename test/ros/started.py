@@ -24,10 +24,10 @@ class Started:
                     self.lines.append(line)
                     self._arrived.notify_all()
 
-    def wait_for(self, *words):
-        """Wait until a line has all these words; that line."""
+    def wait_for(self, *words, after=0):
+        """Wait until a line has all these words, of those after the first so many; that line."""
         def found():
-            return [line for line in self.lines if all(word in line for word in words)]
+            return [line for line in self.lines[after:] if all(word in line for word in words)]
         with self._arrived:
             if not self._arrived.wait_for(found, WAIT_S):
                 raise AssertionError('%s never said %s but: %s' % (self.process.args, words,

@@ -1,0 +1,26 @@
+"""Who connects to the node's topics and services."""
+import threading
+
+import rospy
+from rospy.impl import tcpros_base
+
+HEADER_S = 5.0  # in which who connects says what for
+
+
+def admit_each_alone():
+    """Have rospy wait for what each who connects wants in a thread of its own, and not for long.
+
+    By itself it does so in the one thread that lets in all: one that connects
+    and says nothing, as where its network breaks down, would keep out all others.
+    """
+    try:
+        server = tcpros_base._tcpros_server.tcp_ros_server
+        admit = server.inbound_handler
+    except AttributeError:
+        rospy.logdebug('This rospy lets in who connects in another way.')
+        return
+
+    def admit_alone(connection, address):
+        connection.settimeout(HEADER_S)  # rospy takes it away with its answer
+        threading.Thread(target=admit, args=(connection, address), daemon=True).start()
+    server.inbound_handler = admit_alone
