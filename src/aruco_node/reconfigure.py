@@ -84,8 +84,7 @@ class Reconfigurer(Server):
             rospy.logerr('%s Nothing is changed.', error)
         except Exception as error:  # a fault of ours: one wish is refused, and the node goes on
             note_fault(error)
-            rospy.logerr('The parameters cannot be changed, by a fault of this node: %s: %s. Nothing is '
-                         'changed.', type(error).__name__, InputError(str(error)))
+            rospy.logerr('The parameters cannot be changed, by a fault of this node. Nothing is changed.')
         else:
             self._settings = settings
         config.update(self._live(self._settings))
