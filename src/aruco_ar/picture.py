@@ -4,7 +4,7 @@ from __future__ import annotations
 import io
 import warnings
 from contextlib import contextmanager
-from typing import ContextManager, Iterator
+from typing import ContextManager, Iterator, Sequence
 
 import cv2
 import numpy as np
@@ -66,12 +66,24 @@ def opened_picture(path: str, kinds: str = STILLS) -> ContextManager[PIL.Image.I
     return _opened_image(read_whole(path, MAX_PICTURE_BYTES), path, kinds)
 
 
+def open_header(data: bytes, formats: Sequence[str] = FORMATS) -> PIL.Image.Image:
+    """A Pillow image of the bytes of a file, of which only the header has been looked at.
+
+    Raises PIL.Image.DecompressionBombError if it has more than
+    MAX_PICTURE_PIXELS, and many kinds of error if it is none of those formats
+    or takes too long to read.
+    """
+    image = PIL.Image.open(io.BytesIO(data), formats=formats)
+    # Others have these bytes by chance.
+    if image.format in ('JPEG', 'MPO') and data.count(JPEG_SCAN) > MAX_SCANS:
+        raise ValueError('a JPEG of more than %d scans' % MAX_SCANS)
+    return image
+
+
 @contextmanager
 def _opened_image(data: bytes, name: str, kinds: str) -> Iterator[PIL.Image.Image]:
     try:
-        with PIL.Image.open(io.BytesIO(data), formats=FORMATS) as image:
-            if image.format in ('JPEG', 'MPO') and data.count(JPEG_SCAN) > MAX_SCANS:
-                raise ValueError
+        with open_header(data) as image:
             yield image
     except PIL.Image.DecompressionBombError:
         raise too_large(name, MAX_PICTURE_PIXELS) from None

@@ -1,5 +1,4 @@
 """Between sensor_msgs and frames; a frame is (h, w, 3) BGR uint8."""
-import io
 import os
 import struct
 import warnings
@@ -8,6 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 from aruco_ar.errors import InputError, shorten
+from aruco_ar.picture import MAX_PICTURE_PIXELS, open_header
 from geometry_msgs.msg import Point32, PolygonStamped
 from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image
@@ -23,15 +23,11 @@ JPEG_QUALITY = 80  # what compressed_image_transport uses
 # 16 bits and three colors, with some to spare.
 BUFFER_BYTES = 64 * 1024 * 1024
 
-# The largest format of video, 8192 x 4320, has 35 million pixels. Larger frames are
-# refused before memory is taken for them; and OpenCV warps nothing that is longer.
-MAX_PIXELS = 36 * 10**6
+# Frames of more pixels than a picture may have are refused before memory is taken
+# for them; and OpenCV warps nothing that is longer than that.
 MAX_SIDE_PX = 32766
 # A PNG all of one gray takes a byte for about 755 pixels, a JPEG more; zlib cannot do more than 1032.
 MAX_PIXELS_A_BYTE = 1100
-# A progressive JPEG is made of scans, each of which goes over all pixels. What cameras
-# and programs write has about ten; one of 16 million pixels with 1000 takes a minute.
-JPEG_SCAN, MAX_SCANS = b'\xff\xda', 100
 warnings.simplefilter('ignore', Picture.DecompressionBombWarning)  # such frames are refused
 
 # How an Image becomes color, by its encoding: the bits of a number, the numbers
@@ -119,7 +115,7 @@ def _in_color(pixels, code):
 
 def check_size(width, height):
     """Raises InputError if a frame of so many pixels is larger than is good for the node."""
-    if width * height > MAX_PIXELS or max(width, height) > MAX_SIDE_PX:
+    if width * height > MAX_PICTURE_PIXELS or max(width, height) > MAX_SIDE_PX:
         raise _too_large('A frame of %d x %d pixels' % (width, height))
 
 
@@ -153,21 +149,20 @@ def _opened(message):
     """
     data = message.data
     try:
-        picture = Picture.open(io.BytesIO(data), formats=['JPEG', 'PNG'])
+        picture = open_header(data, ['JPEG', 'PNG'])
     except Picture.DecompressionBombError:
         raise _too_large('A compressed frame of %d bytes' % len(data)) from None
     except Exception:  # Pillow raises many kinds
         raise _undecodable(message) from None
     check_size(*picture.size)
-    scans = 1 if picture.format == 'PNG' else data.count(JPEG_SCAN)  # a large PNG has these bytes by chance
-    if picture.width * picture.height > MAX_PIXELS_A_BYTE * len(data) or scans > MAX_SCANS:
+    if picture.width * picture.height > MAX_PIXELS_A_BYTE * len(data):
         raise _undecodable(message)
     return picture
 
 
 def _too_large(frame):
     return InputError('%s is too large; frames have at most %d million pixels, and %d to a side. Set the '
-                      'camera driver, or ~scale, to less.' % (frame, MAX_PIXELS // 10**6, MAX_SIDE_PX),
+                      'camera driver, or ~scale, to less.' % (frame, MAX_PICTURE_PIXELS // 10**6, MAX_SIDE_PX),
                       kind='large frame')
 
 

@@ -1,7 +1,6 @@
 """What is chosen on the page: the picture to paint, and what the simulation looks like."""
 import asyncio
 import gc
-import io
 import os
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -9,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_ar.picture import decode_picture, resize
+from aruco_ar.picture import decode_picture, open_header, resize
 from aruco_ar.sources import open_source
 from aruco_node.faults import guarded
 from aruco_node.messages import image_from_frame, jpeg_from_frame
@@ -17,7 +16,7 @@ from aruco_node.settings import TOPIC
 from aruco_node.tolerant import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
-from PIL import Image as PillowImage
+from PIL.Image import DecompressionBombError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -27,8 +26,6 @@ FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PIXELS = 32 * 1000 * 1000
-MAX_SCANS = 64  # of a JPEG, each of which takes as long as the whole picture; the finest have a dozen
-SCAN = b'\xff\xda'
 THUMBNAIL_PX = 160
 ANSWER_S = 5.0
 
@@ -182,19 +179,16 @@ class Choices:
         data = b''.join(parts)
         parts.clear()
         try:  # the header alone, before memory is taken for the pixels
-            with PillowImage.open(io.BytesIO(data), formats=FORMATS) as image:
+            with open_header(data, FORMATS) as image:
                 pixels = image.width * image.height
-                scans = data.count(SCAN) if image.format == 'JPEG' else 0
-        except PillowImage.DecompressionBombError:
-            pixels, scans = float('inf'), 0
+        except DecompressionBombError:
+            pixels = MAX_PIXELS + 1
         except Exception:  # Pillow raises many kinds
             raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.'
                              % FOLDER) from None
         if pixels > MAX_PIXELS:
             raise InputError('The picture is too large; drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
-        if scans > MAX_SCANS:
-            raise InputError('The picture is a JPEG of %d scans; save it with at most %d.' % (scans, MAX_SCANS))
         return decode_picture(data, 'dropped')
 
 

@@ -12,7 +12,7 @@ import pytest
 from aruco_ar import InputError
 from aruco_node.messages import (
     ENCODINGS,
-    MAX_PIXELS,
+    MAX_PICTURE_PIXELS,
     frame_from_compressed,
     frame_from_image,
     picture_from_image,
@@ -104,7 +104,8 @@ def large(width, height):
     lambda: (frame_from_compressed, CompressedImage(data=large(10000, 10000)))])
 def test_a_frame_that_is_too_large_is_refused(make):
     convert, message = make()
-    with pytest.raises(InputError, match='too large; frames have at most %d million' % (MAX_PIXELS // 10**6)):
+    words = 'too large; frames have at most %d million' % (MAX_PICTURE_PIXELS // 10**6)
+    with pytest.raises(InputError, match=words):
         convert(message)
 
 
