@@ -1,4 +1,5 @@
 """The page's server against hostile clients: what it answers, holds and takes, and whom it serves meanwhile."""
+import ipaddress
 import random
 import sys
 import time
@@ -8,6 +9,7 @@ import psutil
 import rospy
 from aruco_node.messages import image_from_frame
 from hostile import attacks, intruders
+from loopback_test import sockets_below
 from master import Master
 from sensor_msgs.msg import Image
 from serving import PICTURE, free_port
@@ -31,6 +33,7 @@ def run(seconds, seed):
           '%d s, at most %d MB and %d file descriptors more.\n' % (REST_S, MORE_MB, MORE_FDS))
     with Master(), camera():
         with server() as (page, port):
+            found += listening()
             found += describe(port, seed, 20)
             end = None if seconds is None else time.monotonic() + seconds
             while True:
@@ -68,6 +71,17 @@ def server():
         yield page, port
     finally:
         page.stop()
+
+
+def listening():
+    """Print which addresses all that runs here listens on; a list of those that the network reaches."""
+    found = sockets_below(psutil.Process().pid)
+    sockets = [(name, address) for name, each in found.items() for _, address in each]
+    open_ = sorted({'%s listens on %s' % (name, address) for name, address in sockets
+                    if not ipaddress.ip_address(address).is_loopback})
+    print('%d sockets of %s listen, %d of them to the network' % (
+        len(sockets), ', '.join(sorted({str(name) for name, _ in sockets})), len(open_)), flush=True)
+    return open_
 
 
 def attack(name, page, port, seed):

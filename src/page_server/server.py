@@ -139,6 +139,12 @@ class Server(HTTPServer):
 class Files(Guarded, StaticFileHandler):
     """The files in page/."""
 
+    def should_return_304(self):
+        try:
+            return super().should_return_304()
+        except (TypeError, ValueError):  # before tornado 6.5, of a date that is none
+            return False
+
 
 def serve():
     """Serve the page until ROS shuts down. Raises InputError if that is not possible."""

@@ -69,7 +69,8 @@ def requests():
         ('chunk of a huge size', post + chunked + b'\r\nffffffffffffffff\r\nab', 1),
         ('chunk with a long name', post + chunked + b'\r\n5;' + b'a' * 100000 + b'\r\nabcde\r\n0\r\n\r\n', 1),
         ('chunk that does not end', post + chunked + b'\r\n3\r\nabcde\r\n0\r\n\r\n' + hidden, 1),
-        ('space before the colon', get + b'Content-Length : 5\r\n\r\nabcde' + hidden, 1),
+        # Before 6.5, tornado takes the length for another header, and what follows for a request.
+        ('space before the colon', get + b'Content-Length : 5\r\n\r\nabcde' + hidden, 2),
         ('folded header', get + b'X: a\r\n ' + FORGED.encode() + b'\r\n\r\n', 1),
         ('bare CR in a header', get + b'X: a\r' + FORGED.encode() + b': b\r\n\r\n', 1),
         ('NUL in a header', get + b'X: a\x00b\r\n\r\n', 1),

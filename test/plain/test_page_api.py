@@ -3,6 +3,7 @@ import os
 import re
 
 import yaml
+from page_server import choices
 from page_server.handlers import Unknown
 from page_server.live import Live
 from page_server.server import application
@@ -30,3 +31,18 @@ def test_every_file_of_the_page_can_be_asked_for(package):
         pattern = yaml.safe_load(file)['paths']['/page/{file}']['get']['parameters'][0]['schema']['pattern']
     files = [name for name in os.listdir(os.path.join(package, 'page')) if not name.endswith('.html')]
     assert len(files) > 6 and all(re.search(pattern, name) for name in files)
+
+
+def test_pictures_to_choose_are_the_files_in_the_folder_and_not_what_links_lead_to(tmp_path, monkeypatch):
+    (tmp_path / 'images').mkdir()
+    (tmp_path / 'secret.png').touch()
+    for name in ('b.png', 'a.png', '.hidden.png', 'new\nline.png'):
+        (tmp_path / 'images' / name).touch()
+    (tmp_path / 'images' / 'folder').mkdir()
+    (tmp_path / 'images' / 'out.png').symlink_to(tmp_path / 'secret.png')
+    (tmp_path / 'images' / 'nowhere.png').symlink_to('missing.png')
+    (tmp_path / 'images' / 'in.png').symlink_to('a.png')
+    monkeypatch.setattr(choices, 'package_folder', lambda: str(tmp_path))
+    there = choices.Choices.__new__(choices.Choices)  # without ROS
+    there._drops = 0
+    assert there.pictures() == ['a.png', 'b.png', 'in.png']

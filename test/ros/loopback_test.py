@@ -21,12 +21,12 @@ SHELL = 'ROS_HOSTNAME', 'ROS_IP', 'ROS_MASTER_URI', 'LD_PRELOAD'  # what script/
 
 
 def name_of(process):
-    """The node's name, or rosmaster or roslaunch; None for what is no part of ROS."""
+    """The node's name, or its program's; None for what is no part of ROS."""
     words = process.cmdline()
     for word in words:
         if word.startswith('__name:='):
             return word[len('__name:='):]
-    programs = {os.path.basename(word) for word in words[:2]} & {'rosmaster', 'roslaunch'}
+    programs = {os.path.basename(word) for word in words[:2]} & {'rosmaster', 'roscore', 'roslaunch', 'page.py'}
     return programs.pop() if programs else None
 
 
