@@ -16,7 +16,8 @@ from serving import PICTURE, free_port
 from started import Started
 from std_msgs.msg import Header
 
-MORE_MB, MORE_FDS = 128, 24  # that it may have after an attack: two uploads, and what is not collected yet
+# More than before an attack: two uploads; connections to the master, until Python collects them.
+MORE_MB, MORE_FDS = 128, 64
 REST_S = 10                  # for which it may have more
 LIMITS = {  # seconds within which who is slow is given up; page_server's are 20, 60, 30
     'says nothing': (b'', 30), 'a byte of a header a second': (b'GET / HTTP/1.1\r\nX: ', 30),

@@ -109,13 +109,15 @@ class Attack:
         self.ask_guest('picture bombs')
 
     def uploads(self, share):
-        """Uploads that are too large, that claim to be, and many at once, half of which wait for no answer."""
+        """Uploads large and too large, or said to be, and many at once, half of which wait for no answer."""
         self.take('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
         self.take('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
         claim = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\nab'
         for size in 17 << 20, 1 << 40, 10**30:
             self.take('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
         large = intruders.post(intruders.made('JPEG', 64, 64) + bytes(15 << 20))
+        for _ in range(20):  # one after the other: nothing may be left of any
+            self.take('15 MB', say(self.port, large, WAIT_S), (204, 422))
 
         def upload(waits):
             with connect(self.port) as line:
