@@ -125,7 +125,9 @@ class MasterRestart(NodeTest):
         diagnoses = Diagnoses()
         self.running.append(diagnoses.subscriber)
         self.before_camera('exercise5_6')
-        nodes = [self.node, *self.start_all(['exercise5_2', 'wall_camera', 'page']).values()]
+        # Not the camera of exercise5_6: that is the test itself.
+        other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
+        nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]
         for node in 'exercise5_6', 'exercise5_2', 'wall_camera', 'page':
             diagnoses.wait(node)
         uri = rosgraph.Master('/test').lookupNode('/exercise5_2')
