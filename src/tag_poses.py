@@ -95,7 +95,7 @@ class TagPoses(CameraNode):
         faults: dict[str, str] = {}
         lens = self._lens(frame.shape[1::-1], faults)
         self.ready = lens is not None or bool(faults)
-        poses = []
+        poses, on_wall, camera = [], None, None
         if lens is not None:
             estimator = self._estimator
             poses = sorted(estimator.update(tags, lens, stamp), key=lambda pose: pose.id)
@@ -104,11 +104,17 @@ class TagPoses(CameraNode):
             misfit = self._watch.look(poses, camera, stamp)
             if misfit:
                 faults[misfit] = misfit
-            self._publish(poses, on_wall, camera, lens, header, faults)
+        self._made = poses, on_wall, camera, lens, faults
+        return [mark_poses(frame, tags, poses, lens, area) if self.is_seen('image') else frame]
+
+    def publish(self, images, header):
+        poses, area, camera, lens, faults = self._made
+        if lens is not None:
+            self._publish_poses(poses, area, camera, lens, header, faults)
+        super().publish(images, header)
         for kind, sentence in faults.items():
             self.say_once(kind, sentence, rospy.logwarn)
         self._faults = faults
-        return [mark_poses(frame, tags, poses, lens, area) if self.is_seen('image') else frame]
 
     def report(self):
         level, sentence, values = super().report()
@@ -132,7 +138,7 @@ class TagPoses(CameraNode):
             faults[error.kind] = 'Tags are found, but no poses: %s: %s.' % (self._calibration.topic, error)
             return None
 
-    def _publish(self, poses, area, camera, lens, header, faults):
+    def _publish_poses(self, poses, area, camera, lens, header, faults):
         publish = {name: publisher.publish for name, publisher in self._publishers.items()
                    if publisher.get_num_connections()}
         if 'poses' in publish:

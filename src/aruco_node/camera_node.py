@@ -10,9 +10,11 @@ from aruco_ar.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
+from .connections import more_waits
 from .faults import MAX_KINDS, guarded, note_fault
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
+from .lateness import Lateness
 from .master import is_there, published_topics
 from .messages import BUFFER_BYTES, TRANSPORTS, check_size, tags_from_pixels
 from .node import parameter
@@ -57,19 +59,27 @@ class CameraNode:
         self.wake = threading.Event()
         self._outputs = {topic: ImagePublisher('~' + topic, self.wake.set) for topic in topics}
         self._tags = self.advertise('~tags', TagArray)
-        self._count = FrameCount()
+        self._count, self._lateness = FrameCount(), Lateness()
         self._diagnostics = Diagnostics(self.report)
         self._snapshot = Snapshot(self.wake.set)
         self._learns = 'area' in takes
 
     def answer(self, frame, given, header, stamp):
-        """The images to publish, one for each topic.
+        """The images to publish, one for each topic; they are not where the frame turns out to be too old.
 
         ``frame``: (h, w, 3) BGR uint8, to write into. ``given``: for each
         area, a list of what the node takes. ``header``: the frame's.
         ``stamp``: its time, seconds.
         """
         raise NotImplementedError
+
+    def publish(self, images, header):
+        """Publish what was made of a frame: what ``answer`` has returned, by topic, and the tags."""
+        for topic, image in images.items():
+            self._outputs[topic].publish(image, header)
+        if self._tags.get_num_connections():
+            self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for inputs in self._inputs
+                                                 for tag in inputs.tags], header))
 
     def is_wanted(self):
         """Whether anybody listens to anything that comes of a frame."""
@@ -197,33 +207,36 @@ class CameraNode:
         if self._waiting:
             self._waiting = None
             rospy.loginfo('Frames arrive on %s.', self._topic)
-        missing = self._count.came(message.header.seq)
         try:
-            if not is_time(message.header.stamp):
-                raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the '
-                                 'camera driver.' % (message.header.stamp.secs, message.header.stamp.nsecs),
-                                 kind='stamp')
-            frame = self._to_frame(message)
-            self.scale = self.settings.scale  # which another thread may change meanwhile
-            if self.scale != 1.0:
-                check_size(*(self.scale * side for side in frame.shape[1::-1]))
-                frame = resize(frame, self.scale)
-            self._snapshot.before(frame)
-            stamp = (message.header.stamp or rospy.Time.now()).to_sec()
-            given = [inputs.at(frame, stamp) for inputs in self._inputs]
-            images = dict(zip(self._outputs, self.answer(frame, given, message.header, stamp)))
-            if self.ready:
-                self._snapshot.after(images)
-            for topic, image in images.items():
-                self._outputs[topic].publish(image, message.header)
-            tags = [tag for inputs in self._inputs for tag in inputs.tags]
-            if self._tags.get_num_connections():
-                self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in tags], message.header))
-            self._count.answered(began, message.header.stamp, missing, len(tags),
-                                 any(inputs.has_area for inputs in self._inputs))
+            self._look(message, began)
             self._unusable = None
         except InputError as error:
             self._unusable = str(error)
             self.say_once(error.kind, self._unusable)
         except Exception as error:  # a fault of ours: one frame is lost, not the node
             self._unusable = note_fault(error)
+
+    def _look(self, message, began):
+        """Publish what is made of a message that came at that time, monotonic; raises InputError."""
+        missing = self._count.came(message.header.seq)
+        header = message.header
+        if not is_time(header.stamp):
+            raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the '
+                             'camera driver.' % (header.stamp.secs, header.stamp.nsecs), kind='stamp')
+        frame = self._to_frame(message)
+        self.scale = self.settings.scale  # which another thread may change meanwhile
+        if self.scale != 1.0:
+            check_size(*(self.scale * side for side in frame.shape[1::-1]))
+            frame = resize(frame, self.scale)
+        stamp = (header.stamp or rospy.Time.now()).to_sec()
+        given = [inputs.at(frame, stamp) for inputs in self._inputs]
+        self._snapshot.before(frame)
+        images = dict(zip(self._outputs, self.answer(frame, given, header, stamp)))
+        if self.ready:
+            self._snapshot.after(images)
+        if self._lateness.is_late(stamp, rospy.Time.now().to_sec(), missing) and more_waits(self._subscriber):
+            self._count.left_out()  # the next frame will show the same, sooner
+            return
+        self.publish(images, header)
+        self._count.answered(began, header.stamp, missing, sum(len(inputs.tags) for inputs in self._inputs),
+                             any(inputs.has_area for inputs in self._inputs))

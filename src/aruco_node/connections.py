@@ -1,4 +1,7 @@
-"""Who connects to the node's topics and services."""
+"""Who connects to the node's topics and services, and what comes from whom it connects to."""
+import array
+import fcntl
+import termios
 import threading
 
 import rospy
@@ -24,3 +27,16 @@ def admit_each_alone():
         connection.settimeout(HEADER_S)  # rospy takes it away with its answer
         threading.Thread(target=admit, args=(connection, address), daemon=True).start()
     server.inbound_handler = admit_alone
+
+
+def more_waits(subscriber):
+    """Whether more has come for a rospy.Subscriber, or None, than rospy has read."""
+    waiting = array.array('i', [0])
+    try:
+        for connection in list(subscriber.impl.connections):
+            fcntl.ioctl(connection.socket, termios.FIONREAD, waiting)
+            if waiting[0]:
+                return True
+    except (AttributeError, OSError, TypeError, ValueError):  # closed meanwhile, or another rospy
+        pass
+    return False

@@ -56,7 +56,7 @@ class FrameCount:
 
     def __init__(self):
         self._lock = threading.Lock()  # frames come in one thread, the report is made in another
-        self._came = self._answered = self._dropped = 0
+        self._came = self._answered = self._dropped = self._left_out = 0
         self._number = None
         # When, pipeline s, latency s or nan, dropped before it.
         self._recent: deque[tuple[float, float, float, int]] = deque()
@@ -67,6 +67,7 @@ class FrameCount:
         with self._lock:
             self._number, self._sighted = None, time.monotonic()
             self._recent.clear()
+            self._left_out = 0
 
     def came(self, number):
         """A frame has come with that number, which its publisher counts up; returns how many are missing."""
@@ -78,6 +79,12 @@ class FrameCount:
             self._dropped += missing
         return missing
 
+    def left_out(self):
+        """It is not answered."""
+        with self._lock:
+            self._dropped += 1
+            self._left_out += 1
+
     def answered(self, began, stamp, missing, tags, area):
         """It has been answered. ``began``: when it came, monotonic. ``area``: None where none is looked for."""
         now = time.monotonic()
@@ -85,7 +92,8 @@ class FrameCount:
         latency = latency if 0 <= latency < MAX_LATENCY_S else np.nan
         with self._lock:
             self._answered += 1
-            self._recent.append((now, now - began, latency, missing))
+            self._recent.append((now, now - began, latency, missing + self._left_out))
+            self._left_out = 0
             self._tags = tags
             if tags:
                 self._sighted = now
