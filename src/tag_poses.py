@@ -19,6 +19,7 @@ from aruco_ar.wall import load_wall
 from aruco_node import pose_messages
 from aruco_node.calibration import Calibration
 from aruco_node.camera_node import CameraNode
+from aruco_node.faults import say_once
 from aruco_node.health import ERROR, WARN
 from aruco_node.manual import camera_manual
 from aruco_node.memory import keep_memory
@@ -113,7 +114,7 @@ class TagPoses(CameraNode):
             self._publish_poses(poses, area, camera, lens, header, faults)
         super().publish(images, header)
         for kind, sentence in faults.items():
-            self.say_once(kind, sentence, rospy.logwarn)
+            say_once(kind, sentence, rospy.logwarn)
         self._faults = faults
 
     def report(self):

@@ -137,7 +137,7 @@ class _PlainLoader(yaml.SafeLoader):
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call]
+            event = self.peek_event()  # type: ignore[no-untyped-call]  # of PyYAML
             raise MarkedYAMLError(problem='write out what the alias *%s stands for' % event.anchor,
                                   problem_mark=event.start_mark)
         return super().compose_node(parent, index)

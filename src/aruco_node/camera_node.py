@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
 from .connections import more_waits
-from .faults import MAX_KINDS, guarded, note_fault
+from .faults import guarded, note_fault, say_once
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
 from .lateness import Lateness
@@ -53,7 +53,6 @@ class CameraNode:
         self._topic = self.camera + suffix
         self._subscriber = None
         self._last_sign = time.monotonic()  # of life from the camera
-        self._said = set()
         self._waiting = None  # why nothing arrives, and whether that is all right
         self._unusable = None  # what is wrong with the last frame
         self.wake = threading.Event()
@@ -124,12 +123,6 @@ class CameraNode:
             self._diagnostics.update()
             self.wake.wait(1.0)
             self.wake.clear()
-
-    def say_once(self, kind, sentence, log=rospy.logerr):
-        """Log a sentence, unless one of that kind has been logged."""
-        if kind not in self._said and len(self._said) < MAX_KINDS:
-            self._said.add(kind)
-            log('%s', sentence)
 
     def _of_areas(self, settings):
         """The Settings of each area: its own before the node's."""
@@ -212,7 +205,7 @@ class CameraNode:
             self._unusable = None
         except InputError as error:
             self._unusable = str(error)
-            self.say_once(error.kind, self._unusable)
+            say_once(error.kind, self._unusable)
         except Exception as error:  # a fault of ours: one frame is lost, not the node
             self._unusable = note_fault(error)
 

@@ -1,4 +1,4 @@
-"""Faults of the node itself: whatever raises in one of its threads is said, and the node goes on."""
+"""What is wrong is said once; and where one of the node's own threads raises, the node goes on."""
 import threading
 import time
 import traceback
@@ -36,12 +36,18 @@ def note_fault(error, *_):
         kind = (type(error), *((frame.f_code, line) for frame, line in traceback.walk_tb(error.__traceback__)))
     with _lock:
         _last[:] = [(time.monotonic(), sentence)]
+    say_once(kind, whole)
+    return sentence
+
+
+def say_once(kind, sentence, log=rospy.logerr):
+    """Log a sentence, unless one of that kind has been logged, or MAX_KINDS others."""
+    with _lock:
         is_new = kind not in _kinds and len(_kinds) < MAX_KINDS
         if is_new:
             _kinds.add(kind)
     if is_new:
-        rospy.logerr('%s', whole)
-    return sentence
+        log('%s', sentence)
 
 
 def last_fault():

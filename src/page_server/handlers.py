@@ -111,7 +111,7 @@ class Handler(Guarded):
             self.refuse(503, 'There are %d streams and snapshots already, and no more at a time; try again.'
                         % MAX_VIEWERS)
             raise Finish
-        self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]
+        self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]  # as below
         try:
             with topic.watched():
                 yield
