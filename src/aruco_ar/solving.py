@@ -19,6 +19,7 @@ FAR_WORSE = 100.0          # times as far off as the other pose: not worth it ei
 HALF_TURN = -0.9           # cosine: turns by more are nearly half ones, whose sines say little
 NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
 ASIDE = 1e-6               # of a ray: nothing beside what corners are off
+LEAST_KNOWN = 1e-12        # of what else is known of a number: more than rounding makes, less than all else
 UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
 
 
@@ -120,11 +121,15 @@ def refine(points: Floats, rays: Floats, weights: Floats, rotation: Floats, tran
 
 
 def _inverted(curve: Floats) -> Floats:
-    """(m, n, n): the inverses of symmetric matrices of numbers of very different sizes, symmetric too."""
+    """(m, n, n): the inverses of positive matrices of numbers of very different sizes, positive too.
+
+    Of what is hardly determined, rounded numbers do not say how little: not
+    even that it is more than nothing.
+    """
     size = np.sqrt(np.einsum('mii->mi', curve))
-    size = size[:, :, None] * size[:, None]
-    inverse = np.linalg.inv(curve / size) / size
-    return (inverse + inverse.swapaxes(1, 2)) / 2
+    known = curve / (size[:, :, None] * size[:, None]) + LEAST_KNOWN * np.eye(curve.shape[-1])
+    root = np.linalg.inv(np.linalg.cholesky(known)) / size[:, None]
+    return root.swapaxes(1, 2) @ root
 
 
 def _chosen(first: Booleans, one: Floats, other: Floats) -> Floats:

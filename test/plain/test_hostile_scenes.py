@@ -34,6 +34,10 @@ def test_nothing_wrong_comes_of_sequences():
     assert found.min() > 0  # tags, areas, poses, poses of the camera
 
 
+def test_a_sequence_that_once_gave_a_covariance_that_was_none():
+    assert [sentence for *_, faults in watch(1, 4897) for sentence in faults] == []
+
+
 def grid(count, first=0, side=0.05):
     """So many tags in rows on a wall that is seen at a slant."""
     rotation, rows = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0], int(np.ceil(count**0.5))
