@@ -8,7 +8,7 @@ from rig import ALL, Ages, camera, first_of, nodes
 
 SECONDS = 180.0
 EVERY_S = 2.0
-BEGIN = 0.2      # of the time goes by before it counts: caches fill, walls are learned
+BEGIN = 0.5      # of the time goes by before it counts: caches fill, walls are learned, buffers grow once
 MAX_GROWTH = 0.02  # of the memory, from the first half of what counts to the second
 MAX_DRIFT_S = 0.005  # of the median latency, likewise
 
