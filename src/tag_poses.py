@@ -108,11 +108,11 @@ class TagPoses(CameraNode):
         self._made = poses, on_wall, camera, lens, faults
         return [mark_poses(frame, tags, poses, lens, area) if self.is_seen('image') else frame]
 
-    def publish(self, images, header):
+    def publish(self, messages, header):
         poses, area, camera, lens, faults = self._made
         if lens is not None:
             self._publish_poses(poses, area, camera, lens, header, faults)
-        super().publish(images, header)
+        super().publish(messages, header)
         for kind, sentence in faults.items():
             say_once(kind, sentence, rospy.logwarn)
         self._faults = faults

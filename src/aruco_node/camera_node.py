@@ -10,7 +10,7 @@ from aruco_ar.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
-from .connections import more_waits
+from .connections import more_comes
 from .faults import guarded, note_fault, say_once
 from .health import ERROR, OK, Diagnostics, FrameCount
 from .inputs import Inputs
@@ -72,10 +72,10 @@ class CameraNode:
         """
         raise NotImplementedError
 
-    def publish(self, images, header):
-        """Publish what was made of a frame: what ``answer`` has returned, by topic, and the tags."""
-        for topic, image in images.items():
-            self._outputs[topic].publish(image, header)
+    def publish(self, messages, header):
+        """Publish what was made of a frame: (publisher, message) of the images, and the tags."""
+        for publisher, message in messages:
+            publisher.publish(message)
         if self._tags.get_num_connections():
             self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for inputs in self._inputs
                                                  for tag in inputs.tags], header))
@@ -216,20 +216,26 @@ class CameraNode:
         if not is_time(header.stamp):
             raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the '
                              'camera driver.' % (header.stamp.secs, header.stamp.nsecs), kind='stamp')
+        stamp = (header.stamp or rospy.Time.now()).to_sec()
+        wait = self._lateness.begins(stamp, rospy.Time.now().to_sec(), missing)
+        if wait and more_comes(self._subscriber, wait):
+            self._count.left_out()  # the next frame will show the same, sooner
+            return
         frame = self._to_frame(message)
         self.scale = self.settings.scale  # which another thread may change meanwhile
         if self.scale != 1.0:
             check_size(*(self.scale * side for side in frame.shape[1::-1]))
             frame = resize(frame, self.scale)
-        stamp = (header.stamp or rospy.Time.now()).to_sec()
         given = [inputs.at(frame, stamp) for inputs in self._inputs]
         self._snapshot.before(frame)
         images = dict(zip(self._outputs, self.answer(frame, given, header, stamp)))
         if self.ready:
             self._snapshot.after(images)
-        if self._lateness.is_late(stamp, rospy.Time.now().to_sec(), missing) and more_waits(self._subscriber):
-            self._count.left_out()  # the next frame will show the same, sooner
+        messages = [each for topic, image in images.items()
+                    for each in self._outputs[topic].messages(image, header)]
+        if self._lateness.is_late(rospy.Time.now().to_sec()) and more_comes(self._subscriber):
+            self._count.left_out()
             return
-        self.publish(images, header)
+        self.publish(messages, header)
         self._count.answered(began, header.stamp, missing, sum(len(inputs.tags) for inputs in self._inputs),
                              any(inputs.has_area for inputs in self._inputs))

@@ -1,7 +1,5 @@
 """Who connects to the node's topics and services, and what comes from whom it connects to."""
-import array
-import fcntl
-import termios
+import select
 import threading
 
 import rospy
@@ -29,14 +27,10 @@ def admit_each_alone():
     server.inbound_handler = admit_alone
 
 
-def more_waits(subscriber):
-    """Whether more has come for a rospy.Subscriber, or None, than rospy has read."""
-    waiting = array.array('i', [0])
+def more_comes(subscriber, seconds=0.0):
+    """Whether more has come for a rospy.Subscriber, or None, than rospy has read, or comes within that time."""
     try:
-        for connection in list(subscriber.impl.connections):
-            fcntl.ioctl(connection.socket, termios.FIONREAD, waiting)
-            if waiting[0]:
-                return True
+        sockets = [connection.socket for connection in subscriber.impl.connections]
+        return bool(select.select(sockets, [], [], seconds)[0])
     except (AttributeError, OSError, TypeError, ValueError):  # closed meanwhile, or another rospy
-        pass
-    return False
+        return False

@@ -1,32 +1,50 @@
-"""Frames that come too late to be worth showing."""
+"""Frames that are too old to be worth showing."""
 from collections import deque
 from typing import Deque, Optional
 
-MAX_PERIODS = 1.5   # of the camera; what is made of a frame shall be out before it is two periods old
-PERIODS = 15        # the median of so many is the camera's
-SMOOTHING = 1 / 16  # of a frame in what is known of those before
+MAX_PERIODS = 1.25   # of the camera; who listens shall have what is made of a frame before it is two old
+FRESH_PERIODS = 0.5  # a frame that comes so soon is worth looking at in any case
+MOST_S = 0.1         # for which it is worth waiting for a newer one
+PERIODS = 15         # the median of so many is the camera's
+SMOOTHING = 1 / 16   # of a frame in what is known of those before
 
 
 class Lateness:
     """Tells which frames are too old, as a rule for a node that keeps up with its camera.
 
     Where a node is too slow for its camera, or the clocks of the two differ,
-    most frames are old, and none is too old to be shown.
+    most frames are old, and none is too old to be shown. All times are seconds.
     """
 
     def __init__(self):
-        self._last: Optional[float] = None
+        self._stamp: Optional[float] = None
         self._periods: Deque[float] = deque(maxlen=PERIODS)
+        self._began = self._spent = 0.0
         self._share = 1.0  # of old frames among the last; all, until it shows that it is not so
 
-    def is_late(self, stamp, now, missing):
-        """Whether a frame is too old. ``stamp``, ``now``: seconds. ``missing``: so many were dropped before."""
-        if self._last is not None and stamp > self._last:
-            self._periods.append((stamp - self._last) / (missing + 1))
-        self._last = stamp
-        if not self._periods:
-            return False
-        period = sorted(self._periods)[len(self._periods) // 2]
-        is_old = now - stamp > MAX_PERIODS * period
-        self._share += SMOOTHING * (is_old - self._share)
-        return is_old and self._share < 0.5
+    def begins(self, stamp, now, missing):
+        """For how long to wait for a frame in place of this one: 0 where it may well be in time.
+
+        ``missing``: so many were dropped before it. A node that is held up has
+        each frame come late from then on, if it needs nearly all the time that
+        there is for one; unless it leaves one out.
+        """
+        if self._stamp is not None and stamp > self._stamp:
+            self._periods.append((stamp - self._stamp) / (missing + 1))
+        self._stamp, self._began = stamp, now
+        period, age = self._period(), now - stamp
+        too_late = age + self._spent > MAX_PERIODS * period > self._spent and age > FRESH_PERIODS * period
+        return max(0.0, min(MAX_PERIODS * period - age, MOST_S)) if too_late and self._keeps_up() else 0.0
+
+    def is_late(self, now):
+        """Whether that frame has become too old, when all is made of it."""
+        self._spent += SMOOTHING * (now - self._began - self._spent)
+        is_old = bool(self._periods) and now - self._stamp > MAX_PERIODS * self._period()
+        self._share += SMOOTHING * ((is_old or not self._periods) - self._share)
+        return is_old and self._keeps_up()
+
+    def _period(self):
+        return sorted(self._periods)[len(self._periods) // 2] if self._periods else 0.0
+
+    def _keeps_up(self):
+        return self._share < 0.5

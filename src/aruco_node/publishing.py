@@ -23,10 +23,17 @@ class ImagePublisher:
 
     def publish(self, frame, header):
         """Publish a frame, (h, w, 3) BGR uint8, to whom listens."""
+        for publisher, message in self.messages(frame, header):
+            publisher.publish(message)
+
+    def messages(self, frame, header):
+        """(rospy.Publisher, message) of a frame, (h, w, 3) BGR uint8, for each to whom somebody listens."""
+        found = []
         if self._raw.get_num_connections():
-            self._raw.publish(image_from_frame(frame, header, self._encoding))
+            found.append((self._raw, image_from_frame(frame, header, self._encoding)))
         if self._compressed.get_num_connections():
-            self._compressed.publish(compressed_from_frame(frame, header))
+            found.append((self._compressed, compressed_from_frame(frame, header)))
+        return found
 
 
 class Listener(rospy.SubscribeListener):
