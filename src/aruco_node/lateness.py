@@ -3,9 +3,10 @@ from collections import deque
 from typing import Deque, Optional
 
 MAX_PERIODS = 1.25   # of the camera; who listens shall have what is made of a frame before it is two old
-FRESH_PERIODS = 0.5  # a frame that comes so soon is worth looking at in any case
-MOST_S = 0.1         # for which it is worth waiting for a newer one
-PERIODS = 15         # the median of so many is the camera's
+HELD_UP_PERIODS = 0.5  # later than usual: the next frame comes soon
+DUE_PERIODS = 1.25   # after the last it has come, or does not
+MOST_S = 0.1         # for which it is worth waiting for it
+PERIODS = 15         # the median of so many is the camera's, the least of as many ages the usual one
 SMOOTHING = 1 / 16   # of a frame in what is known of those before
 
 
@@ -19,6 +20,7 @@ class Lateness:
     def __init__(self):
         self._stamp: Optional[float] = None
         self._periods: Deque[float] = deque(maxlen=PERIODS)
+        self._ages: Deque[float] = deque(maxlen=PERIODS)  # at which frames came
         self._began = self._spent = 0.0
         self._share = 1.0  # of old frames among the last; all, until it shows that it is not so
 
@@ -32,9 +34,12 @@ class Lateness:
         if self._stamp is not None and stamp > self._stamp:
             self._periods.append((stamp - self._stamp) / (missing + 1))
         self._stamp, self._began = stamp, now
-        period, age = self._period(), now - stamp
-        too_late = age + self._spent > MAX_PERIODS * period > self._spent and age > FRESH_PERIODS * period
-        return max(0.0, min(MAX_PERIODS * period - age, MOST_S)) if too_late and self._keeps_up() else 0.0
+        self._ages.append(now - stamp)
+        period, age, usual = self._period(), now - stamp, min(self._ages)
+        is_held_up = age > usual + HELD_UP_PERIODS * period
+        if not (self._keeps_up() and is_held_up and age + self._spent > MAX_PERIODS * period > self._spent):
+            return 0.0
+        return max(0.0, min(usual + DUE_PERIODS * period - age, MOST_S))
 
     def is_late(self, now):
         """Whether that frame has become too old, when all is made of it."""

@@ -54,7 +54,13 @@ def test_a_busy_node_waits_for_the_next_frame_where_one_comes_late():
     lateness = Lateness()
     lates(lateness, [1.0] * 100, spent=0.9)
     assert lateness.begins(100 * PERIOD, 100.1 * PERIOD, 0) == 0
-    assert lateness.begins(101 * PERIOD, 101.8 * PERIOD, 0) == pytest.approx(0.45 * PERIOD)
+    assert lateness.begins(101 * PERIOD, 101.8 * PERIOD, 0) == pytest.approx(0.55 * PERIOD)
+
+
+def test_where_all_frames_are_long_on_their_way_none_is_waited_for():
+    lateness = Lateness()
+    assert not any(lates(lateness, [1.2] * 100, spent=0.5))
+    assert lateness.begins(100 * PERIOD, 100.8 * PERIOD, 0) == 0
 
 
 @pytest.mark.parametrize('ages, spent', [([0.5] * 100, 0.2), ([3.0] * 100, 2.5), ([1e6] * 100, 0.9)])
