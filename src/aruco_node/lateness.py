@@ -6,8 +6,9 @@ MAX_PERIODS = 1.25   # of the camera; who listens shall have what is made of a f
 HELD_UP_PERIODS = 0.5  # later than usual: the next frame comes soon
 DUE_PERIODS = 1.25   # after the last it has come, or does not
 MOST_S = 0.1         # for which it is worth waiting for it
-PERIODS = 15         # the median of so many is the camera's, the least of as many ages the usual one
+PERIODS = 15         # the median of so many is the camera's
 SMOOTHING = 1 / 16   # of a frame in what is known of those before
+FORGET = 0.001       # of a period by which the usual age grows with each frame, unless one comes younger
 
 
 class Lateness:
@@ -20,7 +21,7 @@ class Lateness:
     def __init__(self):
         self._stamp: Optional[float] = None
         self._periods: Deque[float] = deque(maxlen=PERIODS)
-        self._ages: Deque[float] = deque(maxlen=PERIODS)  # at which frames came
+        self._usual = float('inf')  # age at which frames come, if nothing holds them up
         self._began = self._spent = 0.0
         self._share = 1.0  # of old frames among the last; all, until it shows that it is not so
 
@@ -34,12 +35,12 @@ class Lateness:
         if self._stamp is not None and stamp > self._stamp:
             self._periods.append((stamp - self._stamp) / (missing + 1))
         self._stamp, self._began = stamp, now
-        self._ages.append(now - stamp)
-        period, age, usual = self._period(), now - stamp, min(self._ages)
-        is_held_up = age > usual + HELD_UP_PERIODS * period
-        if not (self._keeps_up() and is_held_up and age + self._spent > MAX_PERIODS * period > self._spent):
+        period, age = self._period(), now - stamp
+        self._usual = min(age, self._usual + FORGET * period)
+        is_held_up = age > self._usual + HELD_UP_PERIODS * period
+        if not (is_held_up and age + self._spent > MAX_PERIODS * period > self._spent):
             return 0.0
-        return max(0.0, min(usual + DUE_PERIODS * period - age, MOST_S))
+        return max(0.0, min(self._usual + DUE_PERIODS * period - age, MOST_S))
 
     def is_late(self, now):
         """Whether that frame has become too old, when all is made of it."""

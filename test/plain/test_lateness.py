@@ -54,7 +54,13 @@ def test_a_busy_node_waits_for_the_next_frame_where_one_comes_late():
     lateness = Lateness()
     lates(lateness, [1.0] * 100, spent=0.9)
     assert lateness.begins(100 * PERIOD, 100.1 * PERIOD, 0) == 0
-    assert lateness.begins(101 * PERIOD, 101.8 * PERIOD, 0) == pytest.approx(0.55 * PERIOD)
+    assert lateness.begins(101 * PERIOD, 101.8 * PERIOD, 0) == pytest.approx(0.55 * PERIOD, rel=0.01)
+
+
+def test_also_where_all_frames_have_come_late_since_one_was_held_up():
+    lateness = Lateness()
+    lates(lateness, [0.95] + [1.9] * 100, spent=0.95)
+    assert lateness.begins(101 * PERIOD, 101.95 * PERIOD, 0) > 0
 
 
 def test_where_all_frames_are_long_on_their_way_none_is_waited_for():
