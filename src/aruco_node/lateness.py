@@ -2,13 +2,13 @@
 from collections import deque
 from typing import Deque, Optional
 
-MAX_PERIODS = 1.25   # of the camera; who listens shall have what is made of a frame before it is two old
+MAX_PERIODS = 1.25     # of the camera; who listens shall have what is made of a frame before it is two old
 HELD_UP_PERIODS = 0.5  # later than usual: the next frame comes soon
-DUE_PERIODS = 1.25   # after the last it has come, or does not
-MOST_S = 0.1         # for which it is worth waiting for it
-PERIODS = 15         # the median of so many is the camera's
-SMOOTHING = 1 / 16   # of a frame in what is known of those before
-FORGET = 0.001       # of a period by which the usual age grows with each frame, unless one comes younger
+DUE_PERIODS = 1.25     # after the last it has come, or does not
+MOST_S = 0.1           # for which it is worth waiting for it
+PERIODS = 15           # the median of so many is the camera's
+SMOOTHING = 1 / 16     # of a frame in what is known of those before
+FORGET = 0.001         # of a period by which the usual age grows with each frame, unless one comes younger
 
 
 class Lateness:
