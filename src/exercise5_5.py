@@ -19,4 +19,4 @@ def subtract_area(frame, area):
 
 
 if __name__ == '__main__':
-    run('exercise5_5', subtract_area, takes=['area'], topics=['mask', 'image'])
+    run('exercise5_5', subtract_area, topics=['mask', 'image'])

@@ -19,4 +19,4 @@ def paint_picture(frame, area, picture, fit, opacity):
 
 
 if __name__ == '__main__':
-    run('exercise5_6', paint_picture, takes=['area', 'picture', 'fit', 'opacity'])
+    run('exercise5_6', paint_picture)

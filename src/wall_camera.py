@@ -15,8 +15,8 @@ from aruco_ar.files import package_folder
 from aruco_ar.render import WallRenderer
 from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
-from aruco_node.camera_node import CAMERA
 from aruco_node.faults import guarded
+from aruco_node.frame_node import CAMERA
 from aruco_node.health import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
 from aruco_node.manual import Manual
 from aruco_node.memory import keep_memory

@@ -52,15 +52,18 @@ class Diagnostics:
 
 
 class FrameCount:
-    """Counts the frames that come in, go out and are dropped, and how long they take."""
+    """Counts the frames that come in, go out and are dropped, and how long they take.
 
-    def __init__(self):
+    ``tags``: how many are in sight so far; None where none are looked for.
+    """
+
+    def __init__(self, tags=0):
         self._lock = threading.Lock()  # frames come in one thread, the report is made in another
         self._came = self._answered = self._dropped = self._left_out = 0
         self._number = None
         # When, pipeline s, latency s or nan, dropped before it.
         self._recent: deque[tuple[float, float, float, int]] = deque()
-        self._tags, self._sighted, self._area_seen = 0, time.monotonic(), None
+        self._tags, self._sighted, self._area_seen = tags, time.monotonic(), None
 
     def begin(self):
         """Frames are awaited from now on, or not any more: what was published before is not dropped."""
@@ -86,7 +89,10 @@ class FrameCount:
             self._left_out += 1
 
     def answered(self, began, stamp, missing, tags, area):
-        """It has been answered. ``began``: when it came, monotonic. ``area``: None where none is looked for."""
+        """It has been answered. ``began``: when it came, monotonic.
+
+        ``tags``, ``area``: how many are in sight, and whether one is; None where none are looked for.
+        """
         now = time.monotonic()
         latency = (rospy.Time.now() - stamp).to_sec() if stamp else np.nan
         latency = latency if 0 <= latency < MAX_LATENCY_S else np.nan
@@ -118,15 +124,17 @@ class FrameCount:
             for label, percent in ('median', 50), ('99 %', 99):
                 values['%s, %s (ms)' % (name, label)] = \
                     '%.1f' % np.percentile(known, percent) if len(known) else 'unknown'
-        values['tags in sight'] = tags if len(recent) else 0
-        values['area last seen (s ago)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
+        if tags is not None:
+            values['tags in sight'] = tags if len(recent) else 0
+            values['area last seen (s ago)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # Where most of the time is left, it is not the node that drops them.
             busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
-            why = 'Slow: %s were dropped within %d s. A smaller ~scale helps, or ~search fast.' if busy else \
+            remedy = 'A lower ~rate helps.' if tags is None else 'A smaller ~scale helps, or ~search fast.'
+            why = 'Slow: %s were dropped within %d s. ' + remedy if busy else \
                 '%s did not arrive within %d s: lost or left out on their way, by their header.seq.'
             return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
-        if unseen > NO_TAGS_S:
+        if tags is not None and unseen > NO_TAGS_S:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -12,7 +12,8 @@ from aruco_ar.sources import open_source
 from aruco_ar.tracker import Tracker
 from rosgraph.names import is_legal_name
 
-from .messages import BUFFER_BYTES, TRANSPORTS, picture_from_image
+from .connections import subscribe_newest
+from .messages import TRANSPORTS, picture_from_image
 from .settings import TOPIC
 from .waiting import SILENCE_S, SUFFIX
 
@@ -132,8 +133,7 @@ class TopicPicture:
         """Listen to the topic, or leave it; say so, once, when nothing comes."""
         if wanted and self._subscriber is None:
             self._since = time.monotonic()
-            self._subscriber = rospy.Subscriber(self._topic, self._kind, self._on_message,
-                                                queue_size=1, buff_size=BUFFER_BYTES)
+            self._subscriber = subscribe_newest(self._topic, self._kind, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None

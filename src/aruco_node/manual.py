@@ -3,7 +3,7 @@ from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
 
-from .camera_node import CAMERA
+from .frame_node import CAMERA
 from .parameters import abouts, plain
 
 TEXT_WIDTH, WIDTH = 60, 120
@@ -18,6 +18,7 @@ class Manual:
     publishes: List[Row]
     services: List[Row]
     settings: Any
+    launch: str = ''  # the launch file, where it is not called as the node is
 
     def text(self, name, about):
         """The manual of the node of that name; ``about`` says what it is for."""
@@ -31,7 +32,7 @@ class Manual:
             publishes = publishes + LIVE
             services.append(('~set_parameters', 'dynamic_reconfigure/Reconfigure', ''))
         parts = ['%s\n\nrosrun unit5 %s.py _PARAMETER:=VALUE   or   roslaunch unit5 %s.launch ARGUMENT:=VALUE'
-                 % (about.strip(), name, name)]
+                 % (about.strip(), name, self.launch or name)]
         for title, rows in (('Subscribes', self.subscribes), ('Publishes', publishes), ('Services', services),
                             ('Parameters' + ', * can be changed while it runs (dynamic_reconfigure)' * live,
                              parameters)):
@@ -43,6 +44,7 @@ class Manual:
 CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
     (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'instead, with ~transport compressed: JPEG or PNG')]
+FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
 COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'how it is doing, once a second')]
 LIVE = [('~parameter_descriptions', 'dynamic_reconfigure/ConfigDescription', ''),
         ('~parameter_updates', 'dynamic_reconfigure/Config', '')]
@@ -50,14 +52,19 @@ LIVE = [('~parameter_descriptions', 'dynamic_reconfigure/ConfigDescription', '')
 
 def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
     """The Manual of a CameraNode that makes images of these topics, with what it has besides."""
-    images = [row for topic in topics for row in (
-        ('~' + topic, 'sensor_msgs/Image', 'bgr8, with the header of the frame'),
-        ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]
     reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
     return Manual(
         CAMERA_TOPICS + list(subscribes),
-        images + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] + list(publishes),
-        [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')] + reset, settings)
+        image_topics(topics) + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] +
+        list(publishes),
+        FRAME_SERVICES + reset, settings)
+
+
+def image_topics(topics):
+    """Rows of the images that a FrameNode makes."""
+    return [row for topic in topics for row in (
+        ('~' + topic, 'sensor_msgs/Image', 'bgr8, with the header of the frame'),
+        ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]
 
 
 def _table(rows):

@@ -18,10 +18,6 @@ from .tolerant import tolerant
 
 JPEG_QUALITY = 80  # what compressed_image_transport uses
 
-# rospy drops stale messages only within what one read of the socket returned,
-# so a read must have room for more than the largest frame: here one of 4K in
-# 16 bits and three colors, with some to spare.
-BUFFER_BYTES = 64 * 1024 * 1024
 
 # Frames of more pixels than a picture may have are refused before memory is taken
 # for them; and OpenCV warps nothing that is longer than that.
@@ -185,9 +181,10 @@ def image_from_frame(frame, header, encoding='bgr8'):
                         data=np.ascontiguousarray(frame).reshape(-1).data)
 
 
-def compressed_from_frame(frame, header):
-    """The frame as a JPEG sensor_msgs/CompressedImage with that header."""
-    return CompressedImage(header=header, format='bgr8; jpeg compressed bgr8', data=jpeg_from_frame(frame))
+def compressed_from_frame(frame, header, quality=JPEG_QUALITY):
+    """The frame as a JPEG sensor_msgs/CompressedImage of that quality, 1 to 100, with that header."""
+    return CompressedImage(header=header, format='bgr8; jpeg compressed bgr8',
+                           data=jpeg_from_frame(frame, quality))
 
 
 def jpeg_from_frame(frame, quality=JPEG_QUALITY):

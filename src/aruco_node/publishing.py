@@ -2,7 +2,7 @@
 import rospy
 from sensor_msgs.msg import CompressedImage, Image
 
-from .messages import compressed_from_frame, image_from_frame
+from .messages import JPEG_QUALITY, compressed_from_frame, image_from_frame
 
 
 class ImagePublisher:
@@ -11,6 +11,7 @@ class ImagePublisher:
     def __init__(self, topic, on_listeners=None, encoding='bgr8'):
         """``on_listeners`` is called, from any thread, when somebody comes or goes."""
         self._encoding = encoding
+        self.quality = JPEG_QUALITY  # 1 to 100
         listener = Listener(on_listeners) if on_listeners else None
         self.name = rospy.resolve_name(topic)
         self._raw = rospy.Publisher(topic, Image, listener, queue_size=1)
@@ -32,7 +33,7 @@ class ImagePublisher:
         if self._raw.get_num_connections():
             found.append((self._raw, image_from_frame(frame, header, self._encoding)))
         if self._compressed.get_num_connections():
-            found.append((self._compressed, compressed_from_frame(frame, header)))
+            found.append((self._compressed, compressed_from_frame(frame, header, self.quality)))
         return found
 
 

@@ -52,10 +52,25 @@ def _picture(value):
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What every node that looks at frames takes. ``ids``: the four that count, or empty for any."""
+class FrameSettings:
+    """What every node that takes frames takes."""
 
     transport: str = choice('raw', IMAGE_TYPES, 'compressed reads TOPIC/compressed', live=False)
+    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
+
+
+@dataclass(frozen=True)
+class RelaySettings(FrameSettings):
+    """What camera_relay takes."""
+
+    rate: float = number(0.0, 0, 1000, 'frames a second, at most; 0: all')
+    quality: float = number(80.0, 1, 100, 'of the JPEGs')
+
+
+@dataclass(frozen=True)
+class Settings(FrameSettings):
+    """What every node that looks at frames takes. ``ids``: the four that count, or empty for any."""
+
     dictionary: str = choice('DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name',
                              shown=DICTIONARY_NAMES)
     ids: Tuple[int, ...] = text((), '"any", or the ids of four different tags, such as 1,2,3,4',
@@ -68,7 +83,6 @@ class Settings:
     likeness: float = number(MIN_LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is '
                                                  'taken for')
     min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
-    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
 
 
 @dataclass(frozen=True)
@@ -135,6 +149,11 @@ class PoseSettings(AreaSettings):
                            'learned_wall where it is learned', live=False)
     robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',
                             live=False)
+
+
+@dataclass(frozen=True)
+class BagSettings(PoseSettings, PictureSettings):
+    """What annotate_bags takes."""
 
 
 def load_areas(path):

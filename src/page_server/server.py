@@ -10,8 +10,8 @@ from typing import Any, List, NamedTuple, Optional
 import rospy
 from aruco_ar.errors import InputError
 from aruco_ar.files import package_folder
-from aruco_node.camera_node import CAMERA
 from aruco_node.faults import note_fault
+from aruco_node.frame_node import CAMERA
 from aruco_node.health import OK, Diagnostics
 from aruco_node.node import parameter
 from aruco_node.parameters import AUTO, number, read, text, wish

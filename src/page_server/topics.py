@@ -8,9 +8,10 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.errors import InputError
+from aruco_node.connections import subscribe_newest
 from aruco_node.faults import guarded
 from aruco_node.master import published_topics
-from aruco_node.messages import BUFFER_BYTES, JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
+from aruco_node.messages import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.tolerant import tolerant
 from aruco_node.waiting import IMAGE_TYPES, SUFFIX
 from rosgraph.names import is_legal_name
@@ -77,8 +78,7 @@ class Watched:
         self._following = False  # before it looks who watches
         try:
             if self._watchers and self._subscriber is None:
-                self._subscriber = rospy.Subscriber(self.name, self._kind, self._on_message, queue_size=1,
-                                                    buff_size=BUFFER_BYTES)
+                self._subscriber = subscribe_newest(self.name, self._kind, self._on_message)
             elif not self._watchers and self._subscriber is not None:
                 self._subscriber.unregister()
                 self._subscriber = None

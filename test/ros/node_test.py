@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages import frame_from_compressed, frame_from_image
+from aruco_node.messages import frame_from_compressed, frame_from_image, image_from_frame
 from cv_bridge import CvBridge
 from nodes import CAMERA, NodeTest, scene
 from rosgraph import Master
@@ -73,6 +73,19 @@ class Node(NodeTest):
         self.assertTrue(inbox.empty())
         for words in bad:
             self.assertEqual(len([line for line in node.lines if words in line]), 1, words)
+
+    def test_several_cameras_on_one_topic_disturb_each_other_but_not_the_node(self):
+        publisher, connections = self.camera()
+        self.start('wall_camera.py', '_rate:=100')
+        node = self.start('tag_poses.py')
+        answers = self.listen('/tag_poses/image')
+        connections.wait(1)
+        small, sizes = cv2.resize(scene(), (320, 240)), set()
+        for _ in range(300):
+            publisher.publish(image_from_frame(small, Header(stamp=rospy.Time.now())))
+            sizes.add(answers.next().width)
+        self.assertEqual(sizes, {320, 640})
+        self.assertFalse([line for line in node.lines if 'Traceback' in line], node.lines)
 
     def test_a_compressed_camera_and_a_scale(self):
         publisher, connections = self.camera(CAMERA + '/compressed', CompressedImage)
