@@ -13,7 +13,7 @@ import cv2
 import psutil
 import rospy
 from aruco_node.messages import image_from_frame
-from nodes import CAMERA, NODES, scene
+from nodes import CAMERA, IMAGES, NODES, scene
 from sensor_msgs.msg import Image
 from serving import free_port
 from started import WAIT_S
@@ -56,7 +56,7 @@ def kills(random, names=(*NODES, *TOOLS, *LAUNCHES, DEMO)):
             shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else (0, 25)
             if name in LAUNCHES:
                 shortest, longest = 2, 10  # roslaunch passes over a Ctrl-C while it begins
-            watched = name in NODES[:-2] and random.random() < 0.7
+            watched = name in IMAGES and random.random() < 0.7
             yield Kill(name, kind, random.uniform(shortest, longest), watched)
 
 
@@ -81,7 +81,7 @@ def strike(kill):
         variables = dict(os.environ, PYTHONFAULTHANDLER='1', ROS_NAMESPACE=space, **{MARK: folder})
         process = subprocess.Popen(words, stdout=output, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                    cwd=folder, env=variables, start_new_session=True)
-        with watched(space + '/' + kill.name) if kill.watched else nullcontext():
+        with watched(space, kill.name) if kill.watched else nullcontext():
             time.sleep(kill.delay)
             began = time.monotonic()
             found = []
@@ -157,15 +157,15 @@ def halves(folder):
 
 
 @contextmanager
-def watched(node):
-    """Listen to a node's images, and ask it for one snapshot after the other."""
+def watched(space, name):
+    """Listen to the images of a node in a namespace, and ask it for one snapshot after the other."""
     stopped = threading.Event()
-    subscriber = rospy.Subscriber('/%s/image' % node, Image, lambda message: None, queue_size=1)
+    subscriber = rospy.Subscriber('/' + space + IMAGES[name], Image, lambda message: None, queue_size=1)
 
     def ask():
         while not stopped.wait(0.02):
             with suppress(Exception):  # it is not there yet, or not any more
-                rospy.ServiceProxy('/%s/snapshot' % node, Trigger)()
+                rospy.ServiceProxy('/%s/%s/snapshot' % (space, name), Trigger)()
     asking = threading.Thread(target=ask, daemon=True)
     asking.start()
     try:

@@ -7,7 +7,7 @@ from aruco_node.settings import PictureSettings
 from hostile import reading, values
 
 # One of each class of settings.
-NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera', 'page'
+NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay', 'wall_camera', 'page'
 
 
 @pytest.mark.parametrize('node', NODES)

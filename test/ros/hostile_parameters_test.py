@@ -15,7 +15,7 @@ from aruco_node.settings import Settings
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import until
-from nodes import CAMERA, CENTERS, INSIDE, NODES, NodeTest, change, scene
+from nodes import CAMERA, CENTERS, IMAGES, INSIDE, NodeTest, change, scene
 from std_srvs.srv import Trigger
 
 sys.path.append(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -67,7 +67,7 @@ class Hostile(NodeTest):
                 self.assertIn(parameter, sentence)
                 self.assertIsNone(reading.fault_of(sentence), sentence)
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
-        for topic in [CAMERA] + ['/%s/image' % name for name in NODES if name not in ('wall_camera', 'page')]:
+        for topic in [CAMERA, *IMAGES.values()]:
             self.listen(topic).next()
 
     def test_the_utmost_that_is_allowed_is_taken(self):

@@ -21,7 +21,10 @@ from std_msgs.msg import Header
 from unit5.msg import TagArray
 
 CAMERA = '/camera/rgb/image_raw'
-NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'wall_camera', 'page']
+NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'camera_relay', 'wall_camera',
+         'page']
+IMAGES = {name: '/%s/image' % name for name in NODES[:-3]}  # that the nodes before a camera make
+IMAGES['camera_relay'] = '/camera_relay/image_raw'
 CENTERS = {1: (160, 120), 2: (480, 120), 3: (480, 360), 4: (160, 360)}
 GRAY = 180
 KINDS = {str: ('strs', StrParameter), float: ('doubles', DoubleParameter), int: ('ints', IntParameter),
