@@ -10,18 +10,19 @@ import accuracy
 import browser
 import chart
 import master
+import network
 import nodes
 import poses
 import search
 import speed
 import video
 
-PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page')
+PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page', 'network')
 
 
 def parse():
     parser = argparse.ArgumentParser(
-        prog='script/bench', description=__doc__ + ' About twelve minutes without arguments.')
+        prog='script/bench', description=__doc__ + ' About half an hour without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
     parser.add_argument('--dictionary', default='DICT_6X6_250',
@@ -52,6 +53,8 @@ def main():
             for part, work in (('nodes', nodes.run_load), ('memory', nodes.run_memory), ('page', browser.run)):
                 if args.only in (None, part):
                     work()
+    if args.only in (None, 'network'):
+        network.run()
 
 
 if __name__ == '__main__':

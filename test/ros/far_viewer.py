@@ -1,0 +1,52 @@
+#!/usr/bin/env python3
+"""What comes to a base station, a line of JSON for each painted frame: topic, stamp, age, part that is painted.
+
+Arguments: the topics of frames and of what is painted into them, in pairs.
+"""
+import json
+import sys
+import threading
+import time
+
+import numpy as np
+import rospy
+from aruco_node.connections import subscribe_newest
+from aruco_node.messages import frame_from_image
+from sensor_msgs.msg import Image
+
+KEPT = 30  # frames that what is painted into them is awaited of
+OTHER = 60  # gray levels by which a pixel is another
+SPEAKING = threading.Lock()
+
+
+class Viewer:
+    """Looks at a frame and what is made of it."""
+
+    def __init__(self, frames, painted):
+        self._topic, self._frames, self._lock = painted, {}, threading.Lock()
+        for topic, take in (frames, self._keep), (painted, self._compare):
+            subscribe_newest(topic, Image, take)
+
+    def _keep(self, message):
+        with self._lock:
+            self._frames[message.header.stamp] = message
+            if len(self._frames) > KEPT:
+                del self._frames[min(self._frames)]
+
+    def _compare(self, message):
+        now, stamp = time.time(), message.header.stamp
+        with self._lock:
+            frame = self._frames.get(stamp)
+        part = None
+        if frame is not None:
+            off = np.abs(frame_from_image(frame)[::4, ::4].astype(int) - frame_from_image(message)[::4, ::4])
+            part = float((off > OTHER).any(axis=2).mean())
+        with SPEAKING:
+            print(json.dumps([self._topic, stamp.to_sec(), now - stamp.to_sec(), part]), flush=True)
+
+
+if __name__ == '__main__':
+    rospy.init_node('far_viewer', anonymous=True)
+    for pair in zip(sys.argv[1::2], sys.argv[2::2]):
+        Viewer(*pair)
+    rospy.spin()
