@@ -48,7 +48,8 @@ class Places:
     def poses(self, ids: Sequence[int]) -> tuple[Floats, Floats, Floats]:
         """Of those tags: rotations (n, 3, 3), centers (n, 3), and how these may be off, (n, 6, q)."""
         number = [self._index[tag_id] for tag_id in ids]
-        x, y, turn = self._places[number].T
+        # Contiguous: of numbers that lie apart NumPy may compute other last digits, by where they are.
+        x, y, turn = np.ascontiguousarray(self._places[number].T)
         rotation = np.zeros((len(number), 3, 3))
         rotation[:, 0, 0] = rotation[:, 1, 1] = np.cos(turn)
         rotation[:, 1, 0] = np.sin(turn)
