@@ -2,4 +2,5 @@
 from catkin_pkg.python_setup import generate_distutils_setup
 from setuptools import setup
 
-setup(**generate_distutils_setup(packages=['aruco_ar', 'aruco_node', 'page_server'], package_dir={'': 'src'}))
+setup(**generate_distutils_setup(packages=['aruco_ar', 'aruco_node', 'aruco_bags', 'page_server'],
+                                 package_dir={'': 'src'}))

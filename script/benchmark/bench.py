@@ -7,6 +7,7 @@ import sys
 from aruco_ar import InputError  # isort: skip  # before numpy is, which it gives one thread
 
 import accuracy
+import bags
 import browser
 import chart
 import master
@@ -17,7 +18,7 @@ import search
 import speed
 import video
 
-PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page', 'network')
+PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page', 'network', 'bags')
 
 
 def parse():
@@ -55,6 +56,8 @@ def main():
                     work()
     if args.only in (None, 'network'):
         network.run()
+    if args.only in (None, 'bags'):
+        bags.run()
 
 
 if __name__ == '__main__':

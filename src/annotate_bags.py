@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+"""Look at all frames in bags: what an exercise makes of them, and where the tags are.
+
+Needs no roscore. Writes, into a folder, NAME.bag with the images of the exercise
+(and NAME.mp4 with --video) for each NAME.bag, and tags.csv with every tag in
+every frame of all of them. Started again, it goes on where it was.
+"""
+import argparse
+import os
+import runpy
+import signal
+import sys
+import time
+
+import aruco_ar  # noqa: F401  before all else: see there
+import aruco_node
+import yaml
+from aruco_ar import InputError
+from aruco_bags.annotating import Exercise, check
+from aruco_bags.job import jobs_of, kept
+from aruco_bags.reading import PIECE_S
+from aruco_bags.working import work, workers
+from aruco_node.exercise import takes_of
+from aruco_node.parameters import read
+from aruco_node.settings import BagSettings
+
+MAX_PIECE_S = 100000
+HERE = os.path.dirname(os.path.abspath(__file__))
+EXERCISES = ['5_2', '5_3', '5_4', '5_5', '5_6']
+PARAMETERS = ('dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'hold', 'upright', 'picture',
+              'fit', 'opacity', 'tag_size', 'tag_sizes', 'rectified')
+
+
+def parse(argv):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="Parameters as the exercises' nodes have them, such as _ids:=1,2,3,4 or _tag_size:=0.2:\n%s.\n"
+               'What they are: rosrun unit5 exercise5_6.py --help, and tag_poses.py.' % ', '.join(PARAMETERS))
+    option = parser.add_argument
+    option('bags', nargs='+', metavar='BAG', help='a bag with images, raw or compressed')
+    option('--out', required=True, metavar='FOLDER', help='where all of it goes')
+    option('--exercise', choices=EXERCISES, type=lambda text: text.replace('.', '_'), default='5_6',
+           help='default: 5_6')
+    option('--video', action='store_true', help='write MP4s as well')
+    who = parser.add_mutually_exclusive_group().add_argument
+    who('--workers', type=int, metavar='N', default=os.cpu_count(),
+        help='processes on this machine (default: as many as it has processor cores)')
+    who('--scheduler', metavar='tcp://HOST:PORT', help='the Dask cluster that does it instead')
+    option('--piece', type=float, metavar='SECONDS', default=PIECE_S,
+           help='of a bag, which one process looks at (default: %g)' % PIECE_S)
+    args = parser.parse_args([arg for arg in argv if ':=' not in arg])
+    if args.workers < 1:
+        parser.error('--workers takes a number from 1, not %d' % args.workers)
+    if not 1 <= args.piece <= MAX_PIECE_S:
+        parser.error('--piece takes a number of seconds from 1 to %d, not %g' % (MAX_PIECE_S, args.piece))
+    return args
+
+
+def settings(argv):
+    """BagSettings of what is _NAME:=VALUE among arguments. Raises InputError."""
+    given = {}
+    for name, text in (arg.split(':=', 1) for arg in argv if ':=' in arg):
+        if name.startswith('__'):  # roslaunch adds __name and __log
+            continue
+        if name[:1] != '_' or name[1:] not in PARAMETERS:
+            raise InputError('There is no parameter "%s"; there are _%s.' % (name, ', _'.join(PARAMETERS)))
+        try:
+            given[name[1:]] = yaml.safe_load(text)
+        except (yaml.YAMLError, ValueError):
+            given[name[1:]] = text
+    if isinstance(given.get('picture'), str) and os.path.exists(given['picture']):
+        given['picture'] = os.path.abspath(given['picture'])  # else it may be one of the package's own
+    return read(BagSettings, given.get)
+
+
+def exercise(number, given):
+    """The Exercise that a file beside this one would run as a node."""
+    found = []
+
+    def run(name, step, topics=('image',)):
+        found.append(Exercise(name, step, takes_of(step), topics, given))
+    node, aruco_node.run = aruco_node.run, run
+    try:
+        runpy.run_path(os.path.join(HERE, 'exercise%s.py' % number), run_name='__main__')
+    finally:
+        aruco_node.run = node
+    return found[0]
+
+
+def main(argv):
+    args = parse(argv)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        what = exercise(args.exercise, settings(argv))
+        check(what)
+        jobs = jobs_of(args.bags, what, args.out, args.video, args.piece)
+        began = time.monotonic()
+        with kept(args.out), workers(args.scheduler, args.workers) as client:
+            frames, is_all = work(jobs, client, args.out)
+            count = len(client.nthreads())
+    except InputError as error:
+        sys.exit('annotate_bags: %s' % error)
+    except KeyboardInterrupt:
+        print('annotate_bags: ended; the same command goes on where this one was.', file=sys.stderr)
+        sys.exit(130)
+    seconds = time.monotonic() - began
+    if frames:
+        print('%d frames in %.1f s: %.1f a second, %d worker%s'
+              % (frames, seconds, frames / seconds, count, 's' * (count > 1)))
+    sys.exit(not is_all)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])

@@ -1,0 +1,144 @@
+"""What is made of a bag in a folder, piece by piece, and what of that is done already."""
+import fcntl
+import hashlib
+import json
+import os
+import shutil
+from contextlib import ExitStack, contextmanager
+from typing import Dict
+
+from aruco_ar.errors import InputError
+from aruco_ar.files import package_folder
+
+from .annotating import COLUMNS, annotate, drafted
+from .joining import join_bags, join_tables, make_video
+from .reading import pieces_of
+
+HIDDEN = '.unit5'      # in the folder of what is made: what is half done, and how the rest was
+LOCK = '.lock'         # no bag is called so
+TABLE = 'tags.csv'
+DONE = 'done.json'     # what was made, {name of the file: bytes}
+
+
+class Job:
+    """A bag, and what is made of it in a folder."""
+
+    def __init__(self, path, exercise, folder, video, seconds):
+        self.path, self._exercise, self._folder, self._video = path, exercise, folder, video
+        self._seconds = seconds
+        self.name = os.path.splitext(os.path.basename(path))[0]
+        self.bag = os.path.join(folder, self.name + '.bag')
+        picture = os.path.join(package_folder(), exercise.settings.picture)
+        wanted = [exercise.name, repr(exercise.settings), video, seconds,
+                  *_state(path), *(_state(picture) if 'picture' in exercise.takes else [])]
+        digest = hashlib.sha256(json.dumps(wanted).encode()).hexdigest()[:12]
+        self._hidden = os.path.join(folder, HIDDEN, self.name, digest)
+        self._drafts = os.path.join(self._hidden, 'drafts')
+
+    def is_done(self):
+        """Whether all is made, of this bag as it is and as it is wanted now."""
+        return _is_whole(self._hidden, self._folder)
+
+    def pieces(self):
+        """See pieces_of."""
+        return pieces_of(self.path, self._seconds)
+
+    def annotate(self, piece):
+        """See annotate."""
+        return annotate(piece, self._exercise, self._folder_of(piece))
+
+    def join(self, pieces):
+        """Put together what was made of all Pieces. Raises InputError if a video cannot be written."""
+        self._forget_others()
+        pieces = sorted(pieces, key=lambda piece: (piece.number, piece.topic))
+        parts = [os.path.join(self._folder_of(piece), '%06d' % piece.number) for piece in pieces]
+        with drafted(self.bag, self._drafts) as draft:
+            join_bags([part + '.bag' for part in parts], draft)
+        made = [self.bag]
+        cameras = sorted({piece.camera for piece in pieces})
+        for camera in cameras if self._video else []:
+            name = self.name + ('' if len(cameras) == 1 else camera.replace('/', '.')) + '.mp4'
+            topic = '/%s/%s%s/compressed' % (self._exercise.name, self._exercise.topics[-1], camera)
+            with drafted(os.path.join(self._folder, name), self._drafts) as draft:
+                if make_video(self.bag, topic, draft):
+                    made.append(os.path.join(self._folder, name))
+        with drafted(os.path.join(self._hidden, TABLE), self._drafts) as draft:
+            join_tables([part + '.csv' for part in parts], draft)
+        with drafted(os.path.join(self._hidden, DONE), self._drafts) as draft, open(draft, 'w') as file:
+            json.dump({os.path.basename(path): os.path.getsize(path) for path in made}, file)
+        shutil.rmtree(self._drafts)
+
+    def _forget_others(self):
+        """Remove what was noted of this bag otherwise made, of which the files are replaced now."""
+        others, own = os.path.split(self._hidden)
+        for name in set(os.listdir(others)) - {own}:
+            shutil.rmtree(os.path.join(others, name))
+
+    def _folder_of(self, piece):
+        return os.path.join(self._drafts, hashlib.sha256(piece.topic.encode()).hexdigest()[:12])
+
+
+def jobs_of(paths, exercise, folder, video, seconds):
+    """Jobs for bags, each cut into pieces of so many seconds; what is made of them goes into one folder.
+
+    Raises InputError if that cannot be.
+    """
+    folder = os.path.realpath(folder)
+    names: Dict[str, str] = {}
+    for path in map(os.path.realpath, paths):
+        name = os.path.splitext(os.path.basename(path))[0]
+        if names.setdefault(name, path) != path:
+            raise InputError('Two bags are called "%s"; give them one after the other, each with its own --out.'
+                             % os.path.basename(path))
+        if os.path.dirname(path) == folder:
+            raise InputError('The bag "%s" is in the folder where all goes; give another --out.' % path)
+    return [Job(path, exercise, folder, video, seconds) for path in names.values()]
+
+
+@contextmanager
+def kept(folder):
+    """Make a folder, if there is none, and keep it from others who would make something there at the same time.
+
+    Raises InputError if that cannot be, or somebody does.
+    """
+    with ExitStack() as stack:
+        try:
+            os.makedirs(os.path.join(folder, HIDDEN), exist_ok=True)
+            lock = stack.enter_context(open(os.path.join(folder, HIDDEN, LOCK), 'w'))
+        except OSError as error:
+            raise InputError('Nothing can be written into "%s": %s.' % (folder, error.strerror)) from None
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError('Another annotate_bags is at work in "%s". Wait for it, or give another --out.'
+                             % folder) from None
+        yield
+
+
+def write_table(folder):
+    """Write the table of all bags of which what was made is in a folder. Raises InputError if it cannot be."""
+    hidden = os.path.join(folder, HIDDEN)
+    made = [os.path.join(hidden, name, digest) for name in sorted(os.listdir(hidden)) if name != LOCK
+            for digest in sorted(os.listdir(os.path.join(hidden, name)))]
+    try:
+        with drafted(os.path.join(folder, TABLE), hidden) as draft:
+            join_tables([os.path.join(each, TABLE) for each in made if _is_whole(each, folder)], draft, COLUMNS)
+    except OSError as error:
+        raise InputError('%s cannot be written: %s.' % (TABLE, error.strerror)) from None
+
+
+def _is_whole(hidden, folder):
+    """Whether all that was noted as made is there."""
+    try:
+        with open(os.path.join(hidden, DONE)) as file:
+            return all(os.path.getsize(os.path.join(folder, name)) == size
+                       for name, size in json.load(file).items())
+    except FileNotFoundError:
+        return False
+
+
+def _state(path):
+    """What tells a file from what it was before."""
+    if not os.path.exists(path):  # who reads it says so
+        return []
+    return [os.stat(path).st_size, os.stat(path).st_mtime_ns]

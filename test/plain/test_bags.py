@@ -1,0 +1,268 @@
+"""Bags looked at without a roscore: what is made of them, by however many, whatever ends on the way."""
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+
+import cv2
+import numpy as np
+import psutil
+import pytest
+import rosbag
+import rospy
+from aruco_ar.robot import Camera
+from aruco_node.messages import compressed_from_frame, frame_from_compressed, image_from_frame
+from aruco_node.wall_messages import camera_info
+from drives import FRAMES_PER_S, LIVELY, drive
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+
+SECONDS, PIECE_S, BEGIN_S, WAIT_S = 12, 3, 1000, 120
+SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
+COVERED = range(SEAM - 20, SEAM + 20)
+CAMERA, PAINTED = '/camera/rgb/image_raw', '/exercise5_6/image/camera/rgb/image_raw/compressed'
+
+
+@pytest.fixture(scope='module')
+def frames():
+    """Of a lively drive, two of the four tags covered before and after a seam."""
+    return list(drive(LIVELY, SECONDS * FRAMES_PER_S, lambda number: [1, 3] * (number in COVERED), noise=2.0))
+
+
+@pytest.fixture(scope='module')
+def recorded(frames, tmp_path_factory):
+    """The path of a bag of them."""
+    path = str(tmp_path_factory.mktemp('bags') / 'drive.bag')
+    with rosbag.Bag(path, 'w') as bag:
+        for frame in frames:
+            header = Header(stamp=rospy.Time.from_sec(BEGIN_S + frame.stamp), frame_id='eye')
+            bag.write('/camera/rgb/camera_info', camera_info(Camera(), header), header.stamp)
+            bag.write(CAMERA + '/compressed', compressed_from_frame(frame.image, header), header.stamp)
+    return path
+
+
+def command(package, *arguments):
+    return [sys.executable, os.path.join(package, 'src', 'annotate_bags.py'), '--piece', str(PIECE_S),
+            *map(str, arguments)]
+
+
+def annotated(package, folder, *arguments, code=0):
+    """What it prints, when it has ended with that code."""
+    done = subprocess.run(command(package, '--out', folder, *arguments), stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, timeout=WAIT_S)
+    assert done.returncode == code, done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope='module')
+def done(package, recorded, tmp_path_factory):
+    """The folder of what one process made of the bag."""
+    folder = tmp_path_factory.mktemp('done')
+    annotated(package, folder, recorded, '--workers', '1', '--video')
+    return folder
+
+
+def rows_of(folder):
+    with open(str(folder / 'tags.csv'), newline='') as table:
+        return list(csv.DictReader(table))
+
+
+def numbers(row, names):
+    return np.array([float(row[name]) for name in names])
+
+
+def area_of(row):
+    return numbers(row, ['area%d_%s' % (number, axis) for number in range(4) for axis in 'xy']).reshape(4, 2)
+
+
+def assert_same(folder, other):
+    for name in 'drive.bag', 'tags.csv':
+        assert (folder / name).read_bytes() == (other / name).read_bytes(), name
+
+
+def test_the_area_is_where_it_was_at_the_seams_too(frames, done):
+    areas = {round((float(row['stamp']) - BEGIN_S) * FRAMES_PER_S): area_of(row) for row in rows_of(done)
+             if row['area0_x']}
+    assert len(areas) > 0.99 * len(frames)
+    assert set(range(SEAM - 5, SEAM + 5)) <= set(areas)
+    for number, area in areas.items():
+        assert np.abs(area - frames[number].corners).max() < 2.0, number
+
+
+def test_the_table_has_every_tag_in_every_frame(frames, done):
+    rows = rows_of(done)
+    assert {(row['bag'], row['topic']) for row in rows} == {('drive.bag', CAMERA + '/compressed')}
+    first = [row for row in rows if row['stamp'] == rows[0]['stamp']]
+    assert sorted(int(row['id']) for row in first) == [1, 2, 3, 4]
+    for row in first:
+        corners = numbers(row, ['corner%d_%s' % (number, axis) for number in range(4) for axis in 'xy'])
+        center = numbers(row, ['center_x', 'center_y'])
+        assert np.abs(frames[0].corners - center).max(axis=1).min() < 1
+        assert np.abs(corners.reshape(4, 2) - center).max() < 60
+        assert 1 < float(row['z']) < 4  # meters before the camera
+
+
+def test_the_bag_has_the_painted_frames_with_their_stamps(frames, done):
+    with rosbag.Bag(str(done / 'drive.bag')) as bag:
+        painted = [message for _, message, _ in bag.read_messages([PAINTED])]
+    assert [round((message.header.stamp.to_sec() - BEGIN_S) * FRAMES_PER_S) for message in painted] == \
+        list(range(len(frames)))
+    frame, image = frames[0].image, frame_from_compressed(painted[0])
+    x, y = frames[0].corners.mean(axis=0).astype(int)
+    off = np.abs(image.astype(int) - frame)
+    assert off[y - 10:y + 10, x - 10:x + 10].mean() > 30 > 5 > off[:40].mean()
+
+
+def test_the_video_has_them_all(frames, done):
+    video, count = cv2.VideoCapture(str(done / 'drive.mp4')), 0
+    while video.grab():
+        count += 1
+    assert count == len(frames)
+    assert video.get(cv2.CAP_PROP_FPS) == pytest.approx(FRAMES_PER_S, rel=0.02)
+
+
+def test_what_is_made_does_not_depend_on_how_many_make_it(package, recorded, done, tmp_path):
+    annotated(package, tmp_path, recorded, '--workers', '3')
+    assert_same(done, tmp_path)
+
+
+def test_how_a_bag_was_recorded_does_not_matter(package, recorded, done, tmp_path):
+    with rosbag.Bag(recorded) as bag:
+        whole = [(topic, message, time) for topic, message, time in bag.read_messages(raw=True)]
+    infos, images = ([each for each in whole if ('info' in each[0]) == is_info] for is_info in (True, False))
+    half = len(images) // 2
+    with rosbag.Bag(str(tmp_path / 'drive.bag'), 'w', compression='lz4', chunk_threshold=100000) as bag:
+        bag.write('/unset_clock', Header(), rospy.Time.from_sec(BEGIN_S % PIECE_S))
+        for topic, message, time in [infos[0], *images[half:], *images[half - 1::-1]]:
+            bag.write(topic, message, time, raw=True)
+    annotated(package, tmp_path / 'out', tmp_path / 'drive.bag')
+    assert (tmp_path / 'out' / 'tags.csv').read_bytes() == (done / 'tags.csv').read_bytes()
+
+
+def test_a_worker_that_is_killed_loses_nothing(package, recorded, done, tmp_path):
+    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '2', recorded),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        wait_for_piece(tmp_path)
+        workers = [child for child in psutil.Process(process.pid).children(recursive=True)
+                   if 'spawn_main' in ' '.join(child.cmdline())]
+        workers[-1].kill()
+        assert process.wait(WAIT_S) == 0, process.stdout.read()
+    assert_same(done, tmp_path)
+
+
+def test_started_again_it_goes_on_where_it_was(package, recorded, done, tmp_path):
+    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
+        piece = wait_for_piece(tmp_path)
+        assert 'Another annotate_bags is at work' in annotated(package, tmp_path, recorded, code=1)
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        said, _ = process.communicate(timeout=WAIT_S)
+    assert process.returncode == 130
+    assert said == 'annotate_bags: ended; the same command goes on where this one was.\n'
+    assert [path.name for path in tmp_path.iterdir()] == ['.unit5']
+    made = piece.stat().st_mtime_ns
+    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded)) as process:
+        with suppress(FileNotFoundError):  # it has been joined
+            while process.poll() is None:
+                assert piece.stat().st_mtime_ns == made
+        assert process.wait(WAIT_S) == 0
+    assert_same(done, tmp_path)
+    assert 'is done already' in annotated(package, tmp_path, recorded)
+    annotated(package, tmp_path, 'gone.bag', code=1)
+    assert_same(done, tmp_path)
+
+
+def wait_for_piece(folder):
+    """Wait until a piece is done; its table."""
+    end = time.monotonic() + WAIT_S
+    while time.monotonic() < end:
+        tables = list(folder.glob('.unit5/drive/*/drafts/*/[0-9][0-9][0-9][0-9][0-9][0-9].csv'))
+        if tables:
+            return tables[0]
+        time.sleep(0.02)
+    raise AssertionError('no piece is ever done')
+
+
+def test_bags_that_are_broken_are_said_and_the_others_done(package, recorded, frames, tmp_path):
+    with open(recorded, 'rb') as file:
+        whole = file.read()
+    broken = {'cut.bag': whole[:len(whole) // 2], 'empty.bag': b'', 'text.bag': b'This is no bag.'}
+    for name, data in broken.items():
+        (tmp_path / name).write_bytes(data)
+    with rosbag.Bag(str(tmp_path / 'blind.bag'), 'w') as bag:
+        bag.write('/nothing', Header(), rospy.Time(1))
+    with rosbag.Bag(str(tmp_path / 'raw.bag'), 'w') as bag:
+        header = Header(stamp=rospy.Time(5), frame_id='eye')
+        bag.write('/eye/image', image_from_frame(frames[0].image, header), header.stamp)
+        bag.write('/eye/image', image_from_frame(frames[0].image, header, 'rgb8'), header.stamp)
+    paths = [tmp_path / name for name in (*broken, 'blind.bag', 'gone.bag', 'raw.bag')]
+    said = annotated(package, tmp_path / 'out', *paths, code=1)
+    for name in (*broken, 'blind.bag', 'gone.bag'):
+        assert '%s" cannot be done: it ' % name in said
+    assert 'rosbag reindex' in said and 'it has no images' in said
+    assert 'Traceback' not in said
+    assert sorted(path.name for path in (tmp_path / 'out').glob('*.*')) == ['.unit5', 'raw.bag', 'tags.csv']
+    assert {row['bag'] for row in rows_of(tmp_path / 'out')} == {'raw.bag'}
+
+
+def test_all_image_topics_are_looked_at_whatever_they_are_called(package, frames, tmp_path):
+    path, header = str(tmp_path / 'many.bag'), Header(stamp=rospy.Time(5), frame_id='eye')
+    frame = frames[0].image
+    with rosbag.Bag(path, 'w', compression='bz2') as bag:
+        for number in range(3):
+            stamp = header.stamp + rospy.Duration(number / FRAMES_PER_S)
+            bag.write('/eye/camera_info', CameraInfo(width=640, height=480), stamp)
+            bag.write('/eye/image', image_from_frame(frame, header, 'rgb8'), stamp)
+            bag.write('/eye/image/compressed', compressed_from_frame(frame, header), stamp)
+            bag.write('/eye_image', image_from_frame(frame, header), stamp)
+            depth = image_from_frame(frame, header)
+            depth.encoding = '32FC1'
+            bag.write('/depth', depth, stamp)
+    said = annotated(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
+    assert said.count('Of the bag "%s": ' % path) == 3
+    assert 'frames on /depth are passed over: ' in said and '32FC1' in said
+    assert 'there are no poses on /eye/image, for its camera_info cannot be used: its K is that of no' in said
+    assert {row['topic'] for row in rows_of(tmp_path / 'out')} == {
+        '/eye/image', '/eye/image/compressed', '/eye_image'}
+    with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
+        topics = bag.get_type_and_topic_info().topics
+    assert {topic: about.message_count for topic, about in topics.items()} == {
+        '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (('image', '/compressed'), ('tags', ''))
+        for camera in ('/eye/image' + ending, '/eye/image/compressed' + ending, '/eye_image' + ending)}
+    assert {path.name for path in (tmp_path / 'out').glob('*.mp4')} == {
+        'many.eye.image.mp4', 'many.eye.image.compressed.mp4', 'many.eye_image.mp4'}
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['_fit:=wide'], 'fit'), (['_scale:=2'], '"_scale"'), (['ids:=1,2,3,4'], '"ids"'), (['_ids:={a'], '~ids'),
+    (['--workers', '0'], '--workers'),
+    (['_picture:=no.png'], 'no.png'), (['--piece', '0'], '--piece'),
+    (['--scheduler', 'tcp://127.0.0.1:9'], 'tcp://127.0.0.1:9 does not answer')])
+def test_what_cannot_be_is_said(package, recorded, tmp_path, arguments, words):
+    said = annotated(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
+                     arguments[0] != '--scheduler' else 1)
+    assert words in said and 'Traceback' not in said
+
+
+def test_no_bag_is_written_over(package, recorded, tmp_path):
+    (tmp_path / 'bags').mkdir()
+    (tmp_path / 'bags' / 'drive.bag').symlink_to(recorded)
+    os.link(recorded, str(tmp_path / 'one.bag'))
+    (tmp_path / 'here').symlink_to(tmp_path)
+    assert 'give another --out' in annotated(package, tmp_path / 'here', tmp_path / 'one.bag', code=1)
+    link, folder = tmp_path / 'bags' / 'drive.bag', os.path.dirname(recorded)
+    assert 'give another --out' in annotated(package, folder, link, code=1)
+
+
+def test_what_was_made_otherwise_is_made_anew(package, recorded, done, tmp_path):
+    annotated(package, tmp_path, recorded, '--exercise', '5.2')
+    with rosbag.Bag(str(tmp_path / 'drive.bag')) as bag:
+        assert all(topic.startswith('/exercise5_2/') for topic in bag.get_type_and_topic_info().topics)
+    annotated(package, tmp_path, recorded)
+    assert_same(done, tmp_path)
+    os.unlink(str(tmp_path / 'drive.bag'))
+    annotated(package, tmp_path, recorded)
+    assert_same(done, tmp_path)
