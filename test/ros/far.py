@@ -14,9 +14,12 @@ VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'far_viewer.py
 class Far:
     """A base station with a roscore, and its robots, each with the simulated camera."""
 
-    def __init__(self, made, radios, of_robots, of_base):
-        (self.base, *self.robots), self.radios = made, radios
-        self.running = [Started(*self.base.command('roscore'))]
+    def __init__(self, made, radios):
+        (self.base, *self.robots), self.radios, self.running = made, radios, []
+
+    def begin(self, of_robots, of_base):
+        """Start all; see far."""
+        self.running.append(Started(*self.base.command('roscore')))
         self.running[0].wait_for('started core service')
         for number, robot in enumerate(self.robots):
             names = ['ROS_NAMESPACE=' + robot.name]
@@ -24,15 +27,13 @@ class Far:
                 Started(*robot.command(*names, 'roslaunch', 'unit5', 'robot.launch', 'sim:=true', *of_robots)),
                 Started(*self.base.command(*names, 'roslaunch', 'unit5', 'base_station.launch',
                                            'port:=%d' % (8090 + number), *of_base))]
-        self.viewers = []
 
     def view(self, *exercises):
         """Look at what these exercises make of the frames of all robots."""
         pairs = ['/%s/%s' % (robot.name, topic) for robot in self.robots for exercise in exercises
                  for topic in ('base_camera/image_raw', exercise + '/image')]
-        self.viewers.append(Started(*self.base.command(sys.executable, VIEWER, *pairs)))
-        self.running.append(self.viewers[-1])
-        return self.viewers[-1]
+        self.running.append(Started(*self.base.command(sys.executable, VIEWER, *pairs)))
+        return self.running[-1]
 
     def sent(self):
         """Bytes that the robots have sent so far."""
@@ -58,8 +59,9 @@ def far(robots, of_robots=(), of_base=(), loss=LOSS):
     ``of_robots``, ``of_base``: arguments of robot.launch and base_station.launch.
     """
     with hosts(robots, loss) as (made, radios):
-        found = Far(made, radios, of_robots, of_base)
+        found = Far(made, radios)
         try:
+            found.begin(of_robots, of_base)
             yield found
         finally:
             stop_all(reversed(found.running[1:]))
