@@ -6,6 +6,7 @@ decoded, once for all nodes there.
 """
 import aruco_ar  # noqa: F401  before all else: see there
 import rospy
+from aruco_node.calibration import info_topic
 from aruco_node.frame_node import CAMERA, FrameNode
 from aruco_node.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image_topics
 from aruco_node.memory import keep_memory
@@ -46,8 +47,8 @@ class CameraRelay(FrameNode):
 
     def follow(self, wanted):
         if wanted and self._listening is None:
-            topic = self.camera.rpartition('/')[0] + '/' + INFO
-            self._listening = rospy.Subscriber(topic, tolerant(CameraInfo), self._on_calibration, queue_size=1)
+            self._listening = rospy.Subscriber(info_topic(self.camera), tolerant(CameraInfo),
+                                               self._on_calibration, queue_size=1)
         elif not wanted and self._listening is not None:
             self._listening.unregister()
             self._listening = None

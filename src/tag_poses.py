@@ -5,7 +5,6 @@ From frames and the camera's calibration: the pose of every tag in sight, of the
 area, of the camera and of the robot, as messages, TF frames, markers for RViz,
 and axes drawn on the frame.
 """
-import os
 import time
 
 import aruco_ar  # noqa: F401  before all else: see there
@@ -13,7 +12,7 @@ import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator
 from aruco_ar.errors import shorten
-from aruco_ar.files import package_folder
+from aruco_ar.files import in_package
 from aruco_ar.paint import mark_poses
 from aruco_ar.wall import load_wall
 from aruco_node import pose_messages
@@ -197,7 +196,7 @@ def _load_wall(settings):
     """The Wall that settings name, or None where it is learned. Raises InputError if there is no such wall."""
     if settings.wall == LEARN:
         return None
-    return load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
+    return load_wall(in_package(settings.wall))
 
 
 if __name__ == '__main__':

@@ -36,6 +36,11 @@ def package_folder() -> str:
                          'space.') from None
 
 
+def in_package(path: str) -> str:
+    """The full path of a file, of a path that may be within the package, or begin with ~."""
+    return os.path.join(package_folder(), os.path.expanduser(path))
+
+
 def own_folder(name: str) -> str:
     """The package's folder of that name, to write into, or ./name where that cannot be written."""
     try:

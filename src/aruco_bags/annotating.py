@@ -9,16 +9,17 @@ import cv2
 import numpy as np
 import rosbag
 from aruco_ar import InputError, PoseEstimator, find_area
-from aruco_ar.files import package_folder
+from aruco_ar.files import in_package, package_folder
 from aruco_ar.sources import Still, open_source
 from aruco_node.calibration import is_rectified, lens_from_info
 from aruco_node.inputs import Inputs
 from aruco_node.messages import compressed_from_frame, tags_from_pixels
 from aruco_node.pose_messages import pose_message
 from aruco_node.settings import TOPIC
+from aruco_node.waiting import raw_topic
 from sensor_msgs.msg import CameraInfo
 
-from .reading import messages, raw_topic, to_frame
+from .reading import messages, to_frame
 
 CORNERS = [(number, axis) for number in range(4) for axis in 'xy']
 COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in CORNERS),
@@ -41,8 +42,7 @@ def check(exercise):
     """Raises InputError if the picture of an Exercise cannot be painted into bags."""
     if 'picture' in exercise.takes:
         given = exercise.settings.picture
-        path = os.path.join(package_folder(), os.path.expanduser(given))
-        if given.startswith(TOPIC) or not isinstance(open_source(path), Still):
+        if given.startswith(TOPIC) or not isinstance(open_source(in_package(given)), Still):
             raise InputError('The parameter ~picture is "%s"; into bags pictures are painted that stand still: '
                              'give a JPEG or PNG.' % given)
 

@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Dict
 
 from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
+from aruco_ar.files import in_package
 
 from .annotating import COLUMNS, annotate, drafted
 from .joining import join_bags, join_tables, make_video
@@ -28,9 +28,9 @@ class Job:
         self._seconds = seconds
         self.name = os.path.splitext(os.path.basename(path))[0]
         self.bag = os.path.join(folder, self.name + '.bag')
-        picture = os.path.join(package_folder(), exercise.settings.picture)
-        wanted = [exercise.name, repr(exercise.settings), video, seconds,
-                  *_state(path), *(_state(picture) if 'picture' in exercise.takes else [])]
+        wanted = [exercise.name, repr(exercise.settings), video, seconds, *_state(path)]
+        if 'picture' in exercise.takes:
+            wanted += _state(in_package(exercise.settings.picture))
         digest = hashlib.sha256(json.dumps(wanted).encode()).hexdigest()[:12]
         self._hidden = os.path.join(folder, HIDDEN, self.name, digest)
         self._drafts = os.path.join(self._hidden, 'drafts')

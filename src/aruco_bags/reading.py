@@ -2,6 +2,7 @@
 import os
 import stat
 import threading
+from bisect import bisect_left
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Dict, Optional
@@ -9,15 +10,15 @@ from typing import Any, Dict, Optional
 import genpy
 import rosbag
 from aruco_ar.errors import InputError
+from aruco_node.calibration import info_topic
 from aruco_node.messages import TRANSPORTS
-from aruco_node.waiting import IMAGE_TYPES, SUFFIX
+from aruco_node.waiting import IMAGE_TYPES, raw_topic
 from sensor_msgs.msg import CameraInfo
 
 from .indexed import IndexedBag
 
 PIECE_S = 60.0         # of a bag's own time
 RUN_IN_NS = 3 * 10**9  # before a piece its frames are looked at as well, for what is learned from them
-INFO = '/camera_info'
 TRANSPORT_OF = {kind: name for name, kind in IMAGE_TYPES.items()}
 _LAST = threading.local()  # of each thread of a Dask worker: the bag that is open, and what it was opened for
 
@@ -51,18 +52,23 @@ def pieces_of(path, seconds=PIECE_S):
             raise InputError('it has no images, no topic of %s.' % ' or '.join(IMAGE_TYPES.values()))
         first = bag.begin().to_nsec()
         # Of each topic: the numbers of the pieces that it has messages in, and when the last is.
-        infos = {topic: raw_topic(topic).rpartition('/')[0] + INFO for topic in topics}
+        infos = {topic: info_topic(raw_topic(topic)) for topic in topics}
         infos = {topic: info for topic, info in infos.items() if kinds.get(info) == CameraInfo._type}
-        last: Dict[Optional[str], Dict[int, Any]] = {topic: {} for topic in (*topics, *infos.values())}
+        last: Dict[str, Dict[int, Any]] = {topic: {} for topic in (*topics, *infos.values())}
         for topic, time in bag.times(list(last)):
             number = (time.to_nsec() - first) // length
             last[topic][number] = max(time, last[topic].get(number, time))
-    return [
-        Piece(path, topic, transport, _named(topic if raw_topic(topic) in topics else raw_topic(topic)), number,
-              _time(first + number * length), _time(first + (number + 1) * length), infos.get(topic),
-              max((time for before, time in last.get(infos.get(topic), {}).items() if before < number),
-                  default=None))
-        for topic, transport in topics.items() for number in sorted(last[topic])]
+    pieces = []
+    for topic, transport in topics.items():
+        info = infos.get(topic)
+        camera = _named(topic if raw_topic(topic) in topics else raw_topic(topic))
+        known = sorted(last[info].items()) if info else []
+        for number in sorted(last[topic]):
+            before = bisect_left(known, (number,))
+            pieces.append(Piece(path, topic, transport, camera, number, _time(first + number * length),
+                                _time(first + (number + 1) * length), info,
+                                known[before - 1][1] if before else None))
+    return pieces
 
 
 def messages(piece):
@@ -78,11 +84,6 @@ def messages(piece):
         for _, message, time in bag.messages([piece.topic, *filter(None, [piece.info])], begin, piece.end):
             if time < piece.end:
                 yield message, time, time >= piece.begin
-
-
-def raw_topic(topic):
-    """The name of a camera's raw images, of one of those or of its compressed ones."""
-    return topic[:-len(SUFFIX)] if topic.endswith(SUFFIX) else topic
 
 
 def to_frame(piece):

@@ -67,6 +67,11 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     return Lens(size[0], size[1], matrix, distortion, fisheye)
 
 
+def info_topic(camera):
+    """The name of the calibration beside a camera's raw images."""
+    return camera.rpartition('/')[0] + '/camera_info'
+
+
 def is_rectified(settings, camera):
     """Whether the lens is corrected in frames on the raw topic ``camera`` already, by PoseSettings."""
     return camera.rpartition('/')[2].startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified
@@ -84,7 +89,7 @@ class Calibration:
             raise InputError('The parameter ~camera_info is "%s"; that is no name of a topic.'
                              % settings.camera_info)
         self.rectified = is_rectified(settings, camera)
-        self.topic = camera.rpartition('/')[0] + '/camera_info' if settings.camera_info == AUTO else \
+        self.topic = info_topic(camera) if settings.camera_info == AUTO else \
             rospy.resolve_name(settings.camera_info)
         self._info = self._made_for = self._lens = self._subscriber = None
 

@@ -7,6 +7,11 @@ OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|
 SILENCE_S = 5.0  # after so long it is time to say why
 
 
+def raw_topic(topic):
+    """The name of a camera's raw images, of those or of its compressed ones."""
+    return topic[:-len(SUFFIX)] if topic.endswith(SUFFIX) else topic
+
+
 def explain_silence(camera, transport, published, own=()):
     """A sentence that says why nothing arrives, and what to do.
 
@@ -19,7 +24,7 @@ def explain_silence(camera, transport, published, own=()):
     if wanted in published:
         if transport == 'raw' and wanted.endswith(SUFFIX) and published[wanted] == IMAGE_TYPES['compressed']:
             return waiting + 'that is its compressed form. Give camera:=%s transport:=compressed.' % \
-                wanted[:-len(SUFFIX)]
+                raw_topic(wanted)
         if published[wanted] != IMAGE_TYPES[transport]:
             return waiting + ('it is published as %s, but must be %s. Give the topic of a camera: '
                               'camera:=TOPIC.' % (published[wanted], IMAGE_TYPES[transport]))
@@ -32,8 +37,7 @@ def explain_silence(camera, transport, published, own=()):
     cameras = sorted(topic for topic, kind in published.items()
                      if kind == IMAGE_TYPES[transport] and topic not in own and not OURS.search(topic))
     if cameras:
-        names = [name[:-len(SUFFIX)] if transport == 'compressed' and name.endswith(SUFFIX) else name
-                 for name in cameras]
+        names = [raw_topic(name) if transport == 'compressed' else name for name in cameras]
         return waiting + ('nothing publishes it. These are published: %s. Choose one: '
                           'camera:=TOPIC.' % ', '.join(names))
     return waiting + ('nothing publishes it, nor any other %s. Start a camera, or try sim:=true.'

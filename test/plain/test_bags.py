@@ -13,14 +13,13 @@ import psutil
 import pytest
 import rosbag
 import rospy
-from aruco_ar.robot import Camera
 from aruco_node.messages import compressed_from_frame, frame_from_compressed, image_from_frame
-from aruco_node.wall_messages import camera_info
+from bags import BEGIN_S, JPEG, record
 from drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-SECONDS, PIECE_S, BEGIN_S, WAIT_S = 12, 3, 1000, 120
+SECONDS, PIECE_S, WAIT_S = 12, 3, 120
 SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
 COVERED = range(SEAM - 20, SEAM + 20)
 CAMERA, PAINTED = '/camera/rgb/image_raw', '/exercise5_6/image/camera/rgb/image_raw/compressed'
@@ -36,11 +35,7 @@ def frames():
 def recorded(frames, tmp_path_factory):
     """The path of a bag of them."""
     path = str(tmp_path_factory.mktemp('bags') / 'drive.bag')
-    with rosbag.Bag(path, 'w') as bag:
-        for frame in frames:
-            header = Header(stamp=rospy.Time.from_sec(BEGIN_S + frame.stamp), frame_id='eye')
-            bag.write('/camera/rgb/camera_info', camera_info(Camera(), header), header.stamp)
-            bag.write(CAMERA + '/compressed', compressed_from_frame(frame.image, header), header.stamp)
+    record(path, [frame.image for frame in frames], SECONDS, *JPEG)
     return path
 
 
