@@ -6,14 +6,14 @@ frame keeps its size, which the course shrinks to 0.7 first.
 """
 import cv2
 import numpy as np
-from aruco_ar import get_dictionary
+from aruco_ar import DICTIONARIES
 
 
 class Course:
     """Finds the area in each frame alone, and paints the whole frame."""
 
     def __init__(self, dictionary, picture):
-        self._detector = cv2.aruco.ArucoDetector(get_dictionary(dictionary),
+        self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary]),
                                                  cv2.aruco.DetectorParameters())
         self._picture = picture
 

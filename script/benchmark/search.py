@@ -6,7 +6,7 @@ from multiprocessing import Pool
 
 import cv2
 import numpy as np
-from aruco_ar import Detector, get_dictionary
+from aruco_ar import DICTIONARIES, Detector
 from aruco_ar.detector import SEARCHES
 from aruco_ar.progress import progress, tell
 from aruco_ar.render import WallRenderer
@@ -36,7 +36,8 @@ def finder(method, dictionary=DICTIONARY):
     if method != DEFAULT:
         detector = Detector(dictionary, search=method)
         return lambda frame: [(tag.id, tag.corners) for tag in detector.detect(frame)]
-    plain = cv2.aruco.ArucoDetector(get_dictionary(dictionary), cv2.aruco.DetectorParameters())
+    plain = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary]),
+                                    cv2.aruco.DetectorParameters())
 
     def find(frame):
         corners, ids, _ = plain.detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))

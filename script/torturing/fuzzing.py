@@ -1,6 +1,6 @@
 """Coverage-guided fuzzing: libFuzzer changes bytes, and keeps what leads it into more of the code.
 
-It begins with test/fuzz/corpus, of which test/plain replays each file. What it
+It begins with test/fuzz/corpus, of which test/node replays each file. What it
 finds besides, and what it says, is in build/fuzz; to see one fault again:
 PYTHONPATH=test:$PYTHONPATH python3 test/fuzz/hunt.py --target=TARGET FILE
 """

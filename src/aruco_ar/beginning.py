@@ -1,10 +1,17 @@
 """What is done before numpy and OpenCV are imported, and while they are."""
 import sys
 
+from .versions import TooOld, need
+
 
 def _say(kind, error, trace, say=sys.excepthook):  # type: ignore[no-untyped-def]  # typing would be read before
-    """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was."""
-    if not issubclass(kind, KeyboardInterrupt):
+    """Ctrl-C ends a program, also one that is just beginning: nobody wants to read where it was.
+
+    Nor where it was found out that something is too old.
+    """
+    if issubclass(kind, TooOld):
+        print(error, file=sys.stderr)
+    elif not issubclass(kind, KeyboardInterrupt):
         say(kind, error, trace)
 
 
@@ -23,7 +30,7 @@ os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
 # A Ctrl-C waits for so long: numpy takes one for a broken installation.
 _before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 try:
-    import cv2  # noqa: F401
-    import numpy  # noqa: F401
+    for each in 'python', 'numpy', 'cv2', 'PIL':
+        need(each)
 finally:
     signal.pthread_sigmask(signal.SIG_SETMASK, _before)

@@ -116,6 +116,10 @@ class Detector:
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
         parameters.maxErroneousBitsInBorderRate = 0.6
+        # OpenCV 4.14 and later count each cell as wrong that is not clearly dark or light, and do not find tags
+        # that are blurred by motion. Here a cell is again what most of it is; of 25 pixels there is no half.
+        if hasattr(parameters, 'validBitIdThreshold'):
+            parameters.validBitIdThreshold, parameters.perspectiveRemovePixelPerCell = 0.5, 5
         parameters.adaptiveThreshWinSizeMin = windows[0]
         parameters.adaptiveThreshWinSizeMax = windows[1]
         parameters.adaptiveThreshWinSizeStep = windows[2]

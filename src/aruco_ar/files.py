@@ -23,12 +23,16 @@ NO_NAMELESS = errno.EOPNOTSUPP, errno.EISDIR  # of file systems that have no fil
 def package_folder() -> str:
     """Where config/, images/ and Tags/ are: the source folder, or share/unit5 once installed.
 
-    Raises InputError in an install space that ROS does not know of.
+    Raises InputError in an install space that ROS does not know of, and where only aruco_ar was installed.
     """
     source = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
     if os.path.isfile(os.path.join(source, 'package.xml')):
         return source
-    import rospkg  # not needed to run from the source folder
+    try:
+        import rospkg  # not needed to run from the source folder
+    except ImportError:
+        raise InputError('config/ and images/ of unit5 are not installed with aruco_ar alone; give a file of '
+                         'your own.') from None
     try:
         return rospkg.RosPack().get_path('unit5')
     except rospkg.ResourceNotFound:

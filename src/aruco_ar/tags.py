@@ -14,6 +14,11 @@ DICTIONARIES = {name: getattr(cv2.aruco, name)
 # Each once: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
 DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()}.values())
 
+# How many wrong cells are corrected, where OpenCV has changed its mind: none of an AprilTag up to 4.11, and
+# since then all that can be, with which anything square is a tag now and then. AprilTag's own default is 2.
+CORRECTED = {'DICT_APRILTAG_16H5': 0, 'DICT_APRILTAG_25H9': 1, 'DICT_APRILTAG_36H10': 2,
+             'DICT_APRILTAG_36H11': 2, 'DICT_ARUCO_MIP_36H12': 5, 'DICT_ARUCO_ORIGINAL': 0}
+
 SIDE_M = 0.001, 10.0  # what the side of a real tag may be
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
@@ -57,7 +62,9 @@ def get_dictionary(name: str) -> cv2.aruco.Dictionary:
     if name not in DICTIONARIES:
         raise InputError('There is no tag dictionary "%s"; choose one of %s.'
                          % (name, ', '.join(DICTIONARY_NAMES)))
-    return cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
+    dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
+    dictionary.maxCorrectionBits = CORRECTED.get(name.upper(), dictionary.maxCorrectionBits)
+    return dictionary
 
 
 def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:

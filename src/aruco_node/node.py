@@ -12,6 +12,7 @@ import rospy
 from aruco_ar.errors import InputError
 from rospy.core import is_shutdown_requested
 
+from .bridge import check_bridge
 from .connections import admit_each_alone
 from .master import keep_registered
 from .parameters import shown
@@ -68,6 +69,7 @@ def _start(name):
         rospy.init_node(name, disable_signals=True)
     except Exception as error:  # whatever rospy raises, such as for a _PARAMETER:= that XML-RPC cannot carry
         raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
+    check_bridge()
     admit_each_alone()
     keep_registered()
     _check_clock()

@@ -82,8 +82,10 @@ def jpeg(width=60, height=40, **options):
 
 def picture(kind, mode='RGB', size=(60, 40), **options):
     """A picture of one color as the bytes of a file."""
-    file = io.BytesIO()
-    Image.new(mode, size, 1).save(file, kind, **options)
+    file, image = io.BytesIO(), Image.new(mode, size, 1)
+    if mode == 'P':  # Pillow 11 writes a BMP without one, which nobody can read
+        image.putpalette([number // 3 for number in range(3 * 256)])
+    image.save(file, kind, **options)
     return file.getvalue()
 
 

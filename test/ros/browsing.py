@@ -1,9 +1,9 @@
 """What the rostests in a browser share: the page, open in Chromium."""
 import os
 import shutil
-import unittest
 
 from serving import ServerTest
+from skipping import skip
 from started import WAIT_S
 
 BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
@@ -19,7 +19,7 @@ class BrowserTest(ServerTest):
     def setUpClass(cls):
         path = next(filter(None, map(shutil.which, BROWSERS)), None)
         if path is None:
-            raise unittest.SkipTest('no Chromium here')
+            skip(cls.__name__, 'no Chromium here')
         from playwright.sync_api import sync_playwright
         super().setUpClass()
         cls.playwright = sync_playwright().start()

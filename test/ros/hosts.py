@@ -5,6 +5,8 @@ import subprocess
 import sys
 from contextlib import ExitStack, contextmanager
 
+from skipping import skip
+
 BASE, BASE_ADDRESS, ROBOT_ADDRESS = 'base', '10.55.0.1', '10.55.0.%d'
 LINK = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'link.py')
 DELAY_S, LOSS, RATE = 0.030, 0.01, '20mbit'  # of each link, each way
@@ -68,7 +70,7 @@ def until_it_ends(test, context):
     try:
         given = stack.enter_context(context)
     except (OSError, subprocess.CalledProcessError) as error:
-        test.skipTest('No hosts can be made here, as network namespaces with tunnels: %s' % error)
+        skip(test.id(), 'No hosts can be made here, as network namespaces with tunnels: %s' % error)
     test.addCleanup(stack.close)
     return given
 

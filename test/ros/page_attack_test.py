@@ -3,7 +3,6 @@
 import os
 import random
 import sys
-import unittest
 
 import psutil
 import rospy
@@ -13,6 +12,7 @@ from aruco_node.messages import image_from_frame
 from listening import until
 from sensor_msgs.msg import Image
 from serving import PICTURE, ServerTest
+from skipping import skip
 from std_msgs.msg import Header
 
 sys.path.append(os.path.join(package_folder(), 'test'))
@@ -70,7 +70,7 @@ class PageAttack(ServerTest):
         try:
             from hostile import described
         except ImportError:
-            raise unittest.SkipTest('no schemathesis here, which needs Python 3.10') from None
+            skip(self.id(), 'no schemathesis here, which needs Python 3.10')
         known = {'topic': [attacks.TOPIC], 'file': ['page.js', 'openapi.yaml'], 'name': ['earth.jpg']}
         answers, faults = described.ask(self.port, 1, 4, known)
         self.assertEqual(faults, [])

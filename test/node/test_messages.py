@@ -11,17 +11,19 @@ import numpy as np
 import pytest
 from aruco_ar import InputError
 from aruco_node.messages import (
-    ENCODINGS,
+    FAST,
     MAX_PICTURE_PIXELS,
     frame_from_compressed,
     frame_from_image,
+    image_from_frame,
     picture_from_image,
 )
 from aruco_node.tolerant import tolerant
 from cv_bridge import CvBridge
 from hostile.files import chunk, png
-from hostile.messages import Hostile
+from hostile.messages import KNOWN, Hostile
 from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
 
 KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels',
          'undecodable frame'}
@@ -33,19 +35,44 @@ def image(pixels, encoding, big=0):
                  step=pixels.strides[0], data=pixels.tobytes())
 
 
-@pytest.mark.parametrize('encoding', sorted(set(ENCODINGS) - {'yuv422_yuy2'}))
+@pytest.mark.parametrize('encoding', sorted(set(KNOWN) - {'yuv422_yuy2'}))
 def test_every_encoding_is_what_cv_bridge_makes_of_it(encoding, random):
-    bits, channels, _ = ENCODINGS[encoding]
+    kind, channels = CvBridge().encoding_to_dtype_with_channels(encoding)
     shape = (37, 52) + (channels,) * (channels > 1)
-    pixels = random.randint(0, 2**bits, shape).astype('u%d' % (bits // 8))
-    for big in (0, 1):
-        message = image(pixels, encoding, big)
-        np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(message, 'bgr8'))
+    pixels = random.randint(0, np.iinfo(kind).max + 1, shape).astype(kind)
+    usual = image(pixels, encoding)  # at the other order of bytes, cv_bridge fails with NumPy 2
+    for message in usual, image(pixels, encoding, big=1):
+        np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(usual, 'bgr8'))
         if encoding.startswith(('bgra', 'rgba')):
             np.testing.assert_array_equal(picture_from_image(message),
-                                          CvBridge().imgmsg_to_cv2(message, 'bgra8'))
+                                          CvBridge().imgmsg_to_cv2(usual, 'bgra8'))
         else:
             np.testing.assert_array_equal(picture_from_image(message), frame_from_image(message))
+
+
+@pytest.mark.parametrize('encoding, channels', [('bgr8', 3), ('rgb8', 3), ('bgra8', 4)])
+def test_what_goes_out_is_what_cv_bridge_would_send(encoding, channels, random):
+    pixels = random.randint(0, 256, (37, 52, channels)).astype(np.uint8)
+    header = Header(seq=3, frame_id='eye')
+    sent, usual = io.BytesIO(), io.BytesIO()
+    image_from_frame(pixels, header, 'rgb8' if encoding == 'rgb8' else 'bgr8').serialize(sent)
+    CvBridge().cv2_to_imgmsg(pixels[..., ::-1] if encoding == 'rgb8' else pixels, encoding,
+                             header).serialize(usual)
+    assert sent.getvalue() == usual.getvalue()
+
+
+def test_cv_bridge_is_not_loaded_for_what_most_cameras_send():
+    script = '''
+import sys
+from aruco_node.messages import frame_from_image
+from sensor_msgs.msg import Image
+for name in sys.argv[1:]:
+    frame_from_image(Image(width=1, height=1, step=3, encoding=name, data=b'abc'))
+print('cv_bridge' in sys.modules)
+'''
+    for encodings, loaded in (list(FAST), 'False'), ([*FAST, 'bgr8', 'bayer_rggb8'], 'True'):
+        done = subprocess.run([sys.executable, '-c', script, *encodings], stdout=subprocess.PIPE, text=True)
+        assert done.stdout.strip() == loaded
 
 
 def test_the_other_order_of_yuv422_is_the_same_frame(random):

@@ -8,7 +8,7 @@ from aruco_ar.render import WallRenderer
 from aruco_ar.robot import Camera, Pose, wall_to_camera
 from aruco_ar.wall import load_wall
 
-PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # For the benchmark's drives, and for what is hostile.
 sys.path += [os.path.join(PACKAGE, 'script', 'benchmark'), os.path.join(PACKAGE, 'test')]
 

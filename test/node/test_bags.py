@@ -13,6 +13,7 @@ import psutil
 import pytest
 import rosbag
 import rospy
+from aruco_ar import Tracker
 from aruco_node.messages import compressed_from_frame, frame_from_compressed, image_from_frame
 from bags import BEGIN_S, JPEG, record
 from drives import FRAMES_PER_S, LIVELY, drive
@@ -78,13 +79,20 @@ def assert_same(folder, other):
         assert (folder / name).read_bytes() == (other / name).read_bytes(), name
 
 
-def test_the_area_is_where_it_was_at_the_seams_too(frames, done):
-    areas = {round((float(row['stamp']) - BEGIN_S) * FRAMES_PER_S): area_of(row) for row in rows_of(done)
-             if row['area0_x']}
+def test_the_area_is_where_it_was_at_the_seams_too(frames, recorded, done):
+    rows, tracker = rows_of(done), Tracker()
+    numbers_of = [round((float(row['stamp']) - BEGIN_S) * FRAMES_PER_S) for row in rows]
+    areas = {number: area_of(row) for number, row in zip(numbers_of, rows) if row['area0_x']}
     assert len(areas) > 0.99 * len(frames)
     assert set(range(SEAM - 5, SEAM + 5)) <= set(areas)
+    with rosbag.Bag(recorded) as bag:
+        in_one = [tracker.update(frame_from_compressed(message), message.header.stamp.to_sec()).corners
+                  for _, message, _ in bag.read_messages([CAMERA + '/compressed'])]
     for number, area in areas.items():
-        assert np.abs(area - frames[number].corners).max() < 2.0, number
+        assert np.abs(area - in_one[number]).max() < 0.5, number
+        # One tag alone leaves the far side open where the robot jerks.
+        far = 1.0 if numbers_of.count(number) > 1 else 5.0
+        assert np.abs(area - frames[number].corners).max() < far, number
 
 
 def test_the_table_has_every_tag_in_every_frame(frames, done):
