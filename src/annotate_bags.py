@@ -20,7 +20,7 @@ from aruco_bags.annotating import Exercise, check
 from aruco_bags.job import jobs_of, kept
 from aruco_bags.reading import PIECE_S
 from aruco_bags.working import work, workers
-from aruco_node.bridge import check_bridge
+from aruco_node.bridge import fault_of_bridge
 from aruco_node.exercise import takes_of
 from aruco_node.parameters import read
 from aruco_node.settings import BagSettings
@@ -92,7 +92,9 @@ def main(argv):
     args = parse(argv)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        check_bridge()
+        fault = fault_of_bridge()
+        if fault:
+            print('annotate_bags: %s' % fault, file=sys.stderr)
         what = exercise(args.exercise, settings(argv))
         check(what)
         jobs = jobs_of(args.bags, what, args.out, args.video, args.piece)

@@ -12,9 +12,10 @@ import rospy
 from aruco_ar.errors import InputError
 from rospy.core import is_shutdown_requested
 
-from .bridge import check_bridge
+from .bridge import fault_of_bridge
 from .connections import admit_each_alone
 from .master import keep_registered
+from .messages import FAST
 from .parameters import shown
 from .streams import guard_streams
 
@@ -69,7 +70,9 @@ def _start(name):
         rospy.init_node(name, disable_signals=True)
     except Exception as error:  # whatever rospy raises, such as for a _PARAMETER:= that XML-RPC cannot carry
         raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
-    check_bridge()
+    fault = fault_of_bridge()
+    if fault:
+        rospy.logwarn('%s Until then, of raw frames only %s are read.', fault, ', '.join(FAST))
     admit_each_alone()
     keep_registered()
     _check_clock()
