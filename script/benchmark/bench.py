@@ -14,6 +14,7 @@ import master
 import network
 import nodes
 import poses
+import real
 import search
 import speed
 import video
@@ -25,7 +26,14 @@ def parse():
     parser = argparse.ArgumentParser(
         prog='script/bench', description=__doc__ + ' About half an hour without arguments.')
     parser.add_argument('--only', choices=PARTS, help='this part alone')
+    parser.add_argument('--real', metavar='FOLDER', nargs='?', const=real.CLIPS,
+                        help='both methods on real clips instead, against the truth: the videos of a folder of '
+                        'which NAME.yaml says dictionary and ids (default: those shared beside the package)')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
+    parser.add_argument('--ids', metavar='1,2,3,4', default=(),
+                        type=lambda text: tuple(int(number) for number in text.split(',')),
+                        help="the four of the video's tags that count; with them it is compared with the "
+                        'truth, where it has one')
     parser.add_argument('--dictionary', default='DICT_6X6_250',
                         help="of the video's tags (default: DICT_6X6_250)")
     parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
@@ -35,8 +43,11 @@ def parse():
 
 def main():
     args = parse()
+    if args.real:
+        real.run(args.real, args.chart)
+        return
     if args.video:
-        video.run(args.video, args.dictionary, args.chart)
+        video.run(args.video, args.dictionary, args.ids, args.chart)
         return
     print('%d processor cores' % os.cpu_count())
     if args.only in (None, 'sticking'):

@@ -10,9 +10,13 @@ from aruco_ar import DICTIONARIES
 
 
 class Course:
-    """Finds the area in each frame alone, and paints the whole frame."""
+    """Finds the area in each frame alone, and paints the whole frame.
 
-    def __init__(self, dictionary, picture):
+    ``ids``: the four tags that count, where there are more; the course has no such choice.
+    """
+
+    def __init__(self, dictionary, picture, ids=()):
+        self._ids = ids
         self._detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary]),
                                                  cv2.aruco.DetectorParameters())
         self._picture = picture
@@ -21,7 +25,9 @@ class Course:
         """(4, 2) int: the area's corners, or None without four tags."""
         gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = self._detector.detectMarkers(gray)
-        if ids is None or len(ids) < 4:
+        if ids is not None and self._ids:
+            corners = [quad for quad, tag_id in zip(corners, ids.ravel()) if tag_id in self._ids]
+        if ids is None or len(corners) < 4:
             return None
         centers = np.array([(int(quad[0][:, 0].mean()), int(quad[0][:, 1].mean())) for quad in corners])
         total, difference = centers.sum(axis=1), np.diff(centers, axis=1)

@@ -3,6 +3,7 @@ import os
 
 import cv2
 import numpy as np
+import real
 from aruco_ar import InputError, Tracker, load_picture, overlay
 from aruco_ar.progress import progress
 from chart import draw, jitter
@@ -13,8 +14,11 @@ from speed import timed
 USUAL_FRAMES_PER_S = 30.0  # of a video that does not say
 
 
-def run(path, dictionary, chart):
+def run(path, dictionary, ids, chart):
     """Measure, print, and draw the chart. Raises InputError if it is no video."""
+    if ids:
+        print(real.HEAD)
+        real.measure(real.Clip(path, dictionary, ids))
     cv2.setNumThreads(1)
     video = cv2.VideoCapture(path)
     if not video.isOpened():
@@ -22,7 +26,7 @@ def run(path, dictionary, chart):
     rate = video.get(cv2.CAP_PROP_FPS)
     rate = rate if 1 <= rate <= 1000 else USUAL_FRAMES_PER_S
     picture = load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg'))
-    course, tracker = Course(dictionary, picture), Tracker(dictionary)
+    course, tracker = Course(dictionary, picture, ids), Tracker(dictionary, ids)
     times, corners = {'course': [], 'ours': []}, {'course': [], 'ours': []}
     nothing = np.full((4, 2), np.nan)
     count = max(int(video.get(cv2.CAP_PROP_FRAME_COUNT)), 0)  # as the file says, which may be wrong
