@@ -88,6 +88,8 @@ class Detector:
         # which for what is reread are small enough.
         refinement = cv2.aruco.CORNER_REFINE_NONE if self._preset.rereads else cv2.aruco.CORNER_REFINE_SUBPIX
         self._anywhere = self._finder(self._preset.windows, self._preset.smallest, refinement)
+        self._usual = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].smallest,
+                                   cv2.aruco.CORNER_REFINE_SUBPIX) if self._preset.rereads else None
         self._of_a_size = self._finder(SEARCH_WINDOWS, _PRESETS['normal'].smallest,
                                        cv2.aruco.CORNER_REFINE_NONE)
 
@@ -96,8 +98,11 @@ class Detector:
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
         """
-        return self._fitted(frame, *self._find(
-            self._anywhere, frame, self._preset.scale, self._preset.rereads))
+        ids, quads = self._find(self._anywhere, frame, self._preset.scale, self._preset.rereads)
+        if self._usual is not None:  # a fine search can lose what a coarser one finds
+            more, others = self._find(self._usual, frame, _PRESETS['normal'].scale)
+            ids, quads = ids + more, np.concatenate([quads, others])
+        return self._fitted(frame, ids, quads)
 
     def search(self, frame: Image, side: float) -> list[Tag]:
         """The same for tags at least ``side`` pixels wide, in a fraction of the time."""

@@ -32,10 +32,11 @@ MIDDLE = np.float32((BEGIN + END) / 2)
 ARM = PART - MIDDLE
 POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
 ACROSS = np.linspace(-1, 1, PROFILE_POINTS, dtype=np.float32)
+PLACES = np.arange(PROFILE_POINTS)
 END_POINTS = PROFILE_POINTS // 5
-# Means over a profile's inner end and its outer end.
-ENDS = np.zeros((PROFILE_POINTS, 2), np.float32)
-ENDS[:END_POINTS, 0] = ENDS[-END_POINTS:, 1] = 1 / END_POINTS
+INNER = np.zeros(PROFILE_POINTS, np.float32)  # the mean over a profile's inner end
+INNER[:END_POINTS] = 1 / END_POINTS
+RIM = 0.9                # of the contrast: as light as this is the rim, which may end within a profile
 ALL = np.ones(PROFILE_POINTS, np.float32)
 
 
@@ -107,15 +108,17 @@ def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes
     along_edge = quads[..., None] + along[..., None] * PART                   # (n, 4, samples)
     across = (outward * reach)[..., None] * ACROSS                            # (n, 4, places)
     points = along_edge[..., None] + across[:, :, None]
-    gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32)).reshape(-1, PROFILE_POINTS)
-    ends = (gray @ ENDS).reshape(-1, SAMPLES, 2)                              # (4 n, samples, 2)
+    gray = _look(frame, points.reshape(len(quads) * 4, -1, 1).view(np.float32))
+    gray = gray.reshape(-1, SAMPLES, PROFILE_POINTS)                          # (4 n, samples, places)
     # Black is the same along an edge; white has shades.
-    dark = _median(ends[..., 0])[:, None]
-    contrast = ends[..., 1] - dark
-    share = (gray - np.repeat(dark, SAMPLES)[:, None]) / np.maximum(contrast, 1).reshape(-1, 1)
+    dark = _median(gray @ INNER)[:, None, None]
+    rim, beyond = _rims(gray, dark[:, 0])
+    contrast = (gray @ rim[..., None]) - dark                                 # (4 n, samples, 1)
+    share = (gray - dark) / np.maximum(contrast, 1)
     # What is far lighter or darker than both ends belongs to something else.
     np.maximum(share, -MAX_BEYOND, out=share)
     np.minimum(share, 1 + MAX_BEYOND, out=share)
+    share[np.broadcast_to(beyond[:, None], share.shape)] = 1
     light = (share @ ALL).reshape(-1, 4, SAMPLES)
     step = reach * (2 / (PROFILE_POINTS - 1))
     offset = (PROFILE_POINTS / 2 - light) * step[..., None]                   # (n, 4, samples) outward
@@ -131,9 +134,30 @@ def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes
     crossed = (toward.conj() * along).imag
     far = ((first - before).conj() * along).imag / np.where(np.abs(crossed) < 1e-6, 1e-6, crossed)
     corners = before + far * toward
-    seen = (_median(contrast).reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
+    seen = (_median(contrast[..., 0]).reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
     good = (seen & (np.abs(corners - quads) < 3 * reach)).all(axis=1)
     return np.where(good[:, None], corners, quads).astype(np.complex64), good
+
+
+def _rims(gray: Floats, dark: Floats) -> tuple[Floats, Booleans]:
+    """Which places of edges' profiles, (n, samples, places), are on the tag's white rim, and which beyond it.
+
+    ``dark``: (n, 1). Paper may be cut close to the tag, and what is beyond be
+    of any shade. Returns (n, places) float32, whose sum is 1, and bool.
+    """
+    typical = np.partition(gray, SAMPLES // 2, axis=1)[:, SAMPLES // 2]       # (n, places)
+    smooth = typical.copy()
+    smooth[:, 1:-1] = (typical[:, :-2] + typical[:, 1:-1] + typical[:, 2:]) / 3
+    smooth[:, :END_POINTS] = dark
+    light = smooth >= dark + RIM * (smooth.max(axis=1, keepdims=True) - dark)
+    begins = light.argmax(axis=1)[:, None]
+    ended = (begins < PLACES) & ~light
+    narrow = ended.any(axis=1, keepdims=True)
+    beyond = narrow & (ended.argmax(axis=1)[:, None] <= PLACES)
+    # Of a wide rim the outer end, where nothing of the edge's blur is left.
+    begins = np.where(narrow, begins, np.maximum(begins, PROFILE_POINTS - END_POINTS))
+    rim = np.asarray((begins <= PLACES) & ~beyond, np.float32)
+    return rim / rim.sum(axis=1, keepdims=True), beyond
 
 
 def _fit_lines(offset: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:

@@ -29,34 +29,39 @@ def tolerance_of(quads: Floats) -> Floats:
 class Layout:
     """The places of tags, and the four that span the area.
 
-    ``ids``: those four, in the order of the area's corners. ``places``: {id:
-    (4, 2) float64} of all tags. ``upright``: whether the order is that of the
-    tags' own tops; if they disagree, each frame has to tell which side is up.
-    ``ratio``: how many times as wide as high the area is on the wall.
+    ``ids``: those four, in the order of the area's corners, the first of which
+    is the picture's top left: as the tags' own tops have it or, where they
+    disagree, as the frame had it in which they were first seen. ``places``:
+    {id: (4, 2) float64} of all tags. ``ratio``: how many times as wide as high
+    the area is on the wall.
     """
 
-    def __init__(self, tags: Sequence[Tag], corners: Floats, upright: str) -> None:
-        """From tags seen in one frame, and the area's corners in it, (4, 2)."""
+    def __init__(self, tags: Sequence[Tag], corners: Floats, first: int | None = None) -> None:
+        """From tags seen in one frame, and the area's corners in it, (4, 2); for ``first`` see from_tags."""
         near = [min(tags, key=lambda tag: np.linalg.norm(tag.center - corner)) for corner in corners]
         to_plane = np.linalg.inv(homography_to(corners))
         tops = {_top_of(transform(to_plane, np.asarray(tag.corners, np.float64))) for tag in near}
-        self.upright = upright == 'tags' and len(tops) == 1
-        turn = tops.pop() if self.upright else 0
-        self.ids = [near[(place + turn) % 4].id for place in range(4)]
+        ids = [tag.id for tag in near]
+        turn = tops.pop() if len(tops) == 1 else ids.index(first) if first in ids else 0
+        self.ids = ids[turn:] + ids[:turn]
         to_plane = np.linalg.inv(homography_to(np.roll(corners, -turn, axis=0)))
         self.places = {tag.id: transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in tags}
         self._sights = dict.fromkeys(self.places, 1)
         self.ratio = ratio_of(self.quads(self.ids))
 
     @classmethod
-    def from_tags(cls, tags: Sequence[Tag], upright: str) -> Layout | None:
-        """The Layout of tags seen in one frame, or None if they do not span an area."""
+    def from_tags(cls, tags: Sequence[Tag], first: int | None = None) -> Layout | None:
+        """The Layout of tags seen in one frame, or None if they do not span an area.
+
+        ``first``: the id of the tag that is at the picture's top left if it is
+        one of the four and the tags' own tops disagree.
+        """
         area = find_area(tags)
         if area is None:
             return None
         ids = [tag.id for tag in tags]
         single = [tag for tag in tags if ids.count(tag.id) == 1]
-        return cls(single, np.asarray(area.corners, np.float64), upright)
+        return cls(single, np.asarray(area.corners, np.float64), first)
 
     def quads(self, ids: Iterable[int]) -> Floats:
         """(n, 4, 2): the places of those tags."""

@@ -57,15 +57,18 @@ class AreaMotion:
     """The area's corners, their speeds, and how well both are known."""
 
     def __init__(self, corners: Floats, size: Sequence[int], points: Floats, pixels: Floats,
-                 deviation: Floats) -> None:
+                 deviation: Floats, bias: Floats) -> None:
         """An area just found at corners, in a frame of that size, by what was seen (see correct)."""
         self._middle, self._focal = (np.array(size) - 1) / 2, FOCAL * size[0]
         self._place = np.array(corners, np.float64).ravel()
         self._speed = np.zeros(8)
         _, slope = self._linearize(points)
-        known = (slope / np.repeat(deviation, 2)[:, None]**2).T @ slope
+        weighted = (slope / np.repeat(deviation, 2)[:, None]**2).T
         self._covariance = np.zeros((16, 16))
-        self._covariance[:8, :8] = np.linalg.inv(known + np.eye(8) / self._focal**2)
+        self._covariance[:8, :8] = np.linalg.inv(weighted @ slope + np.eye(8) / self._focal**2)
+        # Pixels, (8, 8): by how much the corners are off for what is off in the same way in every frame, the
+        # four corners of a tag each in its own way, but all tags alike.
+        self._biased = _summed(self._covariance[:8, :8] @ weighted, bias)
         self._covariance[8:, 8:] = self._agility(FIRST)
 
     @property
@@ -75,8 +78,14 @@ class AreaMotion:
 
     @property
     def deviation(self) -> Floats:
-        """(4,) pixels: the standard deviation of each corner's place."""
-        return np.sqrt(np.maximum(self._covariance.diagonal()[:8].reshape(4, 2).sum(axis=1), 0))
+        """(4,) pixels: the standard deviation of each corner's place.
+
+        Errors that are new in each frame and that fade with their number, and
+        those that stay, which one small tag far from a corner makes large ones.
+        """
+        fading = self._covariance.diagonal()[:8]
+        staying = (self._biased * self._biased).sum(axis=1)
+        return np.sqrt(np.maximum((fading + staying).reshape(4, 2).sum(axis=1), 0))
 
     @property
     def speed(self) -> float:
@@ -108,23 +117,33 @@ class AreaMotion:
         """(..., 2) pixels: where points of the plane, (..., 2), are."""
         return transform(homography_to(self._place.reshape(4, 2)), points)
 
-    def correct(self, points: Floats, pixels: Floats, deviation: Floats, limit: float = np.inf) -> bool:
-        """Take in that points of the plane, (n, 2), are seen at pixels, (n, 2).
+    def correct(self, points: Floats, pixels: Floats, deviation: Floats, bias: Floats,
+                limit: float = np.inf) -> bool:
+        """Take in that points of the plane, (n, 2), four of each tag, are seen at pixels, (n, 2).
 
-        ``deviation``: (n,) pixels, how far off that may be. False, and nothing
-        is taken in, if it is more unlikely than ``limit`` (see unlikeliness).
+        ``deviation``: (n,) pixels, how far off that may be, otherwise in each
+        frame; ``bias``: the same in every frame. False, and nothing is taken
+        in, if it is more unlikely than ``limit`` (see unlikeliness).
         """
-        p, before = self._covariance, self._place
-        for attempt in range(3):
-            known, shrink, toward, unlikeliness = self._weigh(points, pixels, deviation, before)
-            if attempt == 0 and unlikeliness > limit:
+        before, p = self._place, self._covariance
+        weighed = self._weigh(points, pixels, deviation, before, p)
+        if weighed[4] > limit:
+            p = self._with_staying()  # what is seen now may show that the corners were off in every frame
+            weighed = self._weigh(points, pixels, deviation, before, p)
+            if weighed[4] > limit:
                 return False
+        for attempt in range(3):
+            if attempt:
+                weighed = self._weigh(points, pixels, deviation, before, p)
+            known, weighted, shrink, toward, _ = weighed
             change = p[:, :8] @ toward
             step = before + change[:8] - self._place
             self._place = before + change[:8]
             if np.abs(step).max() < CLOSE_PX:
                 break
         self._speed = self._speed + change[8:]
+        gain = p[:8, :8] @ shrink
+        self._biased = self._biased - gain @ (known @ self._biased) + gain @ _summed(weighted, bias)
         p = p - p[:, :8] @ (shrink @ known) @ p[:8]
         self._covariance = (p + p.T) / 2
         return True
@@ -134,13 +153,20 @@ class AreaMotion:
 
         It is the squared Mahalanobis distance for each number measured.
         """
-        return self._weigh(points, pixels, deviation, self._place)[3]
+        return self._weigh(points, pixels, deviation, self._place, self._with_staying())[4]
+
+    def _with_staying(self) -> Floats:
+        """The covariance, (16, 16), with the errors that stay."""
+        p = self._covariance.copy()
+        p[:8, :8] += self._biased @ self._biased.T
+        return p
 
     def _weigh(self, points: Floats, pixels: Floats, deviation: Floats,
-               before: Floats) -> tuple[Floats, Floats, Floats, float]:
-        """A measurement against what was believed before it, when the corners were ``before``.
+               before: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
+        """A measurement against what was believed before it, the corners ``before`` and their covariance.
 
-        What it tells about the corners, as an inverse covariance (8, 8); what
+        What it tells about the corners, as an inverse covariance (8, 8), and
+        each number by itself (8, 2n); what
         is left of that beside what was believed (8, 8); the change of the
         corners that both ask for, still to be multiplied by the covariance,
         (8,); and how unlikely it is. Eight corners' numbers are inverted in
@@ -148,13 +174,13 @@ class AreaMotion:
         """
         seen, slope = self._linearize(points)
         weight = np.repeat(deviation ** -2.0, 2)
-        weighted, p = slope.T * weight, self._covariance[:8, :8]
+        weighted, p = slope.T * weight, covariance[:8, :8]
         known = weighted @ slope
         shrink = np.linalg.inv(np.eye(8) + known @ p)
         off = (pixels - seen).ravel() + slope @ (self._place - before)
         asked: Floats = weighted @ off
         toward = shrink @ asked
-        return known, shrink, toward, (off @ (weight * off) - asked @ p @ toward) / len(off)
+        return known, weighted, shrink, toward, (off @ (weight * off) - asked @ p @ toward) / len(off)
 
     def _linearize(self, points: Floats) -> tuple[Floats, Floats]:
         """Where points of the plane, (n, 2), are seen, and how that changes with the corners, (2n, 8)."""
@@ -182,6 +208,11 @@ class AreaMotion:
         moves = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES
         agility = moves * ([TURN + swift] * 3 + [TRAVEL + swift] * 3)
         return agility @ agility.T + np.eye(8) * (OTHER * self._focal / FOCAL)**2
+
+
+def _summed(effect: Floats, bias: Floats) -> Floats:
+    """(8, 8): the effect, (8, 2n), of n points, four of each tag, being off by (n,) pixels, all tags alike."""
+    return (effect * np.repeat(bias, 2)).reshape(8, -1, 8).sum(axis=1)
 
 
 # A camera's motion in those eight: pan, tilt, roll; to the side, up, forward.

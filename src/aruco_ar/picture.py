@@ -4,7 +4,7 @@ from __future__ import annotations
 import io
 import warnings
 from contextlib import contextmanager
-from typing import ContextManager, Iterator, Sequence
+from typing import ContextManager, Iterator
 
 import cv2
 import numpy as np
@@ -66,7 +66,7 @@ def opened_picture(path: str, kinds: str = STILLS) -> ContextManager[PIL.Image.I
     return _opened_image(read_whole(path, MAX_PICTURE_BYTES), path, kinds)
 
 
-def open_header(data: bytes, formats: Sequence[str] = FORMATS) -> PIL.Image.Image:
+def open_header(data: bytes, formats: tuple[str, ...] = FORMATS) -> PIL.Image.Image:
     """A Pillow image of the bytes of a file, of which only the header has been looked at.
 
     Raises PIL.Image.DecompressionBombError if it has more than
@@ -132,6 +132,7 @@ def resize(image: Image, factor: float) -> Image:
 def _upright(image: PIL.Image.Image) -> PIL.Image.Image:
     """The image turned as its camera noted it."""
     try:
-        return image if image.getexif().get(ORIENTATION, 1) == 1 else PIL.ImageOps.exif_transpose(image)
+        turned = None if image.getexif().get(ORIENTATION, 1) == 1 else PIL.ImageOps.exif_transpose(image)
+        return turned or image
     except Exception:  # the note cannot be read, of which Pillow says much
         return image

@@ -109,13 +109,14 @@ class WallRenderer:
 
     def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
         """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
-        texture = cells.repeat(TAG_CELL_TEXELS, 0).repeat(TAG_CELL_TEXELS, 1)
+        texels = TAG_CELL_TEXELS // self._wall.parts
+        texture = cells.repeat(texels, 0).repeat(texels, 1)
         place = (np.arange(len(texture)) + 0.5) / len(texture)
         left, right, _, foot = paper[:, 0]
         x = left + (right - left) * place + (foot - left) * place[:, None]
         # Paper is not a light source, ink not a hole.
         pyramid: list[Image] = [((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)]
-        while len(pyramid[-1]) > 2 * len(cells):  # until two texels are left of a cell
+        while len(pyramid[-1]) > 2 * len(cells) / self._wall.parts:  # until two texels are left of a cell
             pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5,
                                       interpolation=cv2.INTER_AREA))
         return pyramid

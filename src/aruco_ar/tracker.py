@@ -22,6 +22,7 @@ GAP_S = 0.5            # frames farther apart than this say nothing about motion
 USUAL_S = 1 / 30       # between frames whose stamps do not tell
 RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
+FURTHER = 4            # so many tags besides the four are looked for in each frame
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
 SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its place
@@ -35,6 +36,9 @@ MAX_DEVIATION = 0.029
 # ... which is over at once when they are known less exactly than the first of
 # these, and at their speed have moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
+# By how much the corners of a tag with a side of SMALL_PX can be off in the same way in every frame; on one
+# half as large four times as much.
+BIAS_PX, SMALL_PX = 0.10, 30.0
 ROUNDING_S = 1e-6      # of stamps
 
 
@@ -58,21 +62,27 @@ class Tracker:
             raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
         if upright not in UPRIGHT:
             raise InputError('"%s" is no way to be upright; choose one of %s.' % (upright, ', '.join(UPRIGHT)))
-        self._detector = Detector(dictionary, ids, **detection)
+        self._ids = frozenset(ids)
+        Detector(dictionary, self._ids)  # raises where the dictionary does not have them
+        # Others on the same plane show where the four are.
+        self._detector = Detector(dictionary, **detection)
+        self._layout: Layout | None = None
         self.hold = hold
         self._upright = upright
         self.reset()
 
     @property
     def tags(self) -> list[Tag]:
-        """A list of Tag: those seen in the last frame."""
-        return [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()]
+        """A list of Tag: those seen in the last frame, of the ids that count."""
+        return [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()
+                if self._counts(tag_id)]
 
     def reset(self) -> None:
         """Forget everything seen so far."""
         self._stamp: float | None = None
         self._shape: tuple[int, ...] = ()
         self._now = 0.0  # goes on also where stamps stand still
+        self._layout = None
         self._begin([])
 
     def update(self, frame: Image, stamp: float) -> Area | None:
@@ -97,7 +107,7 @@ class Tracker:
     def _begin(self, tags: Sequence[Tag]) -> None:
         """Start afresh, with the area that these tags span, if they do."""
         self._seen = {tag.id: tag.corners for tag in tags}
-        self._layout = Layout.from_tags(tags, self._upright)
+        self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
         self._displaced: set[int] = set()  # tags seen where they do not belong, and not where they do since
         self._rival: Layout | None = None
@@ -108,6 +118,14 @@ class Tracker:
         if self._layout is not None:
             self._searched = self._now
             self._believe(self._layout, self._seen)
+
+    def _counts(self, tag_id: int) -> bool:
+        return not self._ids or tag_id in self._ids
+
+    def _layout_of(self, tags: Sequence[Tag]) -> Layout | None:
+        """The Layout of those tags that count, or None; of the same four the top stays where it was."""
+        first = None if self._layout is None else self._layout.ids[0]
+        return Layout.from_tags([tag for tag in tags if self._counts(tag.id)], first)
 
     def _predict(self, passed: float) -> None:
         """Move on by that time, seconds; after too long, nobody knows where to."""
@@ -141,7 +159,7 @@ class Tracker:
         agreed, moved_on = self._believe(layout, known)
         others = len(seen) - len(known)
         # A few that are known may hang in another scene as well.
-        if not moved_on and others > len(agreed) and Layout.from_tags(tags, self._upright):
+        if not moved_on and others > len(agreed) and self._layout_of(tags):
             self._begin(tags)  # another scene
             return
         self._displaced.update(set(known) - set(agreed))
@@ -167,7 +185,11 @@ class Tracker:
         quads = motion.see(layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
         inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
-        ids, quads = [tag_id for tag_id, fits in zip(ids, inside) if fits], quads[inside]
+        known = [number for number in np.flatnonzero(inside) if ids[number] in layout.ids]
+        others = [number for number in np.flatnonzero(inside) if ids[number] not in layout.ids]
+        if len(others) > FURTHER:  # the largest say most
+            others = sorted(others, key=dict(zip(others, -side_of(quads[others]))).__getitem__)[:FURTHER]
+        ids, quads = [ids[number] for number in known + others], quads[known + others]
         if not ids:
             return {}, True
         fitted, found, likeness = self._detector.fit(frame, ids, quads)
@@ -229,7 +251,7 @@ class Tracker:
                 if self._rival_sights >= SIGHTS and self._now - self._rival_since >= RELEARN_S:
                     self._begin(tags)
                 return
-        self._rival = Layout.from_tags(tags, self._upright)
+        self._rival = self._layout_of(tags)
         self._rival_since, self._rival_sights = self._now, 1
 
     def _learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats], agreed: list[int]) -> None:
@@ -268,24 +290,26 @@ class Tracker:
             self._sure = -np.inf
             return None
         corners, ratio = corners.astype(np.float32), self._layout.ratio
-        if self._layout.upright:
+        if self._upright == 'tags':
             return Area(corners, ratio)
         ordered = order_coordinates(corners)
         on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
         return Area(ordered, 1 / ratio if on_its_side else ratio)
 
 
-def _measured(layout: Layout, seen: Mapping[int, Floats], ids: Iterable[int]) -> tuple[Floats, Floats, Floats]:
-    """(n, 2) points of the plane, (n, 2) pixels where they are seen, (n,) how far that may be off."""
+def _measured(layout: Layout, seen: Mapping[int, Floats],
+              ids: Iterable[int]) -> tuple[Floats, Floats, Floats, Floats]:
+    """Of tags what AreaMotion.correct takes: points, pixels, deviation and bias."""
     quads = np.array([seen[tag_id] for tag_id in ids], np.float64)
-    deviation = 0.15 + 0.002 * side_of(quads)
-    return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4))
+    side = side_of(quads)
+    deviation, bias = 0.15 + 0.002 * side, BIAS_PX * (SMALL_PX / side)**2
+    return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4), np.repeat(bias, 4))
 
 
 def _likely(layout: Layout, seen: Mapping[int, Floats], motion: AreaMotion, limit: float) -> list[int]:
     """The ids of the tags that, so moving, can be where they are seen, all together."""
     def unlikeliness(some: list[int]) -> float:
-        points, pixels, _ = _measured(layout, seen, some)
+        points, pixels, _, _ = _measured(layout, seen, some)
         deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
         return motion.unlikeliness(points, pixels, deviation)
     ids = list(seen)

@@ -65,14 +65,21 @@ class Wall:
         by_id = {tag.id: tag for tag in self.tags}
         return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area]).reshape(-1, 3)
 
+    @property
+    def parts(self) -> int:
+        """Into how many parts the side of a tag's cell is divided on its paper: quiet is rounded to them."""
+        return 1 if self.quiet == int(self.quiet) else 16
+
     def paper(self, tag: WallTag) -> tuple[Image, Floats]:
         """A tag's cells on its white paper, and where the paper's corners are.
 
-        The cells are (n, n) uint8, 0 black and 255 white; the corners (4, 3)
-        float64, wall meters, clockwise from the tag's own top left.
+        The cells are (n, n) uint8, 0 black and 255 white, and there are several
+        for each of the tag's own where its rim is no whole number of them wide
+        (see ``parts``); the corners (4, 3) float64, wall meters, clockwise from
+        the tag's own top left.
         """
-        cells = tag_cells(self.dictionary, tag.id)
-        paper = np.pad(cells, int(np.ceil(self.quiet)), constant_values=255)
+        cells = tag_cells(self.dictionary, tag.id).repeat(self.parts, 0).repeat(self.parts, 1)
+        paper = np.pad(cells, round(self.quiet * self.parts), constant_values=255)
         reach = 0.5 * len(paper) / len(cells)
         return paper, tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
 

@@ -137,7 +137,7 @@ def _opened(message):
     """
     data = message.data
     try:
-        picture = open_header(data, ['JPEG', 'PNG'])
+        picture = open_header(data, ('JPEG', 'PNG'))
     except Picture.DecompressionBombError:
         raise _too_large('A compressed frame of %d bytes' % len(data)) from None
     except Exception:  # Pillow raises many kinds

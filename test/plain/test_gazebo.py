@@ -148,13 +148,12 @@ def test_a_camera_finds_the_tags(any_wall, pose):
 def test_textures_are_the_tags_on_white_paper(any_wall):
     for tag, (texture, _) in zip(any_wall.tags, read_fronts(wall_files(any_wall))):
         cells = tag_cells(any_wall.dictionary, tag.id)
-        margin = int(np.ceil(any_wall.quiet))
-        side = len(cells) + 2 * margin
-        scale = len(texture) // side
-        assert texture.shape == (side * scale, side * scale) and scale >= 32
-        expected = np.full((side, side), 255, np.uint8)
-        expected[margin:margin + len(cells), margin:margin + len(cells)] = cells
-        np.testing.assert_array_equal(texture, expected.repeat(scale, 0).repeat(scale, 1))
+        scale = round(len(texture) / (len(cells) + 2 * any_wall.quiet))
+        margin, side = round(any_wall.quiet * scale), len(cells) * scale
+        assert texture.shape == (side + 2 * margin, side + 2 * margin) and scale >= 32
+        expected = np.full(texture.shape, 255, np.uint8)
+        expected[margin:margin + side, margin:margin + side] = cells.repeat(scale, 0).repeat(scale, 1)
+        np.testing.assert_array_equal(texture, expected)
 
 
 def test_the_paper_stands_out_from_the_wall(any_wall):

@@ -140,6 +140,17 @@ def spoil(count):
     return cv2.copyMakeBorder(tag, 60, 60, 60, 60, cv2.BORDER_CONSTANT, value=255)
 
 
+def test_thorough_finds_what_normal_finds(monkeypatch):
+    """Whatever becomes of its own, finer reading."""
+    tag = draw_tag('DICT_6X6_250', 7, 75, quiet=1)
+    frame = cv2.GaussianBlur(cv2.copyMakeBorder(tag, 60, 60, 60, 60, cv2.BORDER_REPLICATE), (0, 0), 1)
+    whole, = Detector(search='thorough').detect(frame)
+    monkeypatch.setattr(Detector, '_reread', lambda *given: ([], np.empty((0, 4, 2), np.float32)))
+    for search in 'normal', 'thorough':
+        found, = Detector(search=search).detect(frame)
+        np.testing.assert_allclose(found.corners, whole.corners, atol=0.1)
+
+
 @pytest.mark.parametrize('search', SEARCHES)
 def test_wrong_cells_are_corrected_as_far_as_asked_for(search):
     """Five can be in this dictionary."""

@@ -235,6 +235,28 @@ def test_further_tags_are_learned_and_keep_it_in_place():
     assert rms(errors) < 1.0
 
 
+def test_further_tags_keep_it_in_place_where_four_are_named():
+    wall = replace(WALL, tags=WALL.tags + (WallTag(8, 0.0, 0.9, 0.14, 20.0), WallTag(9, 0.0, 0.25, 0.14)))
+    frames = list(drive(SLOW, 120, lambda number: WALL.area if number >= 75 else (), wall=wall, **USUAL))
+    tracker = Tracker(ids=WALL.area)
+    assert rms(follow(tracker, frames[:75])) < 0.3
+    assert {tag.id for tag in tracker.tags} == set(WALL.area)
+    assert rms(follow(tracker, frames[75:])) < 1.0
+    assert tracker.tags == []  # of those named
+
+
+@pytest.mark.parametrize('color', [WALL.color, (30, 40, 50)], ids=['light', 'dark'])
+@pytest.mark.parametrize('quiet', [0.5, 0.25])
+def test_rims_may_be_narrow_and_the_wall_beyond_of_any_shade(quiet, color):
+    frames = list(drive(LIVELY, 60, wall=replace(WALL, quiet=quiet, color=color), **USUAL))
+    tracker, found = Tracker(), 0
+    errors = []
+    for frame in frames:
+        errors.append(np.linalg.norm(tracker.update(frame.image, frame.stamp).corners - frame.corners, axis=1))
+        found += len(tracker.tags)
+    assert rms(np.array(errors)) < 0.2 and found == 4 * len(frames)
+
+
 def test_the_picture_turns_with_the_wall():
     tracker = Tracker(upright='tags')
     frames = [rolled(WALL, angle, stamp=angle / 300) for angle in range(0, 361, 10)]
@@ -262,6 +284,29 @@ def test_where_tags_disagree_the_top_is_the_frames():
     flipped = rolled(wall, 180)
     np.testing.assert_allclose(Tracker().update(flipped.image, 0.0).corners,
                                np.roll(flipped.corners, 2, axis=0), atol=0.7)
+
+
+def test_where_tags_disagree_the_top_stays_on_the_wall():
+    wall = replace(WALL, tags=tuple(replace(tag, turn=90.0 if tag.id == 2 else 0.0) for tag in WALL.tags))
+    tracker = Tracker()
+    frames = [rolled(wall, angle, stamp=number / 30) for number, angle in enumerate(range(0, 181, 6))]
+    assert follow(tracker, frames).max() < 0.7
+    # Also where it was lost, and all is learned anew in another arrangement of the same four.
+    moved = replace(wall, tags=tuple(replace(tag, x=1.3 * tag.x) for tag in wall.tags))
+    again = [rolled(moved, 180, stamp=2 + number / 30) for number in range(30)]
+    assert follow(tracker, again)[-1].max() < 0.7
+
+
+def test_a_lone_small_tag_does_not_pretend_to_know_where_the_rest_is():
+    """Its corners are off in the same way in every frame: no number of frames makes up for that."""
+    wall = replace(WALL, tags=tuple(replace(tag, side=0.07) for tag in WALL.tags))
+    frames = list(drive(STILL, 90, lambda number: (1, 2, 3) if number >= 30 else (), wall=wall, noise=2.0))
+    tracker = Tracker()
+    follow(tracker, frames[:30])
+    tracker.update(np.zeros_like(frames[0].image), 1.0)
+    shown = later(frames[30:], 5.0)  # after a pause, it has nothing else to go by
+    assert tracker.update(shown[0].image, shown[0].stamp) is None
+    assert np.isnan(follow(tracker, shown[1:])).all()
 
 
 def test_nothing_is_written_into_the_frame():
