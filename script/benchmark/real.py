@@ -9,7 +9,6 @@ import numpy as np
 from aruco_ar import InputError, Tracker
 from aruco_ar.files import yaml_entries
 from aruco_ar.progress import progress, tell
-from chart import draw
 from course import Course
 from drives import PACKAGE
 from speed import timed
@@ -140,6 +139,7 @@ def measure(clip, chart=None):
             row['worst'], row['wrong'], row['turned'], row['ms'],
             ' = 1/%.1f' % (rows['course']['ms'] / row['ms']) if method == 'ours' else ''))
     if chart is not None:
+        from chart import draw  # with matplotlib, which only the chart needs
         stamps = np.arange(len(frames)) / rate
         draw(chart, os.path.basename(clip.path), stamps, course.corners, ours.corners, truth)
     return rows

@@ -23,11 +23,11 @@ TURNED = ('wall: {width: 4, height: 2, color: [200, 190, 180]}\ndictionary: DICT
                     enumerate([(-.5, .9, 90), (.5, .9, 90), (.5, .35, 90), (-.5, .35, 30)])))
 
 
-@pytest.fixture(params=['config', 'turned', 'no quiet zone', 'wide quiet zone'])
+@pytest.fixture(params=['config', 'turned', 'no quiet zone', 'narrow quiet zone', 'wide quiet zone'])
 def any_wall(request, wall, tmp_path):
     if request.param == 'config':
         return wall
-    quiet = {'turned': 1, 'no quiet zone': 0, 'wide quiet zone': 1.5}[request.param]
+    quiet = {'turned': 1, 'no quiet zone': 0, 'narrow quiet zone': 0.25, 'wide quiet zone': 2}[request.param]
     (tmp_path / 'wall.yaml').write_text(TURNED % quiet)
     return load_wall(str(tmp_path / 'wall.yaml'))
 
