@@ -34,8 +34,11 @@ POWERS = np.stack([np.ones_like(ARM), ARM, ARM * ARM], axis=1)
 ACROSS = np.linspace(-1, 1, PROFILE_POINTS, dtype=np.float32)
 PLACES = np.arange(PROFILE_POINTS)
 END_POINTS = PROFILE_POINTS // 5
-INNER = np.zeros(PROFILE_POINTS, np.float32)  # the mean over a profile's inner end
-INNER[:END_POINTS] = 1 / END_POINTS
+# Means over a profile's inner end and its outer end.
+INNER, OUTER = np.zeros((2, PROFILE_POINTS), np.float32)
+INNER[:END_POINTS] = OUTER[-END_POINTS:] = 1 / END_POINTS
+TYPICAL = np.full(SAMPLES, 1 / SAMPLES, np.float32)  # the mean of an edge's profiles
+STEADY = 0.5             # of an edge's contrast, which most of its profiles have where the rim is narrow
 RIM = 0.9                # of the contrast: as light as this is the rim, which may end within a profile
 ALL = np.ones(PROFILE_POINTS, np.float32)
 
@@ -112,13 +115,14 @@ def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes
     gray = gray.reshape(-1, SAMPLES, PROFILE_POINTS)                          # (4 n, samples, places)
     # Black is the same along an edge; white has shades.
     dark = _median(gray @ INNER)[:, None, None]
-    rim, beyond = _rims(gray, dark[:, 0])
-    contrast = (gray @ rim[..., None]) - dark                                 # (4 n, samples, 1)
+    white, beyond = _rims(gray, dark[:, 0])
+    contrast = white - dark                                                   # (4 n, samples, 1)
     share = (gray - dark) / np.maximum(contrast, 1)
     # What is far lighter or darker than both ends belongs to something else.
     np.maximum(share, -MAX_BEYOND, out=share)
     np.minimum(share, 1 + MAX_BEYOND, out=share)
-    share[np.broadcast_to(beyond[:, None], share.shape)] = 1
+    if beyond is not None:
+        share[np.broadcast_to(beyond, share.shape)] = 1
     light = (share @ ALL).reshape(-1, 4, SAMPLES)
     step = reach * (2 / (PROFILE_POINTS - 1))
     offset = (PROFILE_POINTS / 2 - light) * step[..., None]                   # (n, 4, samples) outward
@@ -134,30 +138,35 @@ def _fit_edges(frame: Image, quads: Complexes, reach: Floats) -> tuple[Complexes
     crossed = (toward.conj() * along).imag
     far = ((first - before).conj() * along).imag / np.where(np.abs(crossed) < 1e-6, 1e-6, crossed)
     corners = before + far * toward
-    seen = (_median(contrast[..., 0]).reshape(-1, 4) > MIN_CONTRAST) & (_median(left) < MAX_BENT * reach)
+    typical_contrast = _median(contrast[..., 0])
+    rimmed = typical_contrast > MIN_CONTRAST
+    if beyond is not None:  # of noise, too, some place is the lightest, but not along all of an edge
+        least = np.partition(contrast[..., 0], SAMPLES // 4, axis=1)[:, SAMPLES // 4]
+        rimmed &= ~beyond.any(axis=(1, 2)) | (least > STEADY * typical_contrast)
+    seen = rimmed.reshape(-1, 4) & (_median(left) < MAX_BENT * reach)
     good = (seen & (np.abs(corners - quads) < 3 * reach)).all(axis=1)
     return np.where(good[:, None], corners, quads).astype(np.complex64), good
 
 
-def _rims(gray: Floats, dark: Floats) -> tuple[Floats, Booleans]:
-    """Which places of edges' profiles, (n, samples, places), are on the tag's white rim, and which beyond it.
+def _rims(gray: Floats, dark: Floats) -> tuple[Floats, Booleans | None]:
+    """How light the rim is along edges' profiles, (n, samples, places), and which places lie beyond it.
 
     ``dark``: (n, 1). Paper may be cut close to the tag, and what is beyond be
-    of any shade. Returns (n, places) float32, whose sum is 1, and bool.
+    of any shade. Returns (n, samples, 1), and (n, 1, places) or None where all
+    rims reach to the profiles' ends.
     """
-    typical = np.partition(gray, SAMPLES // 2, axis=1)[:, SAMPLES // 2]       # (n, places)
-    smooth = typical.copy()
-    smooth[:, 1:-1] = (typical[:, :-2] + typical[:, 1:-1] + typical[:, 2:]) / 3
-    smooth[:, :END_POINTS] = dark
-    light = smooth >= dark + RIM * (smooth.max(axis=1, keepdims=True) - dark)
+    white = gray @ OUTER[:, None]
+    typical = TYPICAL @ gray                                                  # (n, places)
+    light = typical >= dark + RIM * (typical.max(axis=1, keepdims=True) - dark)
+    narrow = ~light[:, -1]
+    if not narrow.any():
+        return white, None
     begins = light.argmax(axis=1)[:, None]
     ended = (begins < PLACES) & ~light
-    narrow = ended.any(axis=1, keepdims=True)
-    beyond = narrow & (ended.argmax(axis=1)[:, None] <= PLACES)
-    # Of a wide rim the outer end, where nothing of the edge's blur is left.
-    begins = np.where(narrow, begins, np.maximum(begins, PROFILE_POINTS - END_POINTS))
+    beyond = narrow[:, None] & (ended.argmax(axis=1)[:, None] <= PLACES)
     rim = np.asarray((begins <= PLACES) & ~beyond, np.float32)
-    return rim / rim.sum(axis=1, keepdims=True), beyond
+    own = gray @ (rim / rim.sum(axis=1, keepdims=True))[..., None]
+    return np.where(narrow[:, None, None], own, white), beyond[:, None]
 
 
 def _fit_lines(offset: Floats, weight: Floats) -> tuple[Floats, Floats, Floats]:
