@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from .arrays import NO_ARRAY, Floats, Numbers
-from .edges import ARM, MIDDLE, PART
+from .edges import PART
 
 STEPS = 20        # of Newton's method, at most
 CLOSE_PX = 1e-9   # rays whose pixels are as near as this are exact
@@ -114,8 +114,9 @@ class Lens:
         edges = seen[:, :, None] + (np.roll(seen, -1, axis=1) - seen)[:, :, None] * PART[:, None]
         pixels = self.look(edges.reshape(-1, 2))[0].reshape(edges.shape)
         middle = pixels.mean(axis=2)
-        along = np.einsum('s,ntsk->ntk', ARM / (ARM @ ARM), pixels)
-        crossing = _crossings(middle - along * MIDDLE, along)
+        arm = PART - PART.mean()
+        along = np.einsum('s,ntsk->ntk', arm / (arm @ arm), pixels)
+        crossing = _crossings(middle - along * PART.mean(), along)
         return self.rays(2 * quads - crossing)
 
 
