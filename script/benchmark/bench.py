@@ -28,7 +28,8 @@ def parse():
     parser.add_argument('--only', choices=PARTS, help='this part alone')
     parser.add_argument('--real', metavar='FOLDER', nargs='?', const=real.CLIPS,
                         help='both methods on real clips instead, against the truth: the videos of a folder of '
-                        'which NAME.yaml says dictionary and ids (default: those shared beside the package)')
+                        'which NAME.yaml says dictionary and ids (default: those shared beside the package); '
+                        'with --only nodes, from node to node')
     parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
@@ -43,6 +44,10 @@ def parse():
 
 def main():
     args = parse()
+    if args.real and args.only == 'nodes':
+        with master.Master():
+            nodes.run_clips(real.clips_of(args.real))
+        return
     if args.real:
         real.run(args.real, args.chart)
         return

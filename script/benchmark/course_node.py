@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A plain rospy node with the course's code, as a student writes it."""
+"""A plain rospy node with the course's code, as a student writes it. Arguments: dictionary and ids."""
 import os
+import sys
 
 import rospy
 from aruco_ar import load_picture
@@ -11,8 +12,9 @@ from sensor_msgs.msg import Image
 
 
 class CourseNode:
-    def __init__(self):
-        self._course = Course('DICT_6X6_250', load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg')))
+    def __init__(self, dictionary='DICT_6X6_250', *ids):
+        self._course = Course(dictionary, load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg')),
+                              tuple(map(int, ids)))
         self._bridge = CvBridge()
         self._publisher = rospy.Publisher('result', Image, queue_size=1)
         rospy.Subscriber('camera/rgb/image_raw', Image, self._on_image, queue_size=1, buff_size=1 << 26)
@@ -26,5 +28,5 @@ class CourseNode:
 
 
 rospy.init_node('course')
-CourseNode()
+CourseNode(*sys.argv[1:])
 rospy.spin()

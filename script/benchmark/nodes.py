@@ -6,6 +6,7 @@ import sys
 import time
 from itertools import cycle
 
+import cv2
 import numpy as np
 import psutil
 import rospy
@@ -23,12 +24,20 @@ WARM_UP = 30
 SIZES = ((1280, 720), (640, 360))
 WAIT_S = 30
 MEMORY_FRAMES = 20000
-NODES = {
-    'bare relay': [sys.executable, os.path.join(HERE, 'relay_node.py')],
-    "course's code": [sys.executable, os.path.join(HERE, 'course_node.py')],
-    'exercise5_6.py': [sys.executable, os.path.join(HERE, '..', '..', 'src', 'exercise5_6.py'),
-                       'exercise5_6/image:=result'],
-}
+EXERCISE = 'exercise5_6.py'
+LOAD_HEAD = ('\nNodes, bgr8 at %d Hz: processor time a frame, and latency from stamp to receipt.\n'
+             % FRAMES_PER_S)
+MOST_FRAMES = 300  # of a clip
+
+
+def commands(dictionary='DICT_6X6_250', ids=()):
+    """{name: command} of the nodes under test, for tags of that dictionary; with ``ids`` those alone count."""
+    of_ids = ['_ids:=[%s]' % ', '.join(map(str, ids))] if ids else []
+    return {
+        'bare relay': [sys.executable, os.path.join(HERE, 'relay_node.py')],
+        "course's code": [sys.executable, os.path.join(HERE, 'course_node.py'), dictionary, *map(str, ids)],
+        EXERCISE: [sys.executable, os.path.join(HERE, '..', '..', 'src', EXERCISE), 'exercise5_6/image:=result',
+                   '_dictionary:=' + dictionary, *of_ids]}
 
 
 class Node:
@@ -111,19 +120,34 @@ def load(name, command, frames):
 
 
 def run_load():
-    """Print processor time and latency of all nodes."""
-    print('\nNodes, bgr8 at %d Hz: processor time a frame, and latency from stamp to receipt.\n' % FRAMES_PER_S)
+    """Print processor time and latency of all nodes, on frames of a drive in simulation."""
+    print(LOAD_HEAD)
     for size in SIZES:
-        frames = there_and_back(size)
-        spent = {}
-        for name, command in NODES.items():
-            spent[name], late = load(name, command, frames)
-            print('%-12s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
-                '%d x %d' % size, name, spent[name], np.median(late), np.percentile(late, 99), len(late),
-                COUNT), flush=True)
-        relay, course, ours = (spent[name] for name in NODES)
-        print("%-12s exercise5_6.py takes 1/%.1f of the course's, %.1f times the relay's (at most 1/5, 3)\n"
-              % ('', course / ours, ours / relay))
+        compare('%d x %d' % size, commands(), there_and_back(size))
+
+
+def run_clips(clips):
+    """The same on real clips, see real.Clip: at their own size, and at SIZES where they are larger."""
+    print(LOAD_HEAD)
+    for clip in clips:
+        frames = clip.frames()[0][:MOST_FRAMES]
+        own = frames[0].shape[1::-1]
+        for size in [own, *(size for size in SIZES if size < own)]:
+            resized = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in frames]
+            compare('%s, %d x %d' % (os.path.basename(clip.path), *size), commands(clip.dictionary, clip.ids),
+                    resized + resized[::-1])
+
+
+def compare(name, nodes, frames):
+    """Print processor time and latency of nodes, {name: command}, on these frames, and how they compare."""
+    spent = {}
+    for node, command in nodes.items():
+        spent[node], late = load(node, command, frames)
+        print('%-24s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
+            name, node, spent[node], np.median(late), np.percentile(late, 99), len(late), COUNT), flush=True)
+    relay, course, ours = spent.values()
+    print("%-24s %s takes 1/%.1f of the course's, %.1f times the relay's\n" % (
+        '', EXERCISE, course / ours, ours / relay))
 
 
 def run_memory():
@@ -131,7 +155,7 @@ def run_memory():
     print('\nMemory of exercise5_6.py, 640 x 480:')
     frames = there_and_back((640, 480))
     pictures = cycle(frames)
-    with Node(NODES['exercise5_6.py']) as node:
+    with Node(commands()[EXERCISE]) as node:
         node.connect(frames[0])
         first = None
         for number in progress(range(1, MEMORY_FRAMES + 1), 'memory'):

@@ -53,6 +53,7 @@ def _compile(source: str, built: str) -> None:
                        stderr=subprocess.PIPE, text=True, check=True)
     except FileNotFoundError:
         raise TooOld('unit5 is not built, and there is no C compiler "%s" to build %s with. Run script/setup '
-                     'in the folder of unit5, or: sudo apt install build-essential' % (COMPILER, source)) from None
+                     'in the folder of unit5, or: sudo apt install build-essential'
+                     % (COMPILER, source)) from None
     except subprocess.CalledProcessError as error:
         raise TooOld('The C compiler "%s" does not build %s: %s' % (COMPILER, source, error.stderr)) from None

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from .area import Area
-from .arrays import NO_ARRAY, Color, Floats, Image, Integers, Numbers
+from .arrays import Color, Floats, Image, Integers, Numbers
 from .fitting import fit_picture
 from .lens import Lens
 from .poses import TagPose
@@ -34,8 +34,6 @@ AXIS, ABOVE_PX = 0.75, 22  # how long axes are, in sides of a tag; and how far a
 MAX_DRAWN_PX = 1e5
 
 MIN_AREA_PX = 0.1  # of less, nobody sees anything
-
-STEP, STRIP_PX = 8, 1 << 16  # pixels, see _remap
 
 
 def _fixed(points: Numbers) -> Integers:
@@ -209,39 +207,15 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
 
 def _warp(frame: Image, picture: Image, homography: Floats) -> Image:
     """The picture on the frame, everywhere: beyond its own edges as at its edges."""
+    def warped(part: Image) -> Image:
+        return cv2.warpPerspective(part, homography, frame.shape[1::-1], borderMode=cv2.BORDER_REPLICATE)
     if picture.shape[2] == 3:
-        return _remap(picture, homography, frame.shape)
+        return warped(picture)
     # Colors go weighted with their alpha, or those that nobody sees would bleed in at its rim.
     alpha = cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR)
     weighted = cv2.multiply(picture[:, :, :3], alpha, scale=1 / 255)
-    clear = cv2.bitwise_not(_remap(alpha, homography, frame.shape))
-    return cv2.add(cv2.multiply(frame, clear, scale=1 / 255), _remap(weighted, homography, frame.shape))
-
-
-def _remap(picture: Image, homography: Floats, shape: Sequence[int]) -> Image:
-    """As cv2.warpPerspective, which divides for every pixel, to the eye, but faster.
-
-    Where to look in the picture is exact at every STEP-th pixel and linear
-    between; and it goes in strips, so that all that is on hand stays in the
-    processor's cache.
-    """
-    height, width = shape[:2]
-    # cv2.resize puts a value in the middle of the STEP pixels that it becomes;
-    # one more on each side keeps it from guessing there.
-    x, y = (np.arange(-1, -(-size // STEP) + 1) * STEP + (STEP - 1) / 2 for size in (width, height))
-    inverse = np.linalg.inv(homography)
-    across, down = np.outer(inverse[:, 0], x), np.outer(inverse[:, 1], y) + inverse[:, 2:]
-    seen = across[:, None, :] + down[:, :, None]
-    coarse = np.stack([seen[0] / seen[2], seen[1] / seen[2]], axis=-1).astype(np.float32)
-    painted = np.empty((height, width, 3), np.uint8)
-    rows = max(STRIP_PX // width // STEP, 1)
-    for first in range(0, -(-height // STEP), rows):
-        strip = painted[first * STEP:(first + rows) * STEP]
-        fine = cv2.resize(coarse[first:first + rows + 2], None, fx=STEP, fy=STEP)
-        fine = fine[STEP:STEP + len(strip), STEP:STEP + width]
-        whole, parts = cv2.convertMaps(fine, NO_ARRAY, cv2.CV_16SC2)
-        cv2.remap(picture, whole, parts, cv2.INTER_LINEAR, strip, cv2.BORDER_REPLICATE)
-    return painted
+    clear = cv2.bitwise_not(warped(alpha))
+    return cv2.add(cv2.multiply(frame, clear, scale=1 / 255), warped(weighted))
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:
