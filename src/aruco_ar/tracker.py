@@ -24,6 +24,7 @@ RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 FURTHER = 4            # so many tags besides the four are looked for in each frame
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
+AROUND = 1.0           # sides: so far around its place a tag is looked for that is not there
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
 SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its place
 # What is more unlikely than this (see AreaMotion.unlikeliness) is no error of
@@ -110,6 +111,7 @@ class Tracker:
         self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
         self._displaced: set[int] = set()  # tags seen where they do not belong, and not where they do since
+        self._lost: set[int] = set()  # of the four, those that were looked for in the last frame in vain
         self._rival: Layout | None = None
         self._rival_since, self._rival_sights = 0.0, 0
         # Tags besides the four: id -> (place, how often seen there).
@@ -137,26 +139,29 @@ class Tracker:
                 self._motion.predict(passed, calm=unseen > passed)
 
     def _look(self, frame: Image, layout: Layout) -> None:
-        """Find the tags, where they should be or else anywhere, and correct the motion by them.
+        """Find the tags, where they should be, around there, or else anywhere, and correct the motion by them.
 
         What a search of the whole frame finds also tells about other scenes,
         moved tags and further ones.
         """
         seen, missing = self._follow(frame, layout, self._motion)
-        due = self._now - self._searched >= SEARCH_S
-        if not (missing or due or self._displaced):
-            self._seen = seen
-            self._believe(layout, seen)
-            return
-        self._searched = self._now
         expected = self._expected(layout)
-        tags = self._search(frame, expected)
+        tags = self._look_around(frame, {tag_id: expected[tag_id] for tag_id in missing})
+        lost = set(missing) - {tag.id for tag in tags}
+        everywhere = (self._now - self._searched >= SEARCH_S or not (seen or tags)
+                      or bool(self._displaced or lost - self._lost))  # it may have been moved
+        self._lost = lost
+        if everywhere:
+            self._searched = self._now
+            tags = self._search(frame, expected)
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
         self._seen = seen
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in layout.places}
         agreed, moved_on = self._believe(layout, known)
+        if not tags:
+            return
         others = len(seen) - len(known)
         # A few that are known may hang in another scene as well.
         if not moved_on and others > len(agreed) and self._layout_of(tags):
@@ -167,8 +172,9 @@ class Tracker:
             layout.forget(tag_id)
         self._displaced &= set(layout.ids)
         if self._displaced:
-            self._consider_rearranged(tags)
-        elif self._motion is not None and len(agreed) >= 3:
+            if everywhere:
+                self._consider_rearranged(tags)
+        elif everywhere and self._motion is not None and len(agreed) >= 3:
             self._learn(layout, self._motion, seen, agreed)
 
     def _expected(self, layout: Layout) -> dict[int, Floats]:
@@ -177,10 +183,10 @@ class Tracker:
         return {} if self._motion is None else dict(zip(ids, self._motion.see(layout.quads(ids))))
 
     def _follow(self, frame: Image, layout: Layout,
-                motion: AreaMotion | None) -> tuple[dict[int, Floats], bool]:
-        """{id: corners} of the tags found where they should be, and whether one of the four is not."""
+                motion: AreaMotion | None) -> tuple[dict[int, Floats], list[int]]:
+        """{id: corners} of the tags found where they should be, and which of the four are not, but could be."""
         if motion is None:
-            return {}, True
+            return {}, []
         ids = list(layout.places)
         quads = motion.see(layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
@@ -191,11 +197,23 @@ class Tracker:
             others = sorted(others, key=dict(zip(others, -side_of(quads[others]))).__getitem__)[:FURTHER]
         ids, quads = [ids[number] for number in known + others], quads[known + others]
         if not ids:
-            return {}, True
+            return {}, []
         fitted, found, likeness = self._detector.fit(frame, ids, quads)
         found &= likeness > MIN_LIKENESS
         seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found) if fits}
-        return seen, any(tag_id in layout.ids and tag_id not in seen for tag_id in ids)
+        return seen, [tag_id for tag_id in ids if tag_id in layout.ids and tag_id not in seen]
+
+    def _look_around(self, frame: Image, missing: Mapping[int, Floats]) -> list[Tag]:
+        """The tags found near where those that are missing, {id: (4, 2) pixels}, should be."""
+        found = []
+        for tag_id, quad in missing.items():
+            side = side_of(quad[None])[0]
+            low = np.maximum(quad.min(axis=0) - AROUND * side, 0).astype(int)
+            high = np.minimum(quad.max(axis=0) + AROUND * side + 1, frame.shape[1::-1]).astype(int)
+            for tag in self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side):
+                if tag.id == tag_id:
+                    found.append(Tag(tag_id, tag.corners + low.astype(np.float32)))
+        return found
 
     def _search(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags anywhere in the frame: of about the size of those expected, if any are."""
