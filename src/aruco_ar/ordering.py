@@ -68,10 +68,10 @@ def is_quadrilateral(corners: Numbers) -> Booleans:
     MIN_HEIGHT_PX, all to the same side. The result is (...) bool.
     """
     corners = np.asarray(corners, np.float64)
-    before, after = np.roll(corners, 1, axis=-2), np.roll(corners, -1, axis=-2)
-    base = after - before
-    height = _cross(base, corners - before) / np.maximum(np.linalg.norm(base, axis=-1), 1e-9)
-    return np.all(height > MIN_HEIGHT_PX, axis=-1) | np.all(height < -MIN_HEIGHT_PX, axis=-1)
+    before = corners[..., [3, 0, 1, 2], :]
+    base = corners[..., [1, 2, 3, 0], :] - before
+    height = _cross(base, corners - before) / np.maximum(np.sqrt((base * base).sum(axis=-1)), 1e-9)
+    return np.asarray((height.min(axis=-1) > MIN_HEIGHT_PX) | (height.max(axis=-1) < -MIN_HEIGHT_PX))
 
 
 def _cross(one: Floats, other: Floats) -> Floats:

@@ -275,14 +275,17 @@ class Tracker:
     def _learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats], agreed: list[int]) -> None:
         """Learn more exactly where the tags are, and further tags on the same plane."""
         to_plane = np.linalg.inv(homography_to(motion.corners))
-        places = {tag_id: transform(to_plane, np.asarray(quad, np.float64)) for tag_id, quad in seen.items()}
+        quads = np.array(list(seen.values()), np.float64)
+        places = dict(zip(seen, transform(to_plane, quads)))
         if set(agreed) >= set(layout.ids):
             layout.learn(agreed, [places[tag_id] for tag_id in agreed])
-        for tag_id in set(seen) - set(layout.ids):
+        known = [self._further.get(tag_id, (places[tag_id], 0))[0] for tag_id in seen]
+        off = np.abs(motion.see(np.array(known)) - quads).max(axis=(1, 2)) > SAME_PLACE * side_of(quads) + 1
+        for tag_id, is_off in zip(seen, off):
+            if tag_id in layout.ids:
+                continue
             place, sights = self._further.get(tag_id, (places[tag_id], 0))
-            off = np.abs(motion.see(place) - seen[tag_id]).max()
-            if off > SAME_PLACE * side_of(np.asarray(seen[tag_id], np.float64)[None])[0] + 1:
-                # Moved, or not on the plane: seen from elsewhere, it is beside its place.
+            if is_off:  # Moved, or not on the plane: seen from elsewhere, it is beside its place.
                 place, sights = places[tag_id], 0
                 layout.forget(tag_id)
             self._further[tag_id] = place, sights + 1
