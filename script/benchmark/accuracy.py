@@ -30,9 +30,9 @@ CASES = {
     'each hidden 30 %, lively drive': (lambda: drive(LIVELY, 1800, at_random(1800, 2), **USUAL), ''),
     'motion blur of 9 px': (lambda: drive(LIVELY, 420, noise=2.0, smear=9), 'area 99 %'),
     'light falling to a quarter': (lambda: drive(LIVELY, 420, noise=2.0, light=0.75), 'area 99 %'),
-    'JPEG of quality 50': (lambda: drive(LIVELY, 420, noise=2.0, jpeg=50), 'area 99 %'),
+    'JPEG of quality 50': (lambda: drive(LIVELY, 420, noise=2.0, quality=50), 'area 99 %'),
     'blur, light and JPEG at once': (
-        lambda: drive(LIVELY, 420, noise=2.0, smear=9, light=0.75, jpeg=50), 'area 99 %'),
+        lambda: drive(LIVELY, 420, noise=2.0, smear=9, light=0.75, quality=50), 'area 99 %'),
 }
 CHART_CASE = 'each hidden 30 %, 0.1 m/s'
 

@@ -2,10 +2,9 @@
 import os
 from collections import namedtuple
 
-import cv2
 import numpy as np
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
+from aruco_ar.render import WallRenderer, project_rows
+from aruco_ar.robot import Camera, Path, Pose, hand_held, wall_to_camera
 from aruco_ar.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -32,24 +31,26 @@ FAST = _there_and_back(Pose(-2.8, 0, -0.25), (1, 0.5, 0.5), (1, 0.5, -0.5))
 Frame = namedtuple('Frame', 'stamp image corners counts')
 
 
-def drive(path, count, covered=lambda number: (), counts=lambda number: True, jpeg=None,
-          size=(640, 480), wall=WALL, **look):
+def drive(path, count, covered=lambda number: (), counts=lambda number: True, size=(640, 480), wall=WALL,
+          hand=0.0, shutter=0.0, exposure=lambda number: 1.0, **look):
     """Frames of a drive along a path.
 
     ``covered``: the ids of the tags that something is held before, by the
-    frame's number; ``counts`` likewise. ``jpeg``: a quality, to compress each frame.
-    ``look``: see WallRenderer.
+    frame's number; ``counts`` and ``exposure`` likewise. ``hand``: how unsteady
+    the camera is, see hand_held. ``shutter``: milliseconds in which a frame's
+    rows are read. ``look``: see WallRenderer.
     """
     camera = Camera(*size)
     renderer = WallRenderer(wall, camera, **look)
+
+    def view_at(seconds):
+        return hand_held(wall_to_camera(path.at(seconds)[0]), seconds, hand)
     for number in range(count):
-        view = wall_to_camera(path.at(number / FRAMES_PER_S)[0])
-        image = renderer.render(*view, covered=covered(number))
-        if jpeg:
-            image = cv2.imdecode(cv2.imencode('.jpg', image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])[1],
-                                 cv2.IMREAD_COLOR)
-        yield Frame(number / FRAMES_PER_S, image, project(wall.area_corners, *view, camera)[0],
-                    counts(number))
+        seconds = number / FRAMES_PER_S
+        first, last = view_at(seconds), view_at(seconds + shutter / 1000)
+        image = renderer.render(*first, covered=covered(number), exposure=exposure(number),
+                                last=last if shutter else None)
+        yield Frame(seconds, image, project_rows(wall.area_corners, first, last, camera)[0], counts(number))
 
 
 def in_turn(groups):

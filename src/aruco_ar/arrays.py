@@ -27,3 +27,5 @@ NO_ARRAY: Any = None  # where OpenCV takes None for one, which its own annotatio
 # Rotation (3, 3), translation (3,) and covariance (6, 6); of several things, or of both poses of each, with
 # axes before these.
 Pose: TypeAlias = 'tuple[Floats, Floats, Floats]'
+
+View: TypeAlias = 'tuple[Floats, Floats]'  # rotation (3, 3) and translation (3,), meters: from wall to camera

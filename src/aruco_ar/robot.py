@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 from math import cos, sin, tan
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 
-from .arrays import Floats
+from .arrays import Floats, View
 from .errors import InputError
 from .files import within, yaml_entries
 
@@ -21,6 +22,10 @@ CAMERA_HEIGHT_M = 0.35
 
 # Wall axes (right, up, out) as columns in odometry axes.
 WALL_IN_ODOMETRY = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], np.float64)
+
+# How a hand sways and trembles: turns about the camera's axes, rad, and shifts along them, m; times a second.
+SWAY = np.array([0.010, 0.014, 0.008]), np.array([0.006, 0.008, 0.004]), np.array([0.7, 0.5, 0.3])
+TREMOR = np.array([0.0012, 0.0012, 0.0008]), np.array([0.0004, 0.0004, 0.0002]), np.array([8.3, 7.1, 9.7])
 
 MAX_LINEAR = 1.0    # m/s and rad/s: what a ROSbot can do
 MAX_ANGULAR = 7.33
@@ -103,7 +108,7 @@ class Camera:
                          [0, 0, 1]])
 
 
-def wall_to_camera(pose: Pose) -> tuple[Floats, Floats]:
+def wall_to_camera(pose: Pose) -> View:
     """(R, t) that take wall points to the camera's optical frame (x right, y down, z forward).
 
     R is (3, 3), t (3,), meters: point = R @ wall_point + t.
@@ -112,3 +117,19 @@ def wall_to_camera(pose: Pose) -> tuple[Floats, Floats]:
     axes = np.array([[s, -c, 0], [0, 0, -1], [c, s, 0]])
     place = np.array([pose.x + CAMERA_FORWARD_M * c, pose.y + CAMERA_FORWARD_M * s, CAMERA_HEIGHT_M])
     return axes @ WALL_IN_ODOMETRY, -axes @ place
+
+
+def hand_held(view: View, seconds: float, strength: float = 1.0) -> View:
+    """A view, (R, t), at that time by a camera in a hand, as unsteady as ``strength`` says: 1 is usual."""
+    turn, shift = np.zeros(3), np.zeros(3)
+    for turns, shifts, rate in SWAY, TREMOR:
+        turn += strength * turns * np.sin(2 * np.pi * rate * seconds)
+        shift += strength * shifts * np.sin(2 * np.pi * rate[::-1] * seconds + 1)
+    by_hand = cv2.Rodrigues(turn)[0]
+    return by_hand @ view[0], by_hand @ view[1] + shift
+
+
+def view_between(first: View, last: View, part: float) -> View:
+    """The view, (R, t), that part of the way, 0 to 1, from the first to the last."""
+    turn = cv2.Rodrigues(last[0] @ first[0].T)[0]
+    return cv2.Rodrigues(part * turn)[0] @ first[0], first[1] + part * (last[1] - first[1])

@@ -14,6 +14,7 @@ from .layout import Layout, tolerance_of
 from .motion import AreaMotion, homography_to, transform
 from .ordering import is_quadrilateral, order_coordinates
 from .tags import Tag
+from .texture import Texture
 
 HOLD_S = 0.3
 UPRIGHT = 'tags', 'image'
@@ -41,6 +42,9 @@ MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 # half as large four times as much.
 BIAS_PX, SMALL_PX = 0.10, 30.0
 ROUNDING_S = 1e-6      # of stamps
+# Where fewer tags than this agree, and they leave a corner open by more than so many pixels, the wall's texture
+# is looked at; for so long after the last tag, since those may have been taken off the wall.
+ENOUGH, OPEN_PX, TEXTURE_S = 3, 0.5, 15.0
 
 
 class Tracker:
@@ -78,10 +82,28 @@ class Tracker:
         return [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()
                 if self._counts(tag_id)]
 
+    @property
+    def why(self) -> str:
+        """A sentence: what the area of the last frame is known by, or why there is none."""
+        if self._layout is None:
+            return 'Four tags have not been seen together.'
+        if self._displaced:
+            return 'Tags are not where they were.'
+        if self._tagged == self._now:
+            return 'Its tags show it.' if self._shown else 'Its tags in sight do not show it well enough.'
+        if self._recognized:
+            return "The wall's texture shows it."
+        if self._shown:
+            return 'It is where it should be by now; for a moment nothing shows it.'
+        if self._now - self._tagged > TEXTURE_S:
+            return 'None of its tags has been in sight for %g s.' % TEXTURE_S
+        return "Neither its tags nor the wall's texture show where it is."
+
     def reset(self) -> None:
         """Forget everything seen so far."""
         self._stamp: float | None = None
         self._shape: tuple[int, ...] = ()
+        self._shown = False
         self._now = 0.0  # goes on also where stamps stand still
         self._layout = None
         self._begin([])
@@ -103,11 +125,17 @@ class Tracker:
         else:
             self._predict(passed)
             self._look(frame, self._layout)
-        return self._area()
+            if self._motion is not None and not self._displaced:
+                self._use_texture(frame, self._layout, self._motion)
+        area = self._area()
+        self._shown = area is not None
+        return area
 
     def _begin(self, tags: Sequence[Tag]) -> None:
         """Start afresh, with the area that these tags span, if they do."""
         self._seen = {tag.id: tag.corners for tag in tags}
+        self._texture, self._recognized = Texture(), False  # and whether it was, in the last frame
+        self._agreed: list[int] = []
         self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
         self._displaced: set[int] = set()  # tags seen where they do not belong, and not where they do since
@@ -116,7 +144,8 @@ class Tracker:
         self._rival_since, self._rival_sights = 0.0, 0
         # Tags besides the four: id -> (place, how often seen there).
         self._further: dict[int, tuple[Floats, int]] = {}
-        self._searched = self._sighted = self._sure = -np.inf
+        # When the frame was searched, tags or texture showed the area, tags did, and it was sure.
+        self._searched = self._sighted = self._tagged = self._sure = -np.inf
         if self._layout is not None:
             self._searched = self._now
             self._believe(self._layout, self._seen)
@@ -148,7 +177,7 @@ class Tracker:
         expected = self._expected(layout)
         tags = self._look_around(frame, {tag_id: expected[tag_id] for tag_id in missing})
         lost = set(missing) - {tag.id for tag in tags}
-        everywhere = (self._now - self._searched >= SEARCH_S or not (seen or tags)
+        everywhere = (self._now - self._searched >= SEARCH_S or not (seen or tags or self._recognized)
                       or bool(self._displaced or lost - self._lost))  # it may have been moved
         self._lost = lost
         if everywhere:
@@ -210,9 +239,8 @@ class Tracker:
             side = side_of(quad[None])[0]
             low = np.maximum(quad.min(axis=0) - AROUND * side, 0).astype(int)
             high = np.minimum(quad.max(axis=0) + AROUND * side + 1, frame.shape[1::-1]).astype(int)
-            for tag in self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side):
-                if tag.id == tag_id:
-                    found.append(Tag(tag_id, tag.corners + low.astype(np.float32)))
+            around = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side)
+            found += [Tag(tag_id, tag.corners + np.float32(low)) for tag in around if tag.id == tag_id]
         return found
 
     def _search(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
@@ -228,8 +256,9 @@ class Tracker:
         Returns the ids of those that agree, and whether they moved on as they did before.
         """
         agreed, moved_on = self._correct(layout, seen)
+        self._agreed = agreed
         if agreed:
-            self._sighted = self._now
+            self._sighted = self._tagged = self._now
             self._displaced -= set(agreed)
         return agreed, moved_on
 
@@ -291,6 +320,27 @@ class Tracker:
             self._further[tag_id] = place, sights + 1
             if sights + 1 >= SIGHTS and tag_id not in layout.places:
                 layout.learn([tag_id], [place])
+
+    def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
+        """Learn the wall's texture where tags show the area, and correct the motion by it where they do not."""
+        self._recognized = False
+        if set(self._agreed) >= set(layout.ids):
+            self._texture.study(frame, motion.corners, motion.see(layout.quads(layout.places)), self._now)
+        if (len(self._agreed) >= ENOUGH or motion.deviation.max() < OPEN_PX
+                or self._now - self._tagged > TEXTURE_S):
+            return
+        found = self._texture.find(frame, motion.corners)
+        if found is None:
+            return
+        if motion.correct(*found, UNLIKELY):
+            self._recognized = True
+        elif not self._agreed:  # a jerk of the camera?
+            self._motion = motion.shaken()
+            self._recognized = self._motion.correct(*found, SHAKEN_UNLIKELY)
+            if not self._recognized:
+                self._motion = motion
+        if self._recognized:
+            self._sighted = self._now
 
     def _area(self) -> Area | None:
         """What is known about the area, if it is known well enough to be shown."""

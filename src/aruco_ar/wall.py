@@ -5,6 +5,7 @@ wall, z out of it towards them; the origin is on the floor in the middle.
 """
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from math import cos, radians, sin
 from typing import Any
@@ -48,8 +49,30 @@ class WallTag:
 
 
 @dataclass(frozen=True)
+class Poster:
+    """A picture on the wall: the path of its file, and its middle and its size in meters."""
+
+    image: str
+    x: float
+    y: float
+    width: float
+    height: float
+
+    @property
+    def corners(self) -> Floats:
+        """(4, 3) float64, wall meters, clockwise from the picture's top left."""
+        right, up = self.width / 2, self.height / 2
+        return np.array([[self.x - right, self.y + up, 0], [self.x + right, self.y + up, 0],
+                         [self.x + right, self.y - up, 0], [self.x - right, self.y - up, 0]])
+
+
+@dataclass(frozen=True)
 class Wall:
-    """What a wall's YAML file says. ``color`` is (blue, green, red). ``area``: four ids, or none."""
+    """What a wall's YAML file says. ``color`` is (blue, green, red). ``area``: four ids, or none.
+
+    ``plaster``: how strong the pattern of the wall itself is, 0 for none.
+    ``posters``: what hangs behind the tags, the first of them farthest behind.
+    """
 
     width: float
     height: float
@@ -58,6 +81,8 @@ class Wall:
     quiet: float
     tags: tuple[WallTag, ...]
     area: tuple[int, ...]
+    plaster: float = 1.0
+    posters: tuple[Poster, ...] = ()
 
     @property
     def area_corners(self) -> Floats:
@@ -94,10 +119,14 @@ def load_wall(path: str) -> Wall:
                              within(entry['side'], *SIDE_M), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
         look, first_four = data.get('wall', {}), [tag.id for tag in tags[:4]] if len(tags) > 3 else []
-        wall = Wall(within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100),
-                    _color(look.get('color', (214, 203, 186))), str(data.get('dictionary', DICTIONARY)),
-                    within(data.get('quiet', 1), 0, 10), tags,
-                    tuple(_id(id) for id in data.get('area', first_four)))
+        width, height = within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100)
+        posters = [_poster(entry, path) for entry in data.get('posters', [])]
+        if 'image' in look:
+            posters.insert(0, Poster(_beside(path, look['image']), 0, height / 2, width, height))
+        wall = Wall(width, height, _color(look.get('color', (214, 203, 186))),
+                    str(data.get('dictionary', DICTIONARY)), within(data.get('quiet', 1), 0, 10), tags,
+                    tuple(_id(id) for id in data.get('area', first_four)),
+                    within(look.get('plaster', 1), 0, 10), tuple(posters))
         for tag in tags:
             tag_cells(wall.dictionary, tag.id)
     ids = [tag.id for tag in wall.tags]
@@ -107,6 +136,16 @@ def load_wall(path: str) -> Wall:
         raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
                          % (path, list(wall.area)))
     return wall
+
+
+def _poster(entry: Any, path: str) -> Poster:
+    return Poster(_beside(path, entry['image']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
+                  within(entry['width'], 0.01, 100), within(entry['height'], 0.01, 100))
+
+
+def _beside(path: str, image: Any) -> str:
+    """The path of an image that a wall's file names: as it stands there, or from the folder of that file."""
+    return os.path.join(os.path.dirname(path), os.path.expanduser(str(image)))
 
 
 def _color(value: Any) -> Color:

@@ -94,7 +94,7 @@ def test_it_is_there_though_every_tag_hides_now_and_then():
     assert_never_wrong(errors, frames)
 
 
-@pytest.mark.parametrize('look', [{'smear': 9}, {'light': 0.75}, {'jpeg': 50}], ids=str)
+@pytest.mark.parametrize('look', [{'smear': 9}, {'light': 0.75}, {'quality': 50}], ids=str)
 def test_blur_shade_and_compression_do_not_hide_it(look):
     frames = list(drive(LIVELY, 60, noise=2.0, **look))
     errors = follow(Tracker(), frames)
@@ -299,7 +299,7 @@ def test_where_tags_disagree_the_top_stays_on_the_wall():
 
 def test_a_lone_small_tag_does_not_pretend_to_know_where_the_rest_is():
     """Its corners are off in the same way in every frame: no number of frames makes up for that."""
-    wall = replace(WALL, tags=tuple(replace(tag, side=0.07) for tag in WALL.tags))
+    wall = replace(WALL, plaster=0, tags=tuple(replace(tag, side=0.07) for tag in WALL.tags))
     frames = list(drive(STILL, 90, lambda number: (1, 2, 3) if number >= 30 else (), wall=wall, noise=2.0))
     tracker = Tracker()
     follow(tracker, frames[:30])
