@@ -13,7 +13,7 @@ import rospy
 import tf2_ros
 from aruco_ar.files import package_folder
 from aruco_ar.render import WallRenderer
-from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, load_path, wall_to_camera
+from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, hand_held, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
 from aruco_node.faults import guarded
 from aruco_node.frame_node import CAMERA
@@ -31,6 +31,8 @@ from geometry_msgs.msg import Twist
 MAX_LATE_S = 5.0  # no rendering takes as long
 COMMAND_S = 0.5  # a robot that hears no command for this long stops
 START = Pose(-2.2, 0.0, 0.0)
+SWING_S = 4.0    # in which the exposure goes up and down
+LONG_S = 3600.0  # seconds since 1970 would have no fractions left
 
 
 MANUAL_TOPICS = [
@@ -67,6 +69,11 @@ class Settings:
     noise: float = number(2.0, 0, 100, 'standard deviation of the noise, gray levels')
     blur: float = number(0.0, 0, 20, 'standard deviation of the blur, pixels')
     light: float = number(0.3, 0, 1, "how much darker the wall's right end is than its left")
+    exposure: float = number(1.0, 0, 20, 'how many times as light all is; above 1, white is cut off')
+    swing: float = number(0.0, 0, 4, 'stops by which the exposure goes up and down within 4 seconds')
+    hand: float = number(0.0, 0, 10, 'how unsteady a hand holds the camera, 1 is usual; TF is without')
+    shutter: float = number(0.0, 0, 100, "milliseconds in which a frame's rows are read, one after the other")
+    quality: float = number(0.0, 0, 100, 'of JPEG, by which each frame is compressed; 0 for none')
 
 
 class Driver:
@@ -127,10 +134,10 @@ class WallCamera:
 
     def _make_renderer(self, settings):
         return WallRenderer(self._wall, self._camera, noise=settings.noise, blur=settings.blur,
-                            light=settings.light, seed=int(settings.seed))
+                            light=settings.light, seed=int(settings.seed), quality=int(settings.quality))
 
     def _reconfigure(self, settings):
-        self._renderer = self._make_renderer(settings)
+        self._renderer, self._settings = self._make_renderer(settings), settings
 
     def _report(self):
         """How the camera is doing: see Diagnostics."""
@@ -171,8 +178,11 @@ class WallCamera:
 
     @guarded
     def _publish(self, stamp):
+        settings, seconds = self._settings, stamp.to_sec() % LONG_S
         pose, linear, angular = self._driver.now(stamp)
-        header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp)
+        first, last = (hand_held(wall_to_camera(drive(pose, linear, angular, passed)), seconds + passed,
+                                 settings.hand) for passed in (0, settings.shutter / 1000))
+        header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp, first, last)
         for topic, message in messages.items():
             if topic not in self._publishers:
                 name = self._beside + topic if topic == 'camera_info' else topic
@@ -183,7 +193,9 @@ class WallCamera:
             self._watched = None
         else:
             self._watched = self._watched or time.monotonic()
-            self._image.publish(self._renderer.render(*wall_to_camera(pose)), header)
+            exposure = settings.exposure * 2**(settings.swing * np.sin(2 * np.pi * seconds / SWING_S))
+            self._image.publish(self._renderer.render(*first, exposure=exposure,
+                                                      last=last if settings.shutter else None), header)
             self._shown.append(time.monotonic())
 
 

@@ -43,6 +43,8 @@ def project(points: Floats, rotation: Floats, translation: Floats, camera: Camer
 def project_rows(points: Floats, first: View, last: View, camera: Camera) -> tuple[Floats, bool]:
     """The same where the frame's rows are read one after the other, from the first view to the last."""
     pixels, before = project(points, *first, camera)
+    if not before or all(np.array_equal(*parts) for parts in zip(first, last)):
+        return pixels, before
     for number, point in enumerate(points):
         for _ in range(SETTLED):
             part = pixels[number, 1] / (camera.height - 1)

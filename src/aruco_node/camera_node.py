@@ -26,12 +26,12 @@ class CameraNode(FrameNode):
 
     def __init__(self, takes, topics, kind_of_settings):
         super().__init__(topics, kind_of_settings)
+        self._learns = 'area' in takes
         self._areas: list[dict[str, object]] = [{}]  # of each area, the parameters that are its own
         if getattr(self.settings, 'areas', 'none') != 'none':
             self._areas = load_areas(self.settings.areas)
         self._inputs = [Inputs(takes, of_area, package_folder()) for of_area in self._of_areas(self.settings)]
         self._tags = self.advertise('~tags', TagArray)
-        self._learns = 'area' in takes
 
     def answer(self, frame, given, header, stamp):
         """The images to publish, one for each topic, as ``look`` gives them.
@@ -45,6 +45,12 @@ class CameraNode(FrameNode):
         self.tags_in_sight = sum(len(inputs.tags) for inputs in self._inputs)
         self.has_area = any(inputs.has_area for inputs in self._inputs)
         return self.answer(frame, given, header, stamp)
+
+    def report(self):
+        level, sentence, values = super().report()
+        if self._learns:
+            values['area'] = ' '.join(inputs.why for inputs in self._inputs)
+        return level, sentence, values
 
     def to_frame(self, message):
         frame = super().to_frame(message)

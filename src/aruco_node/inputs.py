@@ -41,6 +41,11 @@ class Inputs:
         """A list of Tag: those seen in the last frame."""
         return self._detected if 'tags' in self._takes else self._tracker.tags
 
+    @property
+    def why(self):
+        """What the area is known by, or why there is none: see Tracker."""
+        return self._tracker.why
+
     def at(self, frame, stamp):
         """What the step takes, in order, for a frame and its time, seconds."""
         return [getattr(self, '_' + name)(frame, stamp) for name in self._takes]

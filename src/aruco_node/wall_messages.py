@@ -1,8 +1,8 @@
 """What the simulated camera publishes besides frames, as messages."""
 from math import cos, sin
 
-from aruco_ar.render import project
-from aruco_ar.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, wall_to_camera
+from aruco_ar.render import project_rows
+from aruco_ar.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo
@@ -17,19 +17,19 @@ CAMERA_FRAME = 'camera_rgb_optical_frame'
 WALL_FRAME = 'wall'
 
 
-def observe(wall, camera, pose, linear, angular, stamp):
+def observe(wall, camera, pose, linear, angular, stamp, first, last):
     """What a robot with that Pose and speed (m/s, rad/s) publishes besides the frame.
 
+    ``first``, ``last``: the views when the frame's first and last row are read.
     Returns the frame's header and {topic: message}; ``~tags`` and ``~area``
     are the truth about the frame. ``camera_info`` belongs beside the images.
     """
     header = Header(stamp=stamp, frame_id=frame_name(CAMERA_FRAME))
-    view = wall_to_camera(pose)
     return header, {
         'odom': odometry(pose, linear, angular, stamp),
         'camera_info': camera_info(camera, header),
-        '~tags': true_tags(wall, view, camera, header),
-        '~area': true_area(wall, view, camera, header),
+        '~tags': true_tags(wall, first, last, camera, header),
+        '~area': true_area(wall, first, last, camera, header),
     }
 
 
@@ -69,19 +69,19 @@ def fixed_transforms(stamp):
                    Quaternion(0.5, -0.5, -0.5, 0.5), stamp)]
 
 
-def true_tags(wall, view, camera, header):
+def true_tags(wall, first, last, camera, header):
     """Where all corners of the tags before the camera are, in or out of the frame: a TagArray."""
     seen = []
     for tag in wall.tags:
-        pixels, before_camera = project(tag.corners, view[0], view[1], camera)
+        pixels, before_camera = project_rows(tag.corners, first, last, camera)
         if before_camera:
             seen.append((tag.id, pixels))
     return tags_from_pixels(seen, header)
 
 
-def true_area(wall, view, camera, header):
+def true_area(wall, first, last, camera, header):
     """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
-    pixels, before_camera = project(wall.area_corners, view[0], view[1], camera) if wall.area else ([], True)
+    pixels, before_camera = project_rows(wall.area_corners, first, last, camera) if wall.area else ([], True)
     return polygon_from_pixels(pixels if before_camera else [], header)
 
 

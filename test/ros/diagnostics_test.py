@@ -10,6 +10,7 @@ from sensor_msgs.msg import Image
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OF_TAGS = {'tags in sight', 'area last seen (s ago)'}
+WITH_AREA, OF_AREA = ('exercise5_5', 'exercise5_6', 'tag_poses'), {'area'}
 FIGURES = OF_TAGS | {'frames in', 'frames out', 'frames dropped', 'frame rate (Hz)', 'pipeline, median (ms)',
                      'pipeline, 99 % (ms)', 'latency, median (ms)', 'latency, 99 % (ms)'}
 
@@ -24,7 +25,8 @@ class Diagnosed(NodeTest):
         self.start_all()
         for node in IMAGES:
             self.assertEqual(set(self.diagnoses.wait(node, 'Nobody listens')),
-                             FIGURES - OF_TAGS if node == 'camera_relay' else FIGURES)
+                             FIGURES - OF_TAGS if node == 'camera_relay' else
+                             FIGURES | OF_AREA if node in WITH_AREA else FIGURES)
         self.assertEqual(set(self.diagnoses.wait('wall_camera', 'frames a second')),
                          {'frames a second', 'frames left out'})
         page = self.diagnoses.wait('page', 'The page is served')
@@ -39,6 +41,7 @@ class Diagnosed(NodeTest):
         for name in 'frames in', 'frames out':
             self.assertEqual(int(values[name]), int(begun[name]) + 5)
         self.assertEqual((values['frames dropped'], values['tags in sight']), ('0', '4'))
+        self.assertEqual(values['area'], 'Its tags show it.')
         for name in 'frame rate (Hz)', 'pipeline, median (ms)', 'pipeline, 99 % (ms)', 'area last seen (s ago)':
             self.assertGreaterEqual(float(values[name]), 0, name)
         self.assertEqual(values['latency, median (ms)'], 'unknown')  # the frames' stamps are of long ago
@@ -48,6 +51,7 @@ class Diagnosed(NodeTest):
         self.publisher.impl.seq += 40  # as if so many had been lost on their way
         self.see(BLANK)
         values = self.diagnoses.wait('exercise5_6', '40 of', level=WARN)
+        self.assertEqual(values['area'], 'Four tags have not been seen together.')  # since its stamp is older
         self.assertEqual((int(values['frames in']), int(values['frames out']), values['frames dropped'],
                           values['tags in sight']), (int(begun['frames in']) + 7, int(begun['frames out']) + 7,
                                                      '40', '0'))

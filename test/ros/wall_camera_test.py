@@ -65,6 +65,20 @@ class WallCamera(unittest.TestCase):
         corner = area.polygon.points[0]
         np.testing.assert_allclose(pixel[:2] / pixel[2], [corner.x, corner.y], atol=0.01)
 
+    def test_the_truth_is_that_of_a_hand_and_a_rolling_shutter(self):
+        client = Client('/wall_camera', timeout=TIMEOUT_S)
+        self.addCleanup(client.close)
+        usual = {'hand': 0.0, 'shutter': 0.0, 'quality': 0, 'exposure': 1.0}
+        self.addCleanup(client.update_configuration, usual)
+        steady = [(p.x, p.y) for p in self.moment()[3].polygon.points]
+        client.update_configuration({'hand': 3.0, 'shutter': 30.0, 'quality': 80, 'exposure': 0.7})
+        corners = None
+        while corners is None or np.abs(corners - steady).max() < 2:
+            image, _, _, area = self.moment()
+            corners = np.array([(p.x, p.y) for p in area.polygon.points])
+            found = find_area(Detector().detect(frame_from_image(image)))
+            np.testing.assert_allclose(found.corners, corners, atol=1.0)
+
     def test_noise_and_light_change_while_it_runs_and_what_is_no_number_is_refused(self):
         client = Client('/wall_camera', timeout=TIMEOUT_S)
         self.addCleanup(client.close)
