@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ctypes
+import glob
 import hashlib
 import os
 import shutil
@@ -26,9 +27,11 @@ def library(name: str) -> ctypes.CDLL:
     except OSError:
         pass
     source = os.path.join(HERE, name + '.c')
-    with open(source, 'rb') as file:
-        version = hashlib.sha256(file.read()).hexdigest()[:12]
-    kept = os.path.join(HERE, '__pycache__', '%s-%s.so' % (name, version))
+    version = hashlib.sha256()
+    for path in sorted(glob.glob(os.path.join(HERE, '*.[ch]'))):
+        with open(path, 'rb') as file:
+            version.update(file.read())
+    kept = os.path.join(HERE, '__pycache__', '%s-%s.so' % (name, version.hexdigest()[:12]))
     try:
         return ctypes.CDLL(kept)
     except OSError:

@@ -84,14 +84,10 @@ class Detector:
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
         self._cells: dict[int, Image] = {}
         self._preset = _PRESETS[search]
-        # For tags whose edges cannot be fitted: else their corners are whole pixels,
-        # which for what is reread are small enough.
-        refinement = cv2.aruco.CORNER_REFINE_NONE if self._preset.rereads else cv2.aruco.CORNER_REFINE_SUBPIX
-        self._anywhere = self._finder(self._preset.windows, self._preset.smallest, refinement)
-        self._usual = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].smallest,
-                                   cv2.aruco.CORNER_REFINE_SUBPIX) if self._preset.rereads else None
-        self._of_a_size = self._finder(SEARCH_WINDOWS, _PRESETS['normal'].smallest,
-                                       cv2.aruco.CORNER_REFINE_NONE)
+        self._anywhere = self._finder(self._preset.windows, self._preset.smallest)
+        self._usual = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].smallest) \
+            if self._preset.rereads else None
+        self._of_a_size = self._finder(SEARCH_WINDOWS, _PRESETS['normal'].smallest)
 
     def detect(self, frame: Image) -> list[Tag]:
         """The tags in a frame, a list of Tag in the order in which they were found.
@@ -115,8 +111,7 @@ class Detector:
                 self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
         return fit_tags(frame, quads, np.array([self._cells[tag_id] for tag_id in ids]))
 
-    def _finder(self, windows: tuple[int, int, int], smallest: float,
-                refinement: int) -> cv2.aruco.ArucoDetector:
+    def _finder(self, windows: tuple[int, int, int], smallest: float) -> cv2.aruco.ArucoDetector:
         """OpenCV's detector with a preset's windows and smallest perimeter."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
@@ -129,7 +124,8 @@ class Detector:
         parameters.adaptiveThreshWinSizeMax = windows[1]
         parameters.adaptiveThreshWinSizeStep = windows[2]
         parameters.minMarkerPerimeterRate = smallest
-        parameters.cornerRefinementMethod = refinement
+        # Whole pixels will do, to fit edges; what refines them goes to the rim's corners where that is narrow.
+        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
         return cv2.aruco.ArucoDetector(self._marker, parameters)
 
     def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,

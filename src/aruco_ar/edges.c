@@ -6,9 +6,8 @@
 
    In C, since NumPy takes longer to be called a hundred times than all of this
    takes: it is done for some tags in each frame. See edges.py, which calls it. */
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
+#include "frame.h"
+#include "cells.h"
 
 #define SAMPLES 12        /* profiles along each edge */
 #define BEGIN 0.08f       /* of the edge, between which they lie: a corner's rounding stays out */
@@ -24,8 +23,7 @@
 #define MIN_FIND_PX 1.8f
 #define MIN_PLACE_PX 1.2f
 #define MAX_PLACE_PX 5.0f
-#define MIN_CONTRAST 12   /* gray levels between the black border and the white around it */
-#define MAX_BEYOND 0.25f  /* of the contrast, by which a profile may be darker or lighter than its ends */
+#define SETTLED_PX 0.5f   /* a quadrilateral that was off by more is placed once more */
 #define MAX_BENT 0.35f    /* of the reach, by which half of an edge's profiles may be off its line */
 #define RIM 0.9f          /* of the contrast: as light as this is the rim, which may end within a profile */
 #define STEADY 0.5f       /* of an edge's contrast, which most of its profiles have where the rim is narrow */
@@ -35,36 +33,7 @@ const int samples = SAMPLES;
 const float parts[SAMPLES] = {PART(0), PART(1), PART(2), PART(3), PART(4), PART(5),
                               PART(6), PART(7), PART(8), PART(9), PART(10), PART(11)};
 
-typedef struct { float x, y; } Point;
-typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;
 typedef struct { float middle, slope, off[SAMPLES]; } Line;
-
-static Point plus(Point a, float times, Point b) { return (Point){a.x + times * b.x, a.y + times * b.y}; }
-static Point minus(Point a, Point b) { return plus(a, -1, b); }
-static float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
-static float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
-
-static float larger(float a, float b) { return a > b ? a : b; }
-static float smaller(float a, float b) { return a < b ? a : b; }
-/* Within 0 and most; what is no number is 0. */
-static float within(float value, float most) { return smaller(larger(value, 0), most); }
-
-/* The gray at a point, between pixels by linear interpolation; outside of the frame that of its nearest pixel. */
-static inline float look(const Frame *frame, Point at)
-{
-    float x = within(at.x, frame->width - 1), y = within(at.y, frame->height - 1);
-    int left = (int)x, top = (int)y;
-    int right = left + 1 < frame->width ? frame->channels : 0;
-    int64_t down = top + 1 < frame->height ? frame->row : 0;
-    const uint8_t *upper = frame->pixels + top * frame->row + left * frame->channels, *lower = upper + down;
-    x -= left;
-    y -= top;
-    float weights[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
-#define MEAN(channel) (weights[0] * upper[channel] + weights[1] * upper[right + channel] \
-                       + weights[2] * lower[channel] + weights[3] * lower[right + channel])
-    return frame->channels == 1 ? MEAN(0) : 0.114f * MEAN(0) + 0.587f * MEAN(1) + 0.299f * MEAN(2);
-#undef MEAN
-}
 
 /* The number of the rank, from 0, of those sorted. */
 static float ranked(const float *values, int count, int rank)
@@ -89,7 +58,7 @@ static float mean(const float *values, int count)
     return sum / count;
 }
 
-/* The line middle + slope * arm through offsets along an edge, arm being how far from its middle each is. */
+/* The line middle + slope * arm through offsets along an edge, arm being how far each is from its middle. */
 static Line line_through(const float *offset, const float *weight)
 {
     float count = 0, first = 0, second = 0, sum = 0, leaning = 0;
@@ -128,13 +97,14 @@ static int narrow_rim(float gray[SAMPLES][PLACES], float dark, int *begins, int 
 }
 
 /* Where an edge crosses its profiles, in pixels outward; 0 where it cannot be told. */
-static int offsets(float gray[SAMPLES][PLACES], float reach, float offset[SAMPLES])
+static int offsets(float gray[SAMPLES][PLACES], float reach, float offset[SAMPLES], int *narrow_rims)
 {
     float ends[SAMPLES], contrast[SAMPLES];
     for (int i = 0; i < SAMPLES; i++)
         ends[i] = mean(gray[i], ENDS);
     float dark = median(ends);  /* black is the same along an edge; white has shades */
     int begins = PLACES - ENDS, ended = PLACES, narrow = narrow_rim(gray, dark, &begins, &ended);
+    *narrow_rims |= narrow;
     for (int i = 0; i < SAMPLES; i++) {
         contrast[i] = mean(gray[i] + begins, ended - begins) - dark;
         float light = PLACES - ended, scale = 1 / larger(contrast[i], 1);
@@ -148,10 +118,13 @@ static int offsets(float gray[SAMPLES][PLACES], float reach, float offset[SAMPLE
     return typical > MIN_CONTRAST && (!narrow || ranked(contrast, SAMPLES, SAMPLES / 4) > STEADY * typical);
 }
 
-/* Fit one quadrilateral, reaching as many pixels far across each edge; 0 where one of these is not seen. */
-static int fit_edges(const Frame *frame, const Point quad[4], const float reach[4], Point fitted[4])
+/* Fit one quadrilateral, reaching as many pixels far across each edge; 0 where one of these is not seen.
+   Also whether a rim ends within that reach. */
+static int fit_edges(const Frame *frame, const Point quad[4], const float reach[4], Point fitted[4],
+                     int *narrow)
 {
     Point first[4], along[4];
+    *narrow = 0;
     for (int edge = 0; edge < 4; edge++) {
         along[edge] = minus(quad[(edge + 1) % 4], quad[edge]);
         float size = larger(length(along[edge]), 1e-6f);
@@ -159,11 +132,13 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
         float gray[SAMPLES][PLACES], offset[SAMPLES], weight[SAMPLES];
         for (int i = 0; i < SAMPLES; i++) {
             Point on_edge = plus(quad[edge], parts[i], along[edge]);
-            for (int place = 0; place < PLACES; place++)
-                gray[i][place] = look(frame, plus(on_edge, reach[edge] * (place * 2.0f / (PLACES - 1) - 1), outward));
+            for (int place = 0; place < PLACES; place++) {
+                float across = reach[edge] * (place * 2.0f / (PLACES - 1) - 1);
+                gray[i][place] = look(frame, plus(on_edge, across, outward));
+            }
             weight[i] = 1;
         }
-        if (!offsets(gray, reach[edge], offset))
+        if (!offsets(gray, reach[edge], offset, narrow))
             return 0;
         /* A straight line through the offsets, and once more without those unlike the rest. */
         Line line = line_through(offset, weight);
@@ -179,7 +154,8 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
     for (int edge = 0; edge < 4; edge++) {  /* each corner is where its edge crosses the one before */
         int before = (edge + 3) % 4;
         float crossed = cross(along[before], along[edge]);
-        float far = cross(minus(first[edge], first[before]), along[edge]) / (fabsf(crossed) < 1e-6f ? 1e-6f : crossed);
+        crossed = fabsf(crossed) < 1e-6f ? 1e-6f : crossed;
+        float far = cross(minus(first[edge], first[before]), along[edge]) / crossed;
         fitted[edge] = plus(first[before], far, along[before]);
         if (!(length(minus(fitted[edge], quad[edge])) < 3 * reach[edge]))
             return 0;
@@ -188,7 +164,7 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
 }
 
 /* Put a quadrilateral onto the edges of a tag so many cells wide; 0 where one of these is not seen. */
-static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fitted[4])
+static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fitted[4], int *narrow)
 {
     float find[4], place[4];
     /* Seen from the side, a tag's cells are much narrower across its upright edges than along them. */
@@ -198,14 +174,21 @@ static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fit
         find[edge] = larger(FIND * cell, MIN_FIND_PX);
         place[edge] = smaller(larger(PLACE * cell, MIN_PLACE_PX), MAX_PLACE_PX);
     }
-    int near = fit_edges(frame, quad, place, fitted);
-    for (int corner = 0; near && corner < 4; corner++)
-        near = length(minus(fitted[corner], quad[corner])) < NEAR * place[corner];
-    if (near)
+    int near = fit_edges(frame, quad, place, fitted, narrow), settled = 1;
+    for (int corner = 0; near && corner < 4; corner++) {
+        float moved = length(minus(fitted[corner], quad[corner]));
+        near = moved < NEAR * place[corner];
+        settled &= moved < SETTLED_PX;
+    }
+    if (near && settled)
         return 1;
     Point found[4], placed[4];
-    return fit_edges(frame, quad, find, found) && fit_edges(frame, found, place, placed)
-        && fit_edges(frame, placed, place, fitted);
+    if (near) {
+        memcpy(found, fitted, sizeof found);
+        return fit_edges(frame, found, place, fitted, narrow);
+    }
+    return fit_edges(frame, quad, find, found, narrow) && fit_edges(frame, found, place, placed, narrow)
+        && fit_edges(frame, placed, place, fitted, narrow);
 }
 
 /* The correlation of what is between four corners with a tag's cells, (cells, cells), without its border. */
@@ -216,7 +199,8 @@ static float likeness_of(const Frame *frame, const Point quad[4], int cells, con
     for (int row = 1; row < cells - 1; row++)
         for (int column = 1; column < cells - 1; column++) {
             float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells;
-            Point upper = plus(quad[0], x, minus(quad[1], quad[0])), lower = plus(quad[3], x, minus(quad[2], quad[3]));
+            Point upper = plus(quad[0], x, minus(quad[1], quad[0]));
+            Point lower = plus(quad[3], x, minus(quad[2], quad[3]));
             double gray = look(frame, plus(upper, y, minus(lower, upper))), cell = wanted[row * cells + column];
             sum += gray;
             squares += gray * gray;
@@ -230,13 +214,22 @@ static float likeness_of(const Frame *frame, const Point quad[4], int cells, con
 
 /* See fit_tags in edges.py. A row of the frame has so many bytes, wherever it ends. */
 void fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-              const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good, float *likeness)
+              const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good,
+              float *likeness)
 {
     Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++) {
+        int narrow = 0;
         const Point *quad = (const Point *)quads + 4 * tag;
         Point *found = (Point *)fitted + 4 * tag;
-        good[tag] = fit_tag(&frame, quad, cells, found);
+        good[tag] = fit_tag(&frame, quad, cells, found, &narrow);
+        if (!good[tag] || narrow) {
+            Point inner[4];
+            if (fit_cells(&frame, good[tag] ? found : quad, cells, wanted + tag * cells * cells, inner)) {
+                good[tag] = 1;
+                memcpy(found, inner, sizeof inner);
+            }
+        }
         if (!good[tag])
             memcpy(found, quad, 4 * sizeof(Point));
         likeness[tag] = likeness_of(&frame, found, cells, wanted + tag * cells * cells);

@@ -108,12 +108,12 @@ class WallRenderer:
         looks = lens if last is None else self._looks_by_row((rotation, translation), last)
         if looks is not None:
             frame = cv2.remap(frame, looks, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        if exposure != 1:
-            frame = cv2.convertScaleAbs(frame, alpha=exposure)
         if self._blur > 0:
             frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
         if self._smear > 1:
             frame = cv2.blur(frame, (self._smear, 1))
+        if exposure != 1:
+            frame = cv2.convertScaleAbs(frame, alpha=exposure)
         if self._noise is not None:
             top, left = self._random.randint(0, NOISE_FIELD_MARGIN + 1, 2)
             window = self._noise[top:top + frame.shape[0], left:left + frame.shape[1]]

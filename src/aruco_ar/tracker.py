@@ -189,7 +189,7 @@ class Tracker:
         self._seen = seen
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in layout.places}
         agreed, moved_on = self._believe(layout, known)
-        if not tags:
+        if not (tags or layout.is_new):
             return
         others = len(seen) - len(known)
         # A few that are known may hang in another scene as well.
@@ -203,7 +203,7 @@ class Tracker:
         if self._displaced:
             if everywhere:
                 self._consider_rearranged(tags)
-        elif everywhere and self._motion is not None and len(agreed) >= 3:
+        elif (everywhere or layout.is_new) and self._motion is not None and len(agreed) >= 3:
             self._learn(layout, self._motion, seen, agreed)
 
     def _expected(self, layout: Layout) -> dict[int, Floats]:

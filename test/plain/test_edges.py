@@ -48,6 +48,21 @@ def test_a_detected_tag_is_as_exact():
     np.testing.assert_allclose(tag.corners, CORNERS, atol=0.05)
 
 
+@pytest.mark.parametrize('blur, most', [(0.8, 0.1), (3.0, 0.3)])
+def test_a_tag_without_a_rim_on_a_dark_ground_is_fitted_by_its_cells(blur, most):
+    """Nothing shows its outer edges. Its cells are 15 px wide."""
+    mask = cv2.fillConvexPoly(np.zeros((280, 320), np.uint8), np.int32(np.round(CORNERS)), 255)
+    frame = cv2.GaussianBlur(np.where(mask > 0, paint(CORNERS), 35).astype(np.uint8), (0, 0), blur)
+    quads, found, likeness = fit_tags(frame, [CORNERS + np.float32((2, -1.5))], CELLS)
+    assert found[0] and likeness[0] > 0.9
+    np.testing.assert_allclose(quads[0], CORNERS, atol=most)
+
+
+def test_what_is_no_number_is_fitted_nowhere():
+    quads, found, _ = fit_tags(paint(CORNERS), [CORNERS * np.nan, CORNERS * 1e30], CELLS[[0, 0]])
+    assert not found.any() and np.isnan(quads[0]).all()
+
+
 def test_blur_moves_no_edge():
     frame = cv2.GaussianBlur(paint(CORNERS), (0, 0), 2.0)
     quads, found, _ = fit_tags(frame, [CORNERS], CELLS)

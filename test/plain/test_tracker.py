@@ -7,7 +7,7 @@ import pytest
 from aruco_ar import InputError, Tracker
 from aruco_ar.render import WallRenderer, project
 from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
-from aruco_ar.wall import WallTag
+from aruco_ar.wall import Poster, WallTag
 from drives import FAST, LIVELY, SLOW, STILL, WALL, Frame, at_random, drive
 
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
@@ -295,6 +295,28 @@ def test_where_tags_disagree_the_top_stays_on_the_wall():
     moved = replace(wall, tags=tuple(replace(tag, x=1.3 * tag.x) for tag in wall.tags))
     again = [rolled(moved, 180, stamp=2 + number / 30) for number in range(30)]
     assert follow(tracker, again)[-1].max() < 0.7
+
+
+@pytest.mark.parametrize('quiet, look, most', [
+    (0.25, {'blur': 0.7}, 0.3), (0, {'blur': 0.7, 'posters': ()}, 0.3), (0.4, {'blur': 2.0}, 0.6),
+    (0.4, {'quality': 25}, 0.3), (0.4, {'exposure': lambda number: 2.2, 'blur': 0.7}, 0.5),
+    (0.4, {'exposure': lambda number: 2**(1.5 * np.sin(number / 10)), 'blur': 0.7}, 0.4),
+    (0.4, {'hand': 2.0, 'shutter': 25.0, 'blur': 0.7}, 0.4)])
+def test_tags_as_people_hang_them(package, quiet, look, most):
+    """Narrow rims or none, a dark painting; soft, compressed, overexposed, in a hand, a rolling shutter."""
+    painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
+    look = dict(look)
+    wall = replace(WALL, quiet=quiet, posters=look.pop('posters', (painting,)))
+    frames = list(drive(LIVELY, 60, wall=wall, noise=2.0, **look))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors).any() and rms(errors[10:]) < most
+    assert_never_wrong(errors, frames)
+
+
+def test_tags_of_14_px_are_followed():
+    frames = list(drive(Path(Pose(-7.4, 0.1, -0.01), ((3, 0.1, 0.01),)), 60, noise=2.0, blur=0.5))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors[10:]).any() and rms(errors[10:]) < 0.25
 
 
 def test_a_lone_small_tag_does_not_pretend_to_know_where_the_rest_is():

@@ -2,9 +2,9 @@
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Detector, InputError
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Path, Pose, drive, load_path, wall_to_camera
+from aruco_ar import Detector, InputError, find_area
+from aruco_ar.render import WallRenderer, project, project_rows
+from aruco_ar.robot import Camera, Path, Pose, drive, hand_held, load_path, wall_to_camera
 from aruco_ar.wall import load_wall
 
 LENS = Camera(distortion=[-0.25, 0.08, 0.001, -0.001, 0.0])
@@ -71,9 +71,54 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
         assert np.argmin(tag.corners @ [-1, 1]) == 0
 
 
+def test_posters_hang_where_the_file_says(tmp_path):
+    for name, color in ('wall', (0, 0, 250)), ('poster', (250, 0, 0)):
+        cv2.imwrite(str(tmp_path / (name + '.png')), np.full((60, 90, 3), color, np.uint8))
+    (tmp_path / 'wall.yaml').write_text(
+        'wall: {image: wall.png}\nposters: [{image: poster.png, x: 0.2, y: 0.5, width: 0.8, height: 0.4}]\n'
+        'tags: [{id: 1, x: -0.8, y: 0.5, side: 0.2}]')
+    found, view = load_wall(str(tmp_path / 'wall.yaml')), wall_to_camera(Pose(-2.2, 0.1, 0.05))
+    frame = WallRenderer(found, Camera()).render(*view)
+    corners = project(found.posters[1].corners, *view, Camera())[0]
+    for part, is_blue in (0.95, True), (1.05, False):  # of the way from the middle to a corner
+        for x, y in np.round(corners.mean(axis=0) + part * (corners - corners.mean(axis=0))).astype(int):
+            assert (frame[y, x, 0] > 200) == is_blue and (frame[y, x, 2] > 200) != is_blue
+    (tmp_path / 'poster.png').unlink()
+    with pytest.raises(InputError, match=r'poster\.png'):
+        WallRenderer(found, Camera())
+
+
+@pytest.mark.parametrize('camera', [Camera(), LENS], ids=['pinhole', 'lens'])
+def test_a_rolling_shutter_and_a_hand_are_in_the_truth(wall, camera):
+    first = wall_to_camera(Pose(-2.2, 0, 0))
+    last = hand_held(wall_to_camera(Pose(-2.2, 0.02, 0.03)), 0.3, 2.0)
+    truth, before = project_rows(wall.area_corners, first, last, camera)
+    found = find_area(Detector().detect(WallRenderer(wall, camera).render(*first, last=last)))
+    assert before and np.abs(truth - project(wall.area_corners, *first, camera)[0]).max() > 3
+    np.testing.assert_allclose(found.corners, truth, atol=0.3)
+
+
+def test_a_hand_never_stands_still_and_never_goes_far():
+    still = wall_to_camera(Pose(-2.2, 0, 0))
+    views = [hand_held(still, seconds / 30, 1.0) for seconds in range(300)]
+    turns = [np.linalg.norm(cv2.Rodrigues(rotation @ still[0].T)[0]) for rotation, _ in views]
+    assert 0.01 < max(turns) < 0.03 and np.ptp([translation for _, translation in views], axis=0).max() < 0.1
+    np.testing.assert_array_equal(hand_held(still, 5.0, 0.0)[0], still[0])
+
+
+def test_exposure_and_compression(wall):
+    view = wall_to_camera(Pose(-2.2, 0, 0))
+    usual, light, dark = (WallRenderer(wall, Camera()).render(*view, exposure=times) for times in (1, 2, 0.5))
+    assert np.median(light) == 255 and abs(np.median(dark) - np.median(usual) / 2) < 2
+    packed = WallRenderer(wall, Camera(), quality=20).render(*view)
+    assert 0.5 < np.abs(packed.astype(int) - usual).mean() < 5
+
+
 @pytest.mark.parametrize('text, words', [
     ('', 'wrong form'), ('tags: [', 'not YAML'), ('tags: []', 'at least one'),
     ('wall: {width: 5}', "lacks the entry 'tags'"),
+    ('posters: [{x: 0, y: 0, width: 1, height: 1}]\ntags: []', "'image'"),
+    ('wall: {plaster: 11}\ntags: []', '11 is not'),
     ('tags:\n- {id: 1, x: 0, y: 0, side: 1}\n- {id: 1, x: 0, y: 0, side: 1}', 'each id once'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
     ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not from'),

@@ -1,0 +1,37 @@
+/* Points, frames, and the gray that is seen at a point of a frame. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#define MIN_CONTRAST 12   /* gray levels between black and white, or it is noise */
+#define MAX_BEYOND 0.25f  /* of the contrast, by which a profile may be darker or lighter than its ends */
+
+typedef struct { float x, y; } Point;
+typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;
+
+static Point plus(Point a, float times, Point b) { return (Point){a.x + times * b.x, a.y + times * b.y}; }
+static Point minus(Point a, Point b) { return plus(a, -1, b); }
+static float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
+static float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
+
+static float larger(float a, float b) { return a > b ? a : b; }
+static float smaller(float a, float b) { return a < b ? a : b; }
+/* Within 0 and most; what is no number is 0. */
+static float within(float value, float most) { return smaller(larger(value, 0), most); }
+
+/* The gray at a point, linear between pixels; outside of the frame that of the nearest pixel. */
+static inline float look(const Frame *frame, Point at)
+{
+    float x = within(at.x, frame->width - 1), y = within(at.y, frame->height - 1);
+    int left = (int)x, top = (int)y;
+    int right = left + 1 < frame->width ? frame->channels : 0;
+    int64_t down = top + 1 < frame->height ? frame->row : 0;
+    const uint8_t *upper = frame->pixels + top * frame->row + left * frame->channels, *lower = upper + down;
+    x -= left;
+    y -= top;
+    float weights[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
+#define MEAN(channel) (weights[0] * upper[channel] + weights[1] * upper[right + channel] \
+                       + weights[2] * lower[channel] + weights[3] * lower[right + channel])
+    return frame->channels == 1 ? MEAN(0) : 0.114f * MEAN(0) + 0.587f * MEAN(1) + 0.299f * MEAN(2);
+#undef MEAN
+}
