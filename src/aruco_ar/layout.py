@@ -18,7 +18,6 @@ from .ordering import is_quadrilateral
 from .tags import Tag
 
 UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
-NEW_SIGHTS = 8     # of fewer nobody knows where they are
 LEARN_SIGHTS = 20  # over as many the places of the corners are averaged
 
 
@@ -64,11 +63,6 @@ class Layout:
         ids = [tag.id for tag in tags]
         single = [tag for tag in tags if ids.count(tag.id) == 1]
         return cls(single, np.asarray(area.corners, np.float64), first)
-
-    @property
-    def is_new(self) -> bool:
-        """Whether the four have been seen too seldom to know well where they are."""
-        return any(self._sights[tag_id] < NEW_SIGHTS for tag_id in self.ids)
 
     def quads(self, ids: Iterable[int]) -> Floats:
         """(n, 4, 2): the places of those tags."""

@@ -42,9 +42,9 @@ MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 # half as large four times as much.
 BIAS_PX, SMALL_PX = 0.10, 30.0
 ROUNDING_S = 1e-6      # of stamps
-# Where fewer tags than this agree, and they leave a corner open by more than so many pixels, the wall's texture
-# is looked at; for so long after the last tag, since those may have been taken off the wall.
-ENOUGH, OPEN_PX, TEXTURE_S = 3, 0.5, 15.0
+# The wall's texture is looked at where fewer tags than this agree, none or some that leave a corner open by more
+# than so many pixels; for so long after the last tag, since those may have been taken off the wall.
+ENOUGH, OPEN_PX, TEXTURE_S = 3, 2.0, 15.0
 
 
 class Tracker:
@@ -189,7 +189,7 @@ class Tracker:
         self._seen = seen
         known = {tag_id: quad for tag_id, quad in seen.items() if tag_id in layout.places}
         agreed, moved_on = self._believe(layout, known)
-        if not (tags or layout.is_new):
+        if not tags:
             return
         others = len(seen) - len(known)
         # A few that are known may hang in another scene as well.
@@ -203,7 +203,7 @@ class Tracker:
         if self._displaced:
             if everywhere:
                 self._consider_rearranged(tags)
-        elif (everywhere or layout.is_new) and self._motion is not None and len(agreed) >= 3:
+        elif everywhere and self._motion is not None and len(agreed) >= 3:
             self._learn(layout, self._motion, seen, agreed)
 
     def _expected(self, layout: Layout) -> dict[int, Floats]:
@@ -326,7 +326,7 @@ class Tracker:
         self._recognized = False
         if set(self._agreed) >= set(layout.ids):
             self._texture.study(frame, motion.corners, motion.see(layout.quads(layout.places)), self._now)
-        if (len(self._agreed) >= ENOUGH or motion.deviation.max() < OPEN_PX
+        if (len(self._agreed) >= ENOUGH or (self._agreed and motion.deviation.max() < OPEN_PX)
                 or self._now - self._tagged > TEXTURE_S):
             return
         found = self._texture.find(frame, motion.corners)
