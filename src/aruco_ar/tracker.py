@@ -42,8 +42,8 @@ MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 # half as large four times as much.
 BIAS_PX, SMALL_PX = 0.10, 30.0
 ROUNDING_S = 1e-6      # of stamps
-# The wall's texture is looked at where fewer tags than this agree, none or some that leave a corner open by more
-# than so many pixels; for so long after the last tag, since those may have been taken off the wall.
+# The wall's texture is looked at where fewer tags than this agree, and none does or they leave a corner open by
+# more than so many pixels; for so long after the last tag, since all may have been taken off the wall.
 ENOUGH, OPEN_PX, TEXTURE_S = 3, 2.0, 15.0
 
 
