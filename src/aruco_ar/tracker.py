@@ -182,7 +182,8 @@ class Tracker:
         self._lost = lost
         if everywhere:
             self._searched = self._now
-            tags = self._search(frame, expected)
+            found = self._search(frame, expected)
+            tags = found + [tag for tag in tags if tag.id not in {other.id for other in found}]
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag.corners)
