@@ -73,7 +73,7 @@ class Settings:
     swing: float = number(0.0, 0, 4, 'stops by which the exposure goes up and down within 4 seconds')
     hand: float = number(0.0, 0, 10, 'how unsteady a hand holds the camera, 1 is usual; TF is without')
     shutter: float = number(0.0, 0, 100, "milliseconds in which a frame's rows are read, one after the other")
-    quality: float = number(0.0, 0, 100, 'of JPEG, by which each frame is compressed; 0 for none')
+    jpeg: float = number(0.0, 0, 100, 'the quality by which each frame is compressed; 0 for none')
 
 
 class Driver:
@@ -134,7 +134,7 @@ class WallCamera:
 
     def _make_renderer(self, settings):
         return WallRenderer(self._wall, self._camera, noise=settings.noise, blur=settings.blur,
-                            light=settings.light, seed=int(settings.seed), quality=int(settings.quality))
+                            light=settings.light, seed=int(settings.seed), quality=int(settings.jpeg))
 
     def _reconfigure(self, settings):
         self._renderer, self._settings = self._make_renderer(settings), settings

@@ -35,11 +35,12 @@ STAYS_PX = 1.0           # pixels of the look: farther off, a point is not on th
 CONFIRMED = 2            # as often must tags have confirmed a point
 OUTLIER_PX = 1.5         # of the look, from the homography of most points
 MIN_POINTS, MIN_PART = 10, 0.4  # that must fit together, of those in sight
-FEW = 30                 # points left of those learned: learn anew
+FEW = 0.4                # of the points that were learned: when fewer are left, learn anew
 SHARPER = 1.3            # times: also then
 ERROR_PX = 0.15          # of points that fit together, all alike, in the frame: how exact they are at best
 EQUIVALENT = 8           # points: neighbors err alike, so that all say as much as so many
 CHECKS_S = 0.1, 0.2, 0.3, 0.5, 1.0  # after learning; and then again after the last of them
+AGAIN_S = 1.0            # until what has to be learned anew is
 MOST_CHECKS = 20         # over as many the place of a point is averaged
 
 
@@ -65,23 +66,30 @@ class Texture:
         """
         if now < self._due:
             return
-        if len(self._points):
-            look, contrast = self._look_at(frame, corners)
-            found, like, in_sight = self._flow(look, corners, frame.shape)
-            off = self._to_plane(found) - self._places
-            stays = (like > LIKE) & (np.linalg.norm(off * self._inner, axis=1) < STAYS_PX)
-            self._confirmed += stays
-            # The first look was no more exact than tags in one frame are.
-            self._places += np.where(stays, 1 / np.minimum(self._confirmed + 1, MOST_CHECKS), 0)[:, None] * off
-            kept = stays | ~in_sight
-            self._points, self._places = self._points[kept], self._places[kept]
-            self._confirmed = self._confirmed[kept]
-            self._checks += 1
-            if len(self._points) < FEW or contrast > SHARPER * self._contrast:
-                self._points = self._points[:0]
+        self._due = now + AGAIN_S
         if not len(self._points):
             self._learn(frame, corners, tags)
-        self._due = now + CHECKS_S[min(self._checks, len(CHECKS_S) - 1)]
+        elif not self._confirm(frame, corners):
+            self.forget()
+            self._due = now + AGAIN_S
+        if len(self._points):
+            self._due = now + CHECKS_S[min(self._checks, len(CHECKS_S) - 1)]
+
+    def _confirm(self, frame: Image, corners: Floats) -> bool:
+        """Keep the points that are where they were learned to be; whether enough are, and all is as sharp."""
+        look, contrast = self._look_at(frame, corners)
+        found, like, in_sight = self._flow(look, corners, frame.shape)
+        off = self._to_plane(found) - self._places
+        stays = (like > LIKE) & (np.linalg.norm(off * self._inner, axis=1) < STAYS_PX)
+        self._confirmed += stays
+        # The first look was no more exact than tags in one frame are.
+        self._places += np.where(stays, 1 / np.minimum(self._confirmed + 1, MOST_CHECKS), 0)[:, None] * off
+        kept = stays | ~in_sight
+        self._points, self._places = self._points[kept], self._places[kept]
+        self._confirmed = self._confirmed[kept]
+        self._checks += 1
+        enough = len(self._points) >= max(MIN_POINTS, FEW * self._learned)
+        return enough and contrast <= SHARPER * self._contrast
 
     def find(self, frame: Image, corners: Floats) -> tuple[Floats, Floats, Floats, Floats] | None:
         """Where the wall is in a frame in which the area is expected at corners, (4, 2) pixels.
@@ -111,7 +119,6 @@ class Texture:
 
     def _learn(self, frame: Image, corners: Floats, tags: Floats) -> None:
         """Take the wall's look as it is now, and choose points in it."""
-        self._points, self._confirmed, self._checks = self._points[:0], self._confirmed[:0], 0
         sides = np.linalg.norm(corners - corners[[1, 2, 3, 0]], axis=1)
         if sides.min() < MIN_SIDE_PX:
             return
@@ -124,6 +131,7 @@ class Texture:
             return
         points = cv2.goodFeaturesToTrack(self._look, POINTS, QUALITY, APART_PX, mask=self._wall, blockSize=5)
         if points is not None:
+            self._learned = len(points)
             self._points = np.asarray(points, np.float32).reshape(-1, 2)
             self._places = self._to_plane(self._points)
             self._confirmed = np.zeros(len(points), int)

@@ -89,7 +89,8 @@ def test_the_area_is_where_it_was_at_the_seams_too(frames, recorded, done):
         in_one = [tracker.update(frame_from_compressed(message), message.header.stamp.to_sec()).corners
                   for _, message, _ in bag.read_messages([CAMERA + '/compressed'])]
     for number, area in areas.items():
-        assert np.abs(area - in_one[number]).max() < 0.5, number
+        # Where one tag is left, as it is while two are covered and one leaves the frame, much is predicted.
+        assert np.abs(area - in_one[number]).max() < (2 if number in COVERED else 0.5), number
         # One tag alone leaves the far side open where the robot jerks.
         far = 1.0 if numbers_of.count(number) > 1 else 5.0
         assert np.abs(area - frames[number].corners).max() < far, number

@@ -68,10 +68,10 @@ class WallCamera(unittest.TestCase):
     def test_the_truth_is_that_of_a_hand_and_a_rolling_shutter(self):
         client = Client('/wall_camera', timeout=TIMEOUT_S)
         self.addCleanup(client.close)
-        usual = {'hand': 0.0, 'shutter': 0.0, 'quality': 0, 'exposure': 1.0}
+        usual = {'hand': 0.0, 'shutter': 0.0, 'jpeg': 0.0, 'exposure': 1.0}
         self.addCleanup(client.update_configuration, usual)
         steady = [(p.x, p.y) for p in self.moment()[3].polygon.points]
-        client.update_configuration({'hand': 3.0, 'shutter': 30.0, 'quality': 80, 'exposure': 0.7})
+        client.update_configuration({'hand': 3.0, 'shutter': 30.0, 'jpeg': 80.0, 'exposure': 0.7})
         corners = None
         while corners is None or np.abs(corners - steady).max() < 2:
             image, _, _, area = self.moment()
