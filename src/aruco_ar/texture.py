@@ -57,15 +57,17 @@ class Texture:
         self._confirmed = np.empty(0, int)
         self._checks, self._due = 0, -np.inf
 
+    def is_due(self, now: float) -> bool:
+        """Whether there is something to study at that time, seconds; most of the time there is not."""
+        return now >= self._due
+
     def study(self, frame: Image, corners: Floats, tags: Floats, now: float) -> None:
         """Learn, or confirm what was learned, from a frame in which tags say where the area is.
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``corners``: (4, 2)
         pixels, the area's; ``tags``: (n, 4, 2) pixels, what is not wall.
-        ``now``: seconds; most of the time nothing is due, and nothing is done.
+        ``now``: seconds, at which it is due (see is_due).
         """
-        if now < self._due:
-            return
         self._due = now + AGAIN_S
         if not len(self._points):
             self._learn(frame, corners, tags)

@@ -325,7 +325,7 @@ class Tracker:
     def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
         """Learn the wall's texture where tags show the area, and correct the motion by it where they do not."""
         self._recognized = False
-        if set(self._agreed) >= set(layout.ids):
+        if set(self._agreed) >= set(layout.ids) and self._texture.is_due(self._now):
             self._texture.study(frame, motion.corners, motion.see(layout.quads(layout.places)), self._now)
         if (len(self._agreed) >= ENOUGH or (self._agreed and motion.deviation.max() < OPEN_PX)
                 or self._now - self._tagged > TEXTURE_S):
