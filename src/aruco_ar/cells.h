@@ -7,7 +7,7 @@
 
 #define PROFILE 9        /* places at which a profile between the middles of two cells is looked at */
 #define UNKNOWNS 9       /* eight numbers of four corners, and how far light outshines dark */
-#define STEPS 4          /* by which a tag is fitted */
+#define STEPS 6          /* by which a tag is fitted */
 #define BLUR 0.15f       /* cells, before anything is known about it */
 #define MIN_BLUR 0.05f
 #define MAX_BLUR 0.6f

@@ -33,10 +33,11 @@ _PRESETS = {
 }
 SEARCHES = tuple(_PRESETS)
 
-# A search for tags of a known size shrinks the frame until they are this wide,
-# and looks at it with this window alone.
+# A search for tags of a known size shrinks or enlarges the frame until they are
+# this wide, and looks at it with this window alone.
 SEARCH_SIDE_PX = 24
 SEARCH_WINDOWS = (11, 11, 1)
+MAX_ENLARGED = 3
 # What is between a tag's edges must be as like it as this (see fit_tags). That
 # keeps out what OpenCV would mistake for a tag when it corrects as many wrong
 # cells as it can, which is what finds tags blurred by motion.
@@ -101,8 +102,8 @@ class Detector:
         return self._fitted(frame, ids, quads)
 
     def search(self, frame: Image, side: float) -> list[Tag]:
-        """The same for tags at least ``side`` pixels wide, in a fraction of the time."""
-        return self._fitted(frame, *self._find(self._of_a_size, frame, min(1.0, SEARCH_SIDE_PX / side)))
+        """The same for tags at least ``side`` pixels wide, however small; of large ones in a fraction of the time."""
+        return self._fitted(frame, *self._find(self._of_a_size, frame, min(SEARCH_SIDE_PX / side, MAX_ENLARGED)))
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""

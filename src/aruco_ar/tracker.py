@@ -23,9 +23,10 @@ GAP_S = 0.5            # frames farther apart than this say nothing about motion
 USUAL_S = 1 / 30       # between frames whose stamps do not tell
 RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
-FURTHER = 4            # so many tags besides the four are looked for in each frame
+FURTHER = 8            # where one of the four is missing, so many other tags are looked for
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 AROUND = 1.0           # sides: so far around its place a tag is looked for that is not there
+FINER = 2.0            # as if it were so much smaller: a window is small enough to look at it closely
 MIN_LIKENESS = 0.6     # of what is where a tag is expected to that tag (see fit_tags)
 SAME_PLACE = 0.02      # sides, and 1 px: a further tag is not as far off its place
 # What is more unlikely than this (see AreaMotion.unlikeliness) is no error of
@@ -182,7 +183,7 @@ class Tracker:
         self._lost = lost
         if everywhere:
             self._searched = self._now
-            found = self._search(frame, expected)
+            found = self._search(frame, [expected[tag_id] for tag_id in layout.ids if expected])
             tags = found + [tag for tag in tags if tag.id not in {other.id for other in found}]
         # Of several tags with one id, the one nearest to its place counts.
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
@@ -217,21 +218,33 @@ class Tracker:
         """{id: corners} of the tags found where they should be, and which of the four are not, but could be."""
         if motion is None:
             return {}, []
+        expected = self._in_frame(frame, layout, motion)
+        four = [tag_id for tag_id in layout.ids if tag_id in expected]
+        seen = self._fitted(frame, four, expected)
+        missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
+        others = [tag_id for tag_id in expected if tag_id not in layout.ids]
+        if missing and others:  # those nearest to where one is missing say most about that corner
+            gaps, places = layout.quads(missing).mean(axis=1), layout.quads(others).mean(axis=1)
+            far = np.linalg.norm(places[:, None] - gaps, axis=2).min(axis=1)
+            nearest = np.argsort(far)[:FURTHER]
+            seen.update(self._fitted(frame, [others[number] for number in nearest], expected))
+        return seen, [tag_id for tag_id in four if tag_id not in seen]
+
+    def _in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
+        """{id: (4, 2) pixels}: where those of the known tags should be that are large enough and in the frame."""
         ids = list(layout.places)
         quads = motion.see(layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
         inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
-        known = [number for number in np.flatnonzero(inside) if ids[number] in layout.ids]
-        others = [number for number in np.flatnonzero(inside) if ids[number] not in layout.ids]
-        if len(others) > FURTHER:  # the largest say most
-            others = sorted(others, key=dict(zip(others, -side_of(quads[others]))).__getitem__)[:FURTHER]
-        ids, quads = [ids[number] for number in known + others], quads[known + others]
+        return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
+
+    def _fitted(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Floats]:
+        """{id: corners} of those of the tags that are where they are expected."""
         if not ids:
-            return {}, []
-        fitted, found, likeness = self._detector.fit(frame, ids, quads)
+            return {}
+        quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
         found &= likeness > MIN_LIKENESS
-        seen = {tag_id: quad for tag_id, quad, fits in zip(ids, fitted, found) if fits}
-        return seen, [tag_id for tag_id in ids if tag_id in layout.ids and tag_id not in seen]
+        return {tag_id: quad for tag_id, quad, fits in zip(ids, quads, found) if fits}
 
     def _look_around(self, frame: Image, missing: Mapping[int, Floats]) -> list[Tag]:
         """The tags found near where those that are missing, {id: (4, 2) pixels}, should be."""
@@ -240,16 +253,15 @@ class Tracker:
             side = side_of(quad[None])[0]
             low = np.maximum(quad.min(axis=0) - AROUND * side, 0).astype(int)
             high = np.minimum(quad.max(axis=0) + AROUND * side + 1, frame.shape[1::-1]).astype(int)
-            around = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side)
+            around = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side / FINER)
             found += [Tag(tag_id, tag.corners + np.float32(low)) for tag in around if tag.id == tag_id]
         return found
 
-    def _search(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
-        """The tags anywhere in the frame: of about the size of those expected, if any are."""
+    def _search(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
+        """The tags anywhere in the frame: of about the size of those expected, (4, 2) pixels, if any are."""
         if not expected:
             return self._detector.detect(frame)
-        sides = side_of(np.array(list(expected.values())))
-        return self._detector.search(frame, max(sides.min(), MIN_SIDE_PX))
+        return self._detector.search(frame, max(side_of(np.array(expected)).min(), MIN_SIDE_PX))
 
     def _believe(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Take in where known tags are seen, {id: corners}.
