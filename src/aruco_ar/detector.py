@@ -102,8 +102,9 @@ class Detector:
         return self._fitted(frame, ids, quads)
 
     def search(self, frame: Image, side: float) -> list[Tag]:
-        """The same for tags at least ``side`` pixels wide, however small; of large ones in a fraction of the time."""
-        return self._fitted(frame, *self._find(self._of_a_size, frame, min(SEARCH_SIDE_PX / side, MAX_ENLARGED)))
+        """The same for tags of ``side`` pixels or more: of large ones faster, of small ones more of them."""
+        scale = min(SEARCH_SIDE_PX / side, MAX_ENLARGED)
+        return self._fitted(frame, *self._find(self._of_a_size, frame, scale))
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Put quadrilaterals, (n, 4, 2), onto the tags with those ids: see fit_tags."""
@@ -133,9 +134,7 @@ class Detector:
               rereads: bool = False) -> tuple[list[int], Floats]:
         """Ids and quadrilaterals, (n, 4, 2) float32, of what may be tags, seen in the scaled frame."""
         scale = max(scale, 1 / min(frame.shape[:2]))  # leaves a pixel of it
-        picture = frame if scale == 1 else cv2.resize(frame, None, fx=scale, fy=scale)
-        gray = picture if picture.ndim == 2 else cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)
-        corners, ids, rejected = finder.detectMarkers(gray)
+        corners, ids, rejected = finder.detectMarkers(_scaled(frame, scale))
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
         if len(ids) > MAX_READ:
             largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
@@ -144,7 +143,8 @@ class Detector:
         # The middle of the first pixel is (0, 0), before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
         if rereads and len(quads):
-            ids, quads = self._reread(frame, quads[:len(corners) + MAX_REREAD])
+            more, others = self._reread(frame, quads[:len(corners) + MAX_REREAD])
+            ids, quads = ids + more, np.concatenate([quads[:len(corners)], others])
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
@@ -172,6 +172,18 @@ class Detector:
         if self._preset.rereads:
             good = _once(fitted, likeness, good)
         return [Tag(ids[number], fitted[number]) for number in good]
+
+
+def _scaled(frame: Image, scale: float) -> Image:
+    """(h, w) uint8: a frame in gray and in another size; sharpened if enlarged."""
+    if scale < 1:
+        frame = cv2.resize(frame, None, fx=scale, fy=scale)
+    gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+    if scale <= 1:
+        return gray
+    # Or blur would fill the cells of small tags, and join a tag to what is beyond a narrow rim.
+    sharp = cv2.addWeighted(gray, 2, cv2.GaussianBlur(gray, (0, 0), 1), -1, 0)
+    return cv2.resize(sharp, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
 
 
 def _once(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:

@@ -24,6 +24,7 @@ USUAL_S = 1 / 30       # between frames whose stamps do not tell
 RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 FURTHER = 8            # where one of the four is missing, so many other tags are looked for
+SMALL_SIDE_PX = 12     # of tags that are found only if looked for closely
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 AROUND = 1.0           # sides: so far around its place a tag is looked for that is not there
 FINER = 2.0            # as if it were so much smaller: a window is small enough to look at it closely
@@ -72,6 +73,7 @@ class Tracker:
         Detector(dictionary, self._ids)  # raises where the dictionary does not have them
         # Others on the same plane show where the four are.
         self._detector = Detector(dictionary, **detection)
+        self._one_way = detection.get('search', 'normal') != 'normal'
         self._layout: Layout | None = None
         self.hold = hold
         self._upright = upright
@@ -105,6 +107,7 @@ class Tracker:
         self._stamp: float | None = None
         self._shape: tuple[int, ...] = ()
         self._shown = False
+        self._closely = False
         self._now = 0.0  # goes on also where stamps stand still
         self._layout = None
         self._begin([])
@@ -122,7 +125,7 @@ class Tracker:
         self._now += passed
         self._stamp, self._shape = stamp, frame.shape[:2]
         if self._layout is None:
-            self._begin(self._detector.detect(frame))
+            self._begin(self._search_all(frame))
         else:
             self._predict(passed)
             self._look(frame, self._layout)
@@ -231,7 +234,7 @@ class Tracker:
         return seen, [tag_id for tag_id in four if tag_id not in seen]
 
     def _in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
-        """{id: (4, 2) pixels}: where those of the known tags should be that are large enough and in the frame."""
+        """{id: (4, 2) pixels}: where known tags should be, of those large enough and in the frame."""
         ids = list(layout.places)
         quads = motion.see(layout.quads(ids))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
@@ -260,8 +263,15 @@ class Tracker:
     def _search(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
         """The tags anywhere in the frame: of about the size of those expected, (4, 2) pixels, if any are."""
         if not expected:
-            return self._detector.detect(frame)
+            return self._search_all(frame)
         return self._detector.search(frame, max(side_of(np.array(expected)).min(), MIN_SIDE_PX))
+
+    def _search_all(self, frame: Image) -> list[Tag]:
+        """The tags anywhere in the frame, of any size; two ways, each of which finds some more, take turns."""
+        self._closely = not self._closely
+        if self._closely or self._one_way:
+            return self._detector.detect(frame)
+        return self._detector.search(frame, SMALL_SIDE_PX)
 
     def _believe(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Take in where known tags are seen, {id: corners}.

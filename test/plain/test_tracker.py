@@ -313,6 +313,21 @@ def test_tags_as_people_hang_them(package, quiet, look, most):
     assert_never_wrong(errors, frames)
 
 
+@pytest.mark.parametrize('away, look, quick, least, most', [
+    (6.5, {'blur': 0.7, 'noise': 2.0}, 10, 50, 0.4),
+    (4.7, {'blur': 1.0, 'noise': 3.0, 'quality': 40, 'hand': 2.0, 'shutter': 25.0,
+           'exposure': lambda number: 2**(0.8 * np.sin(number / 10))}, 10, 40, 1.0)])
+def test_small_tags_are_soon_found_on_a_painting(package, away, look, quick, least, most):
+    """Of 16 px, and of 22 px with all that goes wrong at once."""
+    painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
+    path = Path(Pose(-away, 0.1, -0.01), ((3, 0.1, 0.01),))
+    frames = list(drive(path, 60, wall=replace(WALL, quiet=0.4, posters=(painting,)), **look))
+    errors = follow(Tracker(), frames)
+    known = ~np.isnan(errors[:, 0])
+    assert known[:quick].any() and known.sum() >= least and rms(errors[known]) < most
+    assert_never_wrong(errors, frames)
+
+
 def test_tags_of_14_px_are_followed():
     frames = list(drive(Path(Pose(-7.4, 0.1, -0.01), ((3, 0.1, 0.01),)), 60, noise=2.0, blur=0.5))
     errors = follow(Tracker(), frames)
