@@ -9,15 +9,15 @@
 typedef struct { float x, y; } Point;
 typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;
 
-static Point plus(Point a, float times, Point b) { return (Point){a.x + times * b.x, a.y + times * b.y}; }
-static Point minus(Point a, Point b) { return plus(a, -1, b); }
-static float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
-static float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
+static inline Point plus(Point a, float times, Point b) { return (Point){a.x + times * b.x, a.y + times * b.y}; }
+static inline Point minus(Point a, Point b) { return plus(a, -1, b); }
+static inline float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
+static inline float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
 
-static float larger(float a, float b) { return a > b ? a : b; }
-static float smaller(float a, float b) { return a < b ? a : b; }
+static inline float larger(float a, float b) { return a > b ? a : b; }
+static inline float smaller(float a, float b) { return a < b ? a : b; }
 /* Within 0 and most; what is no number is 0. */
-static float within(float value, float most) { return smaller(larger(value, 0), most); }
+static inline float within(float value, float most) { return smaller(larger(value, 0), most); }
 
 /* The gray at a point, linear between pixels; outside of the frame that of the nearest pixel. */
 static inline float look(const Frame *frame, Point at)

@@ -7,6 +7,7 @@ is (0, 0). Colors are (blue, green, red).
 """
 from __future__ import annotations
 
+import ctypes
 from typing import Iterable, Sequence
 
 import cv2
@@ -14,10 +15,16 @@ import numpy as np
 
 from .area import Area
 from .arrays import Color, Floats, Image, Integers, Numbers
+from .compiled import library
 from .fitting import fit_picture
 from .lens import Lens
 from .poses import TagPose
 from .tags import Tag
+
+_C = library('painting')
+_C.paint.restype = None
+_C.paint.argtypes = [ctypes.c_void_p, ctypes.c_int64, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
+                     *[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2, ctypes.c_float]
 
 GREEN = (0, 255, 0)
 RED = (0, 0, 255)
@@ -120,44 +127,7 @@ def area_mask(frame: Image, area: Area | None) -> Image:
 
     On the area's rim it is as gray as the part of the pixel that the area covers.
     """
-    mask = np.zeros_like(frame)
-    if area is not None:
-        cv2.fillConvexPoly(mask, _fixed(area.corners), WHITE, cv2.LINE_8, SHIFT)
-        rim, cover = _rim(area.corners, frame.shape)
-        mask.reshape(-1, 3)[rim] = (cover * 255 + 0.5).astype(np.uint8)[:, None]
-    return mask
-
-
-def _rim(corners: Floats, shape: Sequence[int]) -> tuple[Integers, Floats]:
-    """The pixels that an area's sides cross, and how much of each the area covers.
-
-    (n,) int64 indices into all pixels of a frame of that shape, row by row,
-    some of them repeated, and (n,) float32, 0 to 1: half a pixel in, on, or
-    half a pixel out of the nearest side is all, half, or nothing.
-    """
-    height, width = shape[:2]
-    x0, y0 = np.asarray(corners, np.float64).T
-    x1, y1 = x0[[1, 2, 3, 0]], y0[[1, 2, 3, 0]]
-    x, y = [], []
-    for side in range(4):
-        flat = abs(x1[side] - x0[side]) > abs(y1[side] - y0[side])
-        a0, b0, a1, b1, end = (x0[side], y0[side], x1[side], y1[side], width) if flat else \
-            (y0[side], x0[side], y1[side], x1[side], height)
-        along = np.arange(max(int(min(a0, a1)) - 1, 0), min(int(max(a0, a1)) + 3, end))
-        # At 45 degrees at most, only these two are less than half a pixel from the side.
-        across = np.floor(b0 + (along - a0) * ((b1 - b0) / (a1 - a0 or 1))).astype(np.int64)
-        across = np.concatenate([across, across + 1])
-        along = np.concatenate([along, along])
-        x.append(along if flat else across)
-        y.append(across if flat else along)
-    x, y = np.concatenate(x), np.concatenate(y)
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    x, y = x[inside], y[inside]
-    inward = 1 if (x0 * y1 - x1 * y0).sum() >= 0 else -1
-    length = np.maximum(np.hypot(x1 - x0, y1 - y0), 1e-9) * inward
-    right, down = (y0 - y1) / length, (x1 - x0) / length
-    cover = (np.outer(right, x) + np.outer(down, y) + (0.5 - right * x0 - down * y0)[:, None]).min(axis=0)
-    return y * width + x, np.clip(cover, 0, 1).astype(np.float32)
+    return overlay(np.zeros_like(frame), np.full((1, 1, 3), 255, np.uint8), area)
 
 
 def subtract(frame: Image, mask: Image) -> Image:
@@ -185,37 +155,23 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
     picture, area = fit_picture(picture, area, fit)
     if cv2.contourArea(np.asarray(area.corners, np.float32)) < MIN_AREA_PX:
         return out
-    low = np.maximum(np.floor(area.corners.min(axis=0)) - 1, 0).astype(int)
-    high = np.minimum(np.ceil(area.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
-    if np.any(low >= high):
-        return out
-    part = out[low[1]:high[1], low[0]:high[0]]
-    shift = np.array([[1, 0, -low[0]], [0, 1, -low[1]], [0, 0, 1.0]])
-    painted = _warp(part, picture, shift @ area.homography(picture.shape[1], picture.shape[0]))
-    if opacity < 1:
-        painted = cv2.addWeighted(painted, opacity, part, 1 - opacity, 0)
-    rim, cover = _rim(area.corners - low, part.shape)
-    inside = np.zeros(part.shape[:2], np.uint8)
-    cv2.fillConvexPoly(inside, _fixed(area.corners - low), (255,), cv2.LINE_8, SHIFT)
-    rows, columns = np.divmod(rim, part.shape[1])
-    around = np.asarray(part[rows, columns], np.float32)
-    mixed = around + cover[:, None] * (painted.reshape(-1, 3)[rim] - around)
-    cv2.copyTo(painted, inside, part)
-    part[rows, columns] = mixed + 0.5
+    _paint(out, picture, area, opacity)
     return out
 
 
-def _warp(frame: Image, picture: Image, homography: Floats) -> Image:
-    """The picture on the frame, everywhere: beyond its own edges as at its edges."""
-    def warped(part: Image) -> Image:
-        return cv2.warpPerspective(part, homography, frame.shape[1::-1], borderMode=cv2.BORDER_REPLICATE)
-    if picture.shape[2] == 3:
-        return warped(picture)
-    # Colors go weighted with their alpha, or those that nobody sees would bleed in at its rim.
-    alpha = cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR)
-    weighted = cv2.multiply(picture[:, :, :3], alpha, scale=1 / 255)
-    clear = cv2.bitwise_not(warped(alpha))
-    return cv2.add(cv2.multiply(frame, clear, scale=1 / 255), warped(weighted))
+def _paint(frame: Image, picture: Image, area: Area, opacity: float) -> None:
+    """Paint a picture right into the area of a frame. How is in painting.c."""
+    if not frame.flags.writeable:
+        raise ValueError('The frame to paint into is read-only; give a copy of it.')
+    whole = frame if frame.strides[1:] == (3, 1) else np.ascontiguousarray(frame)
+    height, width, channels = picture.shape
+    picture = np.ascontiguousarray(picture)
+    _, to_picture = cv2.invert(area.homography(width, height))  # all 0 where there is none
+    corners = np.array(area.corners, np.float64)
+    _C.paint(whole.ctypes.data, whole.strides[0], whole.shape[1], whole.shape[0], picture.ctypes.data,
+             picture.strides[0], width, height, channels, to_picture.ctypes.data, corners.ctypes.data, opacity)
+    if whole is not frame:
+        frame[:] = whole
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:
