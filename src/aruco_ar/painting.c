@@ -1,10 +1,13 @@
 /* A picture painted into an area of a frame: called by paint.py.
 
-   Each row of the area is gone through once, and only the pixels that the area covers are touched. OpenCV warps
-   the whole rectangle around the area, and what lies inside has then to be cut out and copied: about twice the time. */
+   Only the pixels that the area covers are touched, each of them once. OpenCV warps the whole rectangle around the
+   area, and what lies inside has then to be cut out and copied: about twice the time. */
 #include "frame.h"
 
-#define RUN 64      /* pixels whose places on the picture are worked out together, which compilers do four at once */
+/* The frame is gone through in tiles of this size: what a tile shows of the picture is near in memory, however the
+   picture is turned. */
+#define WIDE 64
+#define HIGH 32
 #define PARTS 256   /* of a pixel of the picture, to which a place is rounded */
 
 typedef struct { double right, down, rest; } Side;  /* right * x + down * y + rest: pixels inward, and a half */
@@ -33,19 +36,22 @@ static float cover_of(const Side sides[4], int x, int y)
     return larger(cover, 0);
 }
 
-/* The first and the last pixel of a row whose cover is not below ``least``, within 0 and width - 1. */
-static void find_span(const Side sides[4], int y, double least, int width, int *first, int *last)
+typedef struct { int first, last; } Span;  /* of pixels in a row */
+
+/* The pixels of a row whose cover is not below ``least``, within 0 and width - 1. */
+static Span find_span(const Side sides[4], int y, double least, int width)
 {
     double from = 0, to = width - 1;
     for (int side = 0; side < 4; side++) {
         double right = sides[side].right, rest = sides[side].down * y + sides[side].rest - least;
-        if (fabs(right) > 1e-9)
-            *(right > 0 ? &from : &to) = right > 0 ? fmax(from, -rest / right) : fmin(to, -rest / right);
+        if (right > 1e-9)
+            from = fmax(from, -rest / right);
+        else if (right < -1e-9)
+            to = fmin(to, -rest / right);
         else if (rest < 0)
             to = -1;
     }
-    *first = (int)ceil(fmin(from, width));
-    *last = (int)floor(fmax(to, -1));
+    return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
 }
 
 /* Of a place on the picture: the pixels around it, and their weights, which are PARTS * PARTS together. */
@@ -86,39 +92,58 @@ static void mix_pixel(uint8_t *pixel, const Frame *picture, unsigned u, unsigned
         pixel[color] = within(left_of_frame * pixel[color] + sums[color] + 0.5f, 255);
 }
 
-/* frame, picture: BGR, the picture perhaps with alpha; ``row``: bytes from one row to the next.
-   to_picture: the homography from pixels of the frame to those of the picture. corners: (4, 2) of the area.
+typedef struct { Frame picture; float to_picture[9]; Side sides[4]; float opacity; } Work;
+
+/* Paint the pixels of a row from ``begin`` to ``end``, at most WIDE of them, those ``inside`` without mixing. */
+static void paint_run(const Work *work, uint8_t *row, int y, int begin, int end, Span inside)
+{
+    const Frame *picture = &work->picture;
+    const float *h = work->to_picture;
+    float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
+    float right = picture->width - 1, foot = picture->height - 1;
+    int u[WIDE], v[WIDE], solid = picture->channels == 3 && work->opacity == 1;
+    for (int x = begin; x < end; x++) {  /* by itself, since compilers do four at once */
+        float scale = 1 / (h[6] * x + w0);
+        u[x - begin] = (int)(PARTS * within((h[0] * x + u0) * scale, right) + 0.5f);
+        v[x - begin] = (int)(PARTS * within((h[3] * x + v0) * scale, foot) + 0.5f);
+    }
+    for (int x = begin; x < end; x++) {
+        int is_inside = inside.first <= x && x <= inside.last;
+        if (is_inside && solid)
+            paint_pixel(row + 3 * x, picture, u[x - begin], v[x - begin]);
+        else
+            mix_pixel(row + 3 * x, picture, u[x - begin], v[x - begin],
+                      work->opacity * (is_inside ? 1 : cover_of(work->sides, x, y)));
+    }
+}
+
+/* pixels, painted: of the frame, BGR, and of the picture, BGR perhaps with alpha, which has ``channels``; row: bytes
+   from one row to the next. to_picture: the homography from the frame to the picture. corners: of the area.
    opacity: 0 to 1. Beyond its own edges the picture is as at its edges. */
 void paint(uint8_t *pixels, int64_t row, int width, int height, const uint8_t *painted, int64_t painted_row,
            int painted_width, int painted_height, int channels, const double to_picture[9],
            const double corners[4][2], float opacity)
 {
-    Frame picture = {painted, painted_row, painted_width, painted_height, channels};
-    Side sides[4];
-    find_sides(corners, sides);
-    int solid = channels == 3 && opacity == 1;
-    for (int y = 0; y < height; y++) {
-        int first, last, first_inside, last_inside;
-        find_span(sides, y, 0, width, &first, &last);
-        find_span(sides, y, 1, width, &first_inside, &last_inside);
-        const double *h = to_picture;
-        float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
-        float right = painted_width - 1, foot = painted_height - 1;
-        for (int begin = first; begin <= last; begin += RUN) {
-            int count = last + 1 - begin < RUN ? last + 1 - begin : RUN, u[RUN], v[RUN];
-            for (int number = 0; number < count; number++) {
-                float x = begin + number, scale = 1 / ((float)h[6] * x + w0);
-                u[number] = (int)(PARTS * within(((float)h[0] * x + u0) * scale, right) + 0.5f);
-                v[number] = (int)(PARTS * within(((float)h[3] * x + v0) * scale, foot) + 0.5f);
-            }
-            uint8_t *pixel = pixels + y * row + 3 * begin;
-            for (int number = 0; number < count; number++, pixel += 3) {
-                int x = begin + number, inside = first_inside <= x && x <= last_inside;
-                if (inside && solid)
-                    paint_pixel(pixel, &picture, u[number], v[number]);
-                else
-                    mix_pixel(pixel, &picture, u[number], v[number], opacity * (inside ? 1 : cover_of(sides, x, y)));
+    Work work = {.picture = {painted, painted_row, painted_width, painted_height, channels}, .opacity = opacity};
+    for (int number = 0; number < 9; number++)
+        work.to_picture[number] = to_picture[number];
+    find_sides(corners, work.sides);
+    for (int top = 0; top < height; top += HIGH) {
+        int high = height - top < HIGH ? height - top : HIGH;
+        Span some[HIGH], inside[HIGH], all = {width, -1};
+        for (int line = 0; line < high; line++) {
+            some[line] = find_span(work.sides, top + line, 0, width);
+            inside[line] = find_span(work.sides, top + line, 1, width);
+            if (some[line].first <= some[line].last) {
+                all.first = some[line].first < all.first ? some[line].first : all.first;
+                all.last = some[line].last > all.last ? some[line].last : all.last;
             }
         }
+        for (int left = all.first; left <= all.last; left += WIDE)
+            for (int line = 0; line < high; line++) {
+                int begin = some[line].first > left ? some[line].first : left;
+                int end = some[line].last < left + WIDE ? some[line].last + 1 : left + WIDE;
+                paint_run(&work, pixels + (top + line) * row, top + line, begin, end, inside[line]);
+            }
     }
 }

@@ -103,11 +103,26 @@ def test_subtracting_cuts_the_area_to_black(frame):
 
 def test_painting_equals_the_course_but_for_the_rim(frame, earth):
     whole = Area(np.round(AREA.corners))
+    earth = cv2.resize(earth, (240, 160), interpolation=cv2.INTER_AREA)  # or we would shrink it
     ours, course = overlay(frame, earth, whole), course_overlay(frame, earth, whole)
     inside, outside = away_from_rim(whole, frame.shape, 3)
     unlike = np.abs(ours[inside].astype(int) - course[inside])
     assert unlike.max() <= ROUNDING and unlike.mean() < 0.05
     np.testing.assert_array_equal(ours[outside], frame[outside])
+
+
+@pytest.mark.parametrize('width, height', [(1200, 800), (1199, 803)])
+def test_a_picture_larger_than_the_area_is_shrunk_where_it_hangs(frame, random, width, height):
+    """Fine grain becomes gray, as from afar, and all stays in its place."""
+    picture = np.full((height, width, 3), 40, np.uint8)
+    picture[height // 2:, width // 2:] = 200
+    grain = random.choice([-40, 40], picture.shape)
+    inside, _ = away_from_rim(AREA, frame.shape, 3)
+    ours, plain = (overlay(frame, image.astype(np.uint8), AREA) for image in (picture + grain, picture))
+    assert ours[inside].astype(int).std() < 1.2 * plain[inside].std()
+    assert np.abs(cv2.blur(ours, (9, 9)).astype(int) - cv2.blur(plain, (9, 9)))[inside].max() < 12
+    small = cv2.resize(picture, (240, 160), interpolation=cv2.INTER_AREA)
+    assert np.abs(overlay(frame, small, AREA).astype(int) - plain)[inside].mean() < 0.5
 
 
 def test_the_picture_hangs_the_right_way_round(frame):
