@@ -165,11 +165,12 @@ def _paint(frame: Image, picture: Image, area: Area, opacity: float) -> None:
         raise ValueError('The frame to paint into is read-only; give a copy of it.')
     whole = frame if frame.strides[1:] == (3, 1) else np.ascontiguousarray(frame)
     _, to_picture = cv2.invert(area.homography(picture.shape[1], picture.shape[0]))  # all 0 where there is none
-    times = _times_too_large(picture, area)
-    if times > 1:  # else pixels would be skipped, which flickers, and to skip in memory is slow
-        height, width = picture.shape[0] // times, picture.shape[1] // times
-        picture = picture[:height * times, :width * times]
-        picture = cv2.resize(picture, (width, height), None, 0, 0, cv2.INTER_AREA)
+    halvings = _halvings(picture, area)
+    if halvings:  # else pixels would be skipped, which flickers, and to skip in memory is slow
+        times = 2**halvings
+        picture = picture[:picture.shape[0] // times * times, :picture.shape[1] // times * times]
+        for _ in range(halvings):  # for which OpenCV is made best
+            picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
         middle = 0.5 / times - 0.5  # of the first pixel of the larger one
         to_picture = np.array([[1 / times, 0, middle], [0, 1 / times, middle], [0, 0, 1]]) @ to_picture
     picture, corners = np.ascontiguousarray(picture), np.array(area.corners, np.float64)
@@ -180,13 +181,13 @@ def _paint(frame: Image, picture: Image, area: Area, opacity: float) -> None:
         frame[:] = whole
 
 
-def _times_too_large(picture: Image, area: Area) -> int:
-    """How many times as wide and as high as the area a picture without alpha is, a whole number; at least 1."""
+def _halvings(picture: Image, area: Area) -> int:
+    """How often a picture without alpha can be halved and is still as large as the area."""
     if picture.shape[2] == 4:
-        return 1  # the mean of colors is wrong where some of them are not to be seen
+        return 0  # the mean of colors is wrong where some of them are not to be seen
     top, right, foot, left = np.linalg.norm(area.corners - np.roll(area.corners, -1, axis=0), axis=1)
     height, width = picture.shape[:2]
-    return max(1, int(min(width / max(top, foot, 1), height / max(left, right, 1))))
+    return int(np.log2(max(1, min(width / max(top, foot, 1), height / max(left, right, 1)))))
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:
