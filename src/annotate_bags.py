@@ -7,27 +7,26 @@ every frame of all of them. Started again, it goes on where it was.
 """
 import argparse
 import os
+import re
 import runpy
 import signal
 import sys
 import time
 
 import aruco_ar  # noqa: F401  before all else: see there
-import aruco_node
 import yaml
 from aruco_ar import InputError
-from aruco_bags.annotating import Exercise, check
+from aruco_bags.annotating import Task, check
 from aruco_bags.job import jobs_of, kept
 from aruco_bags.reading import PIECE_S
 from aruco_bags.working import work, workers
 from aruco_node.bridge import fault_of_bridge
-from aruco_node.exercise import takes_of
 from aruco_node.parameters import read
 from aruco_node.settings import BagSettings
 
 MAX_PIECE_S = 100000
 HERE = os.path.dirname(os.path.abspath(__file__))
-EXERCISES = ['5_2', '5_3', '5_4', '5_5', '5_6']
+EXERCISES = sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(HERE))))
 PARAMETERS = ('dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'hold', 'upright', 'picture',
               'fit', 'opacity', 'tag_size', 'tag_sizes', 'rectified')
 
@@ -74,18 +73,10 @@ def settings(argv):
     return read(BagSettings, given.get)
 
 
-def exercise(number, given):
-    """The Exercise that a file beside this one would run as a node."""
-    found = []
-
-    def run(name, step, topics=('image',)):
-        found.append(Exercise(name, step, takes_of(step), topics, given))
-    node, aruco_node.run = aruco_node.run, run
-    try:
-        runpy.run_path(os.path.join(HERE, 'exercise%s.py' % number), run_name='__main__')
-    finally:
-        aruco_node.run = node
-    return found[0]
+def exercise(number):
+    """The Exercise that a file beside this one declares."""
+    # Dask sends what it defines to the workers by value, as they do not import programs.
+    return runpy.run_path(os.path.join(HERE, 'exercise%s.py' % number), run_name='exercise')['EXERCISE']
 
 
 def main(argv):
@@ -95,9 +86,9 @@ def main(argv):
         fault = fault_of_bridge()
         if fault:
             print('annotate_bags: %s' % fault, file=sys.stderr)
-        what = exercise(args.exercise, settings(argv))
-        check(what)
-        jobs = jobs_of(args.bags, what, args.out, args.video, args.piece)
+        task = Task(exercise(args.exercise), settings(argv))
+        check(task)
+        jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
         began = time.monotonic()
         with kept(args.out), workers(args.scheduler, args.workers) as client:
             frames, is_all = work(jobs, client, args.out)

@@ -1,17 +1,42 @@
 #!/usr/bin/env python3
 """Exercise 5.2: detect the tags.
 
-A tag is a square with a pattern that holds a number, its id. For each tag the
-detector gives the id and four corners, clockwise from the tag's own top left.
+A tag is a black square with a pattern of light cells that holds a number, its
+id. For each tag the detector gives the id and four corners, clockwise from the
+tag's own top left.
 """
-from aruco_ar import mark_tags
+import cv2
+from aruco_ar import Detector
+from aruco_ar.exercise import Exercise, Result
+from aruco_ar.paint import GREEN, RED, SHIFT, fixed_point, write_text
 from aruco_node import run
 
 
-def detect(frame, tags):
+def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
-    return mark_tags(frame, tags)
+    # The dictionary says which patterns are tags, and which id each of them has. The other
+    # settings are the node's parameters too: rosrun unit5 exercise5_2.py --help explains them.
+    settings = scene.settings
+    detector = Detector(settings.dictionary, settings.ids, settings.search,
+                        settings.correction, settings.likeness, settings.min_side)
 
+    # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which looks for dark quadrilaterals
+    # and reads the cells inside. Then it moves the corners onto the edges of the tag, to a small
+    # fraction of a pixel.
+    tags = detector.detect(scene.frame)
+
+    # OpenCV draws between pixels if it is given fixed-point numbers, in steps of 1 / 2**SHIFT pixel.
+    image = scene.image
+    for tag in tags:
+        corners = fixed_point(tag.corners)
+        cv2.polylines(image, [corners], True, GREEN, 2, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, corners[0].tolist(), 4 << SHIFT, RED, -1, cv2.LINE_AA, SHIFT)
+    for tag in tags:  # after all outlines, so that no line crosses a number
+        write_text(image, str(tag.id), tag.center)
+    return Result([image], tags)
+
+
+EXERCISE = Exercise('exercise5_2', detect_tags)
 
 if __name__ == '__main__':
-    run('exercise5_2', detect)
+    run(EXERCISE)

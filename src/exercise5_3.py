@@ -1,19 +1,35 @@
 #!/usr/bin/env python3
 """Exercise 5.3: extract the centers of the tags.
 
-A tag's center is where its diagonals cross. The polygon through the centers
-depends on the order of the points: in the order in which the tags were found
+The centers will be the corners of the area that we paint into. The polygon
+through them depends on their order. In the order in which the tags were found
 it usually crosses itself.
 """
-from aruco_ar import fill_polygon, mark_centers
+import cv2
+from aruco_ar.exercise import Exercise, Result, find_tags
+from aruco_ar.paint import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
 from aruco_node import run
 
 
-def extract_centers(frame, tags):
+def extract_centers(scene):
     """Mark the centers, and fill the polygon through them as they come."""
-    centers = [tag.center for tag in tags]
-    return mark_centers(fill_polygon(frame, centers), centers)
+    tags = find_tags(scene)  # exercise 5.2
 
+    # A tag's center is where its diagonals cross. A camera's view keeps straight lines straight, so
+    # that is the center of the real tag, too. The mean of the corners is not, if the tag is slanted.
+    centers = [tag.center for tag in tags]
+
+    image = scene.image
+    if len(centers) >= 3:  # fewer make no polygon
+        cv2.fillPoly(image, [fixed_point(centers)], PURPLE, cv2.LINE_AA, SHIFT)
+    for center in centers:
+        point = fixed_point(center).tolist()
+        cv2.circle(image, point, 5 << SHIFT, BLACK, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, point, 4 << SHIFT, YELLOW, -1, cv2.LINE_AA, SHIFT)
+    return Result([image], tags)
+
+
+EXERCISE = Exercise('exercise5_3', extract_centers)
 
 if __name__ == '__main__':
-    run('exercise5_3', extract_centers)
+    run(EXERCISE)

@@ -5,17 +5,28 @@ Top left, top right, bottom right, bottom left: in this order the polygon is a
 proper quadrilateral, whatever the order in which the tags were found.
 """
 from aruco_ar import fill_polygon, find_four_centers, mark_centers, order_coordinates
+from aruco_ar.exercise import Exercise, Result, find_tags
 from aruco_node import run
 
 
-def order_centers(frame, tags):
+def order_centers(scene):
     """Fill the quadrilateral through four centers, put in order."""
-    centers = find_four_centers(tags)
+    tags = find_tags(scene)            # exercise 5.2
+    centers = find_four_centers(tags)  # exercise 5.3; of more than four tags, those farthest apart
     if centers is None:
-        return frame
-    corners = order_coordinates(centers)
-    return mark_centers(fill_polygon(frame, corners), corners)
+        return Result([scene.image], tags)
 
+    # The sum x + y is least at the top left and greatest at the bottom right. The difference y - x
+    # is least at the top right and greatest at the bottom left. This is the course's rule. Our
+    # function also knows what to do where it fails, as for a square that stands on its corner.
+    corners = order_coordinates(centers)
+
+    # Draw as exercise 5.3 does.
+    image = mark_centers(fill_polygon(scene.image, corners), corners)
+    return Result([image], tags)
+
+
+EXERCISE = Exercise('exercise5_4', order_centers)
 
 if __name__ == '__main__':
-    run('exercise5_4', order_centers)
+    run(EXERCISE)

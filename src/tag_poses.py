@@ -12,6 +12,7 @@ import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator
 from aruco_ar.errors import shorten
+from aruco_ar.exercise import TRACKER, Result, find_tags
 from aruco_ar.files import in_package
 from aruco_ar.paint import mark_poses
 from aruco_ar.wall import load_wall
@@ -48,7 +49,7 @@ class TagPoses(CameraNode):
     """Publishes the poses of what it sees."""
 
     def __init__(self):
-        super().__init__(['tags', 'area'], ['image'], PoseSettings)
+        super().__init__([TRACKER], ['image'], PoseSettings)
         self._wall = _load_wall(self.settings)
         self._estimator, self._watch = self._begin(self.settings, self._wall)
         self._calibration = Calibration(self.settings, self.camera)
@@ -90,22 +91,23 @@ class TagPoses(CameraNode):
         super().reset()
         self._estimator, self._watch = self._begin(self.settings, self._wall)
 
-    def answer(self, frame, given, header, stamp):
-        tags, area = given[0]
+    def step(self, scene, header):
+        tags, area = find_tags(scene), scene.tracker.update(scene.frame, scene.stamp)
         faults: dict[str, str] = {}
-        lens = self._lens(frame.shape[1::-1], faults)
+        lens = self._lens(scene.frame.shape[1::-1], faults)
         self.ready = lens is not None or bool(faults)
         poses, on_wall, camera = [], None, None
         if lens is not None:
             estimator = self._estimator
-            poses = sorted(estimator.update(tags, lens, stamp), key=lambda pose: pose.id)
+            poses = sorted(estimator.update(tags, lens, scene.stamp), key=lambda pose: pose.id)
             camera = estimator.camera()
             on_wall = None if area is None else estimator.area(area, lens)
-            misfit = self._watch.look(poses, camera, stamp)
+            misfit = self._watch.look(poses, camera, scene.stamp)
             if misfit:
                 faults[misfit] = misfit
         self._made = poses, on_wall, camera, lens, faults
-        return [mark_poses(frame, tags, poses, lens, area) if self.is_seen('image') else frame]
+        image = mark_poses(scene.image, tags, poses, lens, area) if self.is_seen('image') else scene.image
+        return Result([image], tags, area)
 
     def publish(self, messages, header):
         poses, area, camera, lens, faults = self._made

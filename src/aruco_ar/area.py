@@ -2,16 +2,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Sequence
 
 import cv2
 import numpy as np
 
-from .arrays import Floats
+from .arrays import Floats, Image
 from .motion import homography_to, transform
 from .ordering import largest_quadrilateral, order_coordinates
 from .tags import Tag
+
+MIN_AREA_PX = 0.1  # of less, nobody sees anything
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +27,17 @@ class Area:
 
     corners: Floats
     ratio: float | None = None
+
+    def window(self, frame: Image) -> tuple[Image, Area]:
+        """The part of a frame that the area touches, (h, w, 3), a view into it, and the Area there.
+
+        It is empty where they do not meet, or where the area is so thin that nobody sees it.
+        """
+        low = np.maximum(np.floor(self.corners.min(axis=0)) - 1, 0).astype(int)
+        high = np.minimum(np.ceil(self.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
+        if np.any(low >= high) or cv2.contourArea(self.corners) < MIN_AREA_PX:
+            return frame[:0, :0], self
+        return frame[low[1]:high[1], low[0]:high[0]], replace(self, corners=self.corners - np.float32(low))
 
     def homography(self, width: int, height: int) -> Floats:
         """(3, 3) float64: from pixels of a picture of that size to pixels of the frame.

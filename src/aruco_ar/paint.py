@@ -18,13 +18,15 @@ from .arrays import Color, Floats, Image, Integers, Numbers
 from .compiled import library
 from .fitting import fit_picture
 from .lens import Lens
+from .motion import transform
 from .poses import TagPose
 from .tags import Tag
 
 _C = library('painting')
-_C.paint.restype = None
-_C.paint.argtypes = [ctypes.c_void_p, ctypes.c_int64, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
-                     *[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2, ctypes.c_float]
+_C.draw_mask.restype = _C.warp.restype = None
+_C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, ctypes.c_void_p]
+_C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
+                    *[ctypes.c_int] * 3, ctypes.c_void_p]
 
 GREEN = (0, 255, 0)
 RED = (0, 0, 255)
@@ -40,10 +42,9 @@ SHIFT = 4
 AXIS, ABOVE_PX = 0.75, 22  # how long axes are, in sides of a tag; and how far above it its id is
 MAX_DRAWN_PX = 1e5
 
-MIN_AREA_PX = 0.1  # of less, nobody sees anything
 
-
-def _fixed(points: Numbers) -> Integers:
+def fixed_point(points: Numbers) -> Integers:
+    """Points, (..., 2) pixels, as OpenCV wants them between pixels: whole numbers of 1 / 2**SHIFT px, int32."""
     return np.round(np.asarray(points, np.float64) * (1 << SHIFT)).astype(np.int32)
 
 
@@ -51,7 +52,7 @@ def mark_tags(frame: Image, tags: Iterable[Tag]) -> Image:
     """Outline every tag, mark its first corner (its own top left), and write its id."""
     image = _outlined(frame, tags)
     for tag in tags:  # after all outlines, so that no line crosses a number
-        _write(image, str(tag.id), tag.center)
+        write_text(image, str(tag.id), tag.center)
     return image
 
 
@@ -64,12 +65,12 @@ def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens
     """
     image = _outlined(frame, tags)
     if area is not None:
-        cv2.polylines(image, [_fixed(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
+        cv2.polylines(image, [fixed_point(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
     for pose in poses:
         if lens is not None:
             _draw_axes(image, pose, lens)
     for tag in tags:
-        _write(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
+        write_text(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
     return image
 
 
@@ -77,7 +78,7 @@ def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
     ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
     pixels = lens.project(ends)
     if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
-        origin, *tips = (tuple(map(int, point)) for point in _fixed(pixels))
+        origin, *tips = (tuple(map(int, point)) for point in fixed_point(pixels))
         for tip, color in zip(tips, (RED, GREEN, BLUE)):
             cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
 
@@ -85,13 +86,13 @@ def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
 def _outlined(frame: Image, tags: Iterable[Tag]) -> Image:
     image = frame.copy()
     for tag in tags:
-        cv2.polylines(image, [_fixed(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
-        cv2.circle(image, tuple(map(int, _fixed(tag.corners[0]))), 4 << SHIFT, RED, -1,
+        cv2.polylines(image, [fixed_point(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, tuple(map(int, fixed_point(tag.corners[0]))), 4 << SHIFT, RED, -1,
                    cv2.LINE_AA, SHIFT)
     return image
 
 
-def _write(image: Image, text: str, center: Sequence[float] | Floats) -> None:
+def write_text(image: Image, text: str, center: Sequence[float] | Floats) -> None:
     """Write text around a center, dark-rimmed to be readable on black and on white."""
     font, scale = cv2.FONT_HERSHEY_SIMPLEX, 0.7
     (width, height), _ = cv2.getTextSize(text, font, scale, 2)
@@ -105,7 +106,7 @@ def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
     """Put a dot on every center, (n, 2)."""
     image = frame.copy()
     for center in centers:
-        point = tuple(map(int, _fixed(center)))
+        point = tuple(map(int, fixed_point(center)))
         cv2.circle(image, point, 5 << SHIFT, BLACK, -1, cv2.LINE_AA, SHIFT)
         cv2.circle(image, point, 4 << SHIFT, YELLOW, -1, cv2.LINE_AA, SHIFT)
     return image
@@ -118,7 +119,7 @@ def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color =
     """
     image = frame.copy()
     if len(points) >= 3:
-        cv2.fillPoly(image, [_fixed(points)], color, cv2.LINE_AA, SHIFT)
+        cv2.fillPoly(image, [fixed_point(points)], color, cv2.LINE_AA, SHIFT)
     return image
 
 
@@ -127,7 +128,11 @@ def area_mask(frame: Image, area: Area | None) -> Image:
 
     On the area's rim it is as gray as the part of the pixel that the area covers.
     """
-    return overlay(np.zeros_like(frame), np.full((1, 1, 3), 255, np.uint8), area)
+    mask = np.zeros_like(frame, order='C')
+    if area is not None:
+        corners = np.array(area.corners, np.float64)
+        _C.draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], corners.ctypes.data)
+    return mask
 
 
 def subtract(frame: Image, mask: Image) -> Image:
@@ -153,41 +158,61 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
     if area is None or picture is None:
         return out
     picture, area = fit_picture(picture, area, fit)
-    if cv2.contourArea(np.asarray(area.corners, np.float32)) < MIN_AREA_PX:
-        return out
-    _paint(out, picture, area, opacity)
+    window, area = area.window(out)
+    mask = area_mask(window, area)
+    warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask)
+    put_in(window, warped, mask, opacity)
     return out
 
 
-def _paint(frame: Image, picture: Image, area: Area, opacity: float) -> None:
-    """Paint a picture right into the area of a frame. How is in painting.c."""
-    if not frame.flags.writeable:
-        raise ValueError('The frame to paint into is read-only; give a copy of it.')
-    whole = frame if frame.strides[1:] == (3, 1) else np.ascontiguousarray(frame)
-    _, to_picture = cv2.invert(area.homography(picture.shape[1], picture.shape[0]))  # all 0 where there is none
-    halvings = _halvings(picture, area)
-    if halvings:  # else pixels would be skipped, which flickers, and to skip in memory is slow
-        times = 2**halvings
-        picture = picture[:picture.shape[0] // times * times, :picture.shape[1] // times * times]
-        for _ in range(halvings):  # for which OpenCV is made best
-            picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
-        middle = 0.5 / times - 0.5  # of the first pixel of the larger one
-        to_picture = np.array([[1 / times, 0, middle], [0, 1 / times, middle], [0, 0, 1]]) @ to_picture
-    picture, corners = np.ascontiguousarray(picture), np.array(area.corners, np.float64)
+def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
+    """A picture seen through a homography where a mask is not black; black, and transparent, elsewhere.
+
+    This is cv2.warpPerspective with two differences. It skips the pixels that nobody will see. And a picture
+    that is too large is halved first. Otherwise pixels would be left out, and fine lines would flicker.
+
+    ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
+    pixels of the mask. ``mask``: (h, w, 3) uint8. The result has the mask's size and the picture's channels.
+    """
+    homography = np.asarray(homography, np.float64)
+    _, to_picture = cv2.invert(homography)  # all 0 where there is none
+    for _ in range(_halvings(picture, homography)):
+        picture = picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2]
+        picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
+        # The middle of a pixel, which was two wide, is between them.
+        to_picture = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]]) @ to_picture
+    picture, mask = np.ascontiguousarray(picture), np.ascontiguousarray(mask)
     height, width, channels = picture.shape
-    _C.paint(whole.ctypes.data, whole.strides[0], whole.shape[1], whole.shape[0], picture.ctypes.data,
-             picture.strides[0], width, height, channels, to_picture.ctypes.data, corners.ctypes.data, opacity)
-    if whole is not frame:
-        frame[:] = whole
+    warped = np.zeros((*mask.shape[:2], channels), np.uint8)
+    _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], picture.ctypes.data,
+            picture.strides[0], width, height, channels, to_picture.ctypes.data)
+    return warped
 
 
-def _halvings(picture: Image, area: Area) -> int:
-    """How often a picture without alpha can be halved and is still as large as the area."""
+def _halvings(picture: Image, homography: Floats) -> int:
+    """How often a picture without alpha can be halved and is still as large as it is seen."""
     if picture.shape[2] == 4:
         return 0  # the mean of colors is wrong where some of them are not to be seen
-    top, right, foot, left = np.linalg.norm(area.corners - np.roll(area.corners, -1, axis=0), axis=1)
     height, width = picture.shape[:2]
+    seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
+    top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
     return int(np.log2(max(1, min(width / max(top, foot, 1), height / max(left, right, 1)))))
+
+
+def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
+    """Paint a picture, (h, w, 3), or (h, w, 4) with alpha, into a frame of its size, where the mask is white.
+
+    ``opacity``: see overlay.
+    """
+    if not frame.size:
+        return
+    if picture.shape[2] == 3 and opacity == 1:
+        cv2.subtract(frame, mask, frame)
+        cv2.add(frame, cv2.min(picture, mask, picture), frame)
+        return
+    if picture.shape[2] == 4:
+        mask = cv2.multiply(mask, cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+    frame[:] = blend(frame, picture[:, :, :3], cv2.convertScaleAbs(mask, alpha=opacity))
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:

@@ -1,10 +1,7 @@
-/* A picture painted into an area of a frame: called by paint.py.
-
-   Only the pixels that the area covers are touched, each of them once. OpenCV warps the whole rectangle around the
-   area, and what lies inside has then to be cut out and copied: about twice the time. */
+/* The mask of an area, and a picture warped to where the mask is not black: called by paint.py. */
 #include "frame.h"
 
-/* The frame is gone through in tiles of this size: what a tile shows of the picture is near in memory, however the
+/* The mask is gone through in tiles of this size: what a tile shows of the picture is near in memory, however the
    picture is turned. */
 #define WIDE 64
 #define HIGH 32
@@ -54,7 +51,21 @@ static Span find_span(const Side sides[4], int y, double least, int width)
     return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
 }
 
-/* Of a place on the picture: the pixels around it, and their weights, which are PARTS * PARTS together. */
+/* mask: (height, width, 3), all black; it becomes white where the area with those corners is, and gray on its rim. */
+void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2])
+{
+    Side sides[4];
+    find_sides(corners, sides);
+    for (int y = 0; y < height; y++, mask += 3 * width) {
+        Span some = find_span(sides, y, 0, width), whole = find_span(sides, y, 1, width);
+        for (int x = some.first; x <= some.last; x++) {
+            int is_whole = whole.first <= x && x <= whole.last;
+            memset(mask + 3 * x, is_whole ? 255 : (int)(255 * cover_of(sides, x, y) + 0.5f), 3);
+        }
+    }
+}
+
+/* Of a place on the picture: the four pixels around it, and their weights, which are PARTS * PARTS together. */
 #define AROUND(picture, u, v) \
     int left = u / PARTS, top = v / PARTS, x = u % PARTS, y = v % PARTS; \
     const uint8_t *here = picture->pixels + top * picture->row + left * picture->channels; \
@@ -63,8 +74,8 @@ static Span find_span(const Side sides[4], int y, double least, int width)
     int weights[4] = {(PARTS - x) * (PARTS - y), x * (PARTS - y), (PARTS - x) * y, x * y}; \
     const uint8_t *around[4] = {here, next, here + down, next + down}
 
-/* The picture's color, linear between its pixels. */
-static inline void paint_pixel(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
+/* The picture's color there, linear between its pixels. */
+static inline void see(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
 {
     AROUND(picture, u, v);
     for (int color = 0; color < 3; color++) {
@@ -75,75 +86,56 @@ static inline void paint_pixel(uint8_t *pixel, const Frame *picture, unsigned u,
     }
 }
 
-/* The same mixed with what is there, as far as the picture covers it and, by its alpha, is to be seen. */
-static void mix_pixel(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v, float cover)
+/* The same with alpha: each color counts as much as it is to be seen, or colors that nobody sees would bleed in. */
+static void see_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
 {
     AROUND(picture, u, v);
-    float left_of_frame = 1, sums[3] = {0, 0, 0};
+    float alpha = 0, sums[3] = {0, 0, 0};
     for (int corner = 0; corner < 4; corner++) {
-        float weight = cover * weights[corner] / (PARTS * PARTS);
-        if (picture->channels == 4)  /* or colors that nobody sees would bleed in */
-            weight *= around[corner][3] / 255.0f;
-        left_of_frame -= weight;
+        float weight = (float)weights[corner] * around[corner][3] / (PARTS * PARTS);
+        alpha += weight;
         for (int color = 0; color < 3; color++)
             sums[color] += weight * around[corner][color];
     }
     for (int color = 0; color < 3; color++)
-        pixel[color] = within(left_of_frame * pixel[color] + sums[color] + 0.5f, 255);
+        pixel[color] = alpha > 0 ? within(sums[color] / alpha + 0.5f, 255) : 0;
+    pixel[3] = within(alpha + 0.5f, 255);
 }
 
-typedef struct { Frame picture; float to_picture[9]; Side sides[4]; float opacity; } Work;
-
-/* Paint the pixels of a row from ``begin`` to ``end``, at most WIDE of them, those ``inside`` without mixing. */
-static void paint_run(const Work *work, uint8_t *row, int y, int begin, int end, Span inside)
+/* The pixels of a row from ``begin`` to ``end``, at most WIDE of them. */
+static void warp_run(uint8_t *row, const Frame *picture, const float h[9], int y, int begin, int end)
 {
-    const Frame *picture = &work->picture;
-    const float *h = work->to_picture;
     float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
     float right = picture->width - 1, foot = picture->height - 1;
-    int u[WIDE], v[WIDE], solid = picture->channels == 3 && work->opacity == 1;
+    int u[WIDE], v[WIDE], channels = picture->channels;
     for (int x = begin; x < end; x++) {  /* by itself, since compilers do four at once */
         float scale = 1 / (h[6] * x + w0);
         u[x - begin] = (int)(PARTS * within((h[0] * x + u0) * scale, right) + 0.5f);
         v[x - begin] = (int)(PARTS * within((h[3] * x + v0) * scale, foot) + 0.5f);
     }
-    for (int x = begin; x < end; x++) {
-        int is_inside = inside.first <= x && x <= inside.last;
-        if (is_inside && solid)
-            paint_pixel(row + 3 * x, picture, u[x - begin], v[x - begin]);
-        else
-            mix_pixel(row + 3 * x, picture, u[x - begin], v[x - begin],
-                      work->opacity * (is_inside ? 1 : cover_of(work->sides, x, y)));
-    }
+    for (int x = begin; x < end; x++)
+        (channels == 4 ? see_alpha : see)(row + channels * x, picture, u[x - begin], v[x - begin]);
 }
 
-/* pixels, painted: of the frame, BGR, and of the picture, BGR perhaps with alpha, which has ``channels``; row: bytes
-   from one row to the next. to_picture: the homography from the frame to the picture. corners: of the area.
-   opacity: 0 to 1. Beyond its own edges the picture is as at its edges. */
-void paint(uint8_t *pixels, int64_t row, int width, int height, const uint8_t *painted, int64_t painted_row,
-           int painted_width, int painted_height, int channels, const double to_picture[9],
-           const double corners[4][2], float opacity)
+/* warped: (height, width, channels), of which what the mask, (height, width, 3), shows is set. pixels: of the picture,
+   BGR or BGRA, with ``row`` bytes from one row to the next. to_picture: the homography from the mask to the picture.
+   Beyond its own edges the picture is as at its edges. */
+void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uint8_t *pixels, int64_t row,
+          int picture_width, int picture_height, int channels, const double to_picture[9])
 {
-    Work work = {.picture = {painted, painted_row, painted_width, painted_height, channels}, .opacity = opacity};
+    Frame picture = {pixels, row, picture_width, picture_height, channels};
+    float h[9];
     for (int number = 0; number < 9; number++)
-        work.to_picture[number] = to_picture[number];
-    find_sides(corners, work.sides);
-    for (int top = 0; top < height; top += HIGH) {
-        int high = height - top < HIGH ? height - top : HIGH;
-        Span some[HIGH], inside[HIGH], all = {width, -1};
-        for (int line = 0; line < high; line++) {
-            some[line] = find_span(work.sides, top + line, 0, width);
-            inside[line] = find_span(work.sides, top + line, 1, width);
-            if (some[line].first <= some[line].last) {
-                all.first = some[line].first < all.first ? some[line].first : all.first;
-                all.last = some[line].last > all.last ? some[line].last : all.last;
+        h[number] = to_picture[number];
+    for (int top = 0; top < height; top += HIGH)
+        for (int left = 0; left < width; left += WIDE)
+            for (int y = top; y < height && y < top + HIGH; y++) {
+                const uint8_t *shown = mask + (int64_t)3 * width * y;
+                int begin = left, end = left + WIDE < width ? left + WIDE : width;
+                while (begin < end && !shown[3 * begin])
+                    begin++;
+                while (begin < end && !shown[3 * end - 3])
+                    end--;
+                warp_run(warped + (int64_t)channels * width * y, &picture, h, y, begin, end);
             }
-        }
-        for (int left = all.first; left <= all.last; left += WIDE)
-            for (int line = 0; line < high; line++) {
-                int begin = some[line].first > left ? some[line].first : left;
-                int end = some[line].last < left + WIDE ? some[line].last + 1 : left + WIDE;
-                paint_run(&work, pixels + (top + line) * row, top + line, begin, end, inside[line]);
-            }
-    }
 }

@@ -3,16 +3,16 @@ import csv
 import os
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from typing import Any, Callable, Sequence
+from typing import Any
 
 import cv2
 import numpy as np
 import rosbag
 from aruco_ar import InputError, PoseEstimator, find_area
-from aruco_ar.files import in_package, package_folder
+from aruco_ar.exercise import PICTURE, TRACKER, Exercise, Stage
+from aruco_ar.files import in_package
 from aruco_ar.sources import Still, open_source
 from aruco_node.calibration import is_rectified, lens_from_info
-from aruco_node.inputs import Inputs
 from aruco_node.messages import compressed_from_frame, tags_from_pixels
 from aruco_node.pose_messages import pose_message
 from aruco_node.settings import TOPIC
@@ -28,27 +28,24 @@ COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in
 
 
 @dataclass(frozen=True)
-class Exercise:
-    """What is made of frames: see aruco_node.run. ``settings``: BagSettings."""
+class Task:
+    """An Exercise of aruco_ar, with the BagSettings to do it with."""
 
-    name: str
-    step: Callable[..., Any]
-    takes: Sequence[str]
-    topics: Sequence[str]
+    exercise: Exercise
     settings: Any
 
 
-def check(exercise):
-    """Raises InputError if the picture of an Exercise cannot be painted into bags."""
-    if 'picture' in exercise.takes:
-        given = exercise.settings.picture
+def check(task):
+    """Raises InputError if the picture of a Task cannot be painted into bags."""
+    if PICTURE in task.exercise.needs:
+        given = task.settings.picture
         if given.startswith(TOPIC) or not isinstance(open_source(in_package(given)), Still):
             raise InputError('The parameter ~picture is "%s"; into bags pictures are painted that stand still: '
                              'give a JPEG or PNG.' % given)
 
 
-def annotate(piece, exercise, folder):
-    """Write what an Exercise makes of a Piece into a folder, NUMBER.bag and NUMBER.csv, unless it is there.
+def annotate(piece, task, folder):
+    """Write what a Task makes of a Piece into a folder, NUMBER.bag and NUMBER.csv, unless it is there.
 
     Returns how many frames were looked at, and sentences about what could not be.
     """
@@ -59,16 +56,16 @@ def annotate(piece, exercise, folder):
     os.makedirs(folder, exist_ok=True)
     with drafted(path + '.csv', folder) as table, drafted(path + '.bag', folder) as bag, \
             open(table, 'w', newline='') as rows, rosbag.Bag(bag, 'w') as output:
-        return _Annotator(piece, exercise, csv.writer(rows), output).run()
+        return _Annotator(piece, task, csv.writer(rows), output).run()
 
 
 class _Annotator:
     """Follows the frames of one camera through a Piece."""
 
-    def __init__(self, piece, exercise, rows, output):
-        settings = exercise.settings
+    def __init__(self, piece, task, rows, output):
+        exercise, settings = task.exercise, task.settings
         self._piece, self._exercise, self._rows, self._output = piece, exercise, rows, output
-        self._inputs = Inputs(exercise.takes, settings, package_folder())
+        self._stage = Stage(exercise.needs, settings, lambda picture: open_source(in_package(picture)))
         self._estimator = PoseEstimator(settings.tag_size, dict(settings.tag_sizes))
         self._rectified = is_rectified(settings, raw_topic(piece.topic))
         self._info = self._lens = self._size = None
@@ -109,14 +106,12 @@ class _Annotator:
 
     def _look(self, frame, stamp):
         self._fit(frame.shape[1::-1])
-        given = self._inputs.at(frame, stamp)
-        tags = self._inputs.tags
-        area = given[self._exercise.takes.index('area')] if 'area' in self._exercise.takes else find_area(tags)
+        result = self._exercise.step(self._stage.scene(frame, frame, stamp))
+        area = result.area if TRACKER in self._exercise.needs else find_area(result.tags)
         poses = {}
         if self._lens is not None:
-            poses = {pose.id: pose for pose in self._estimator.update(tags, self._lens, stamp)}
-        images = self._exercise.step(frame, *given)
-        return [images] if len(self._exercise.topics) == 1 else images, tags, poses, area
+            poses = {pose.id: pose for pose in self._estimator.update(result.tags, self._lens, stamp)}
+        return result.images, result.tags, poses, area
 
     def _write(self, header, time, stamp, images, tags, poses, area):
         for topic, image in zip(self._exercise.topics, images):

@@ -8,6 +8,7 @@ from contextlib import ExitStack, contextmanager
 from typing import Dict
 
 from aruco_ar.errors import InputError
+from aruco_ar.exercise import PICTURE
 from aruco_ar.files import in_package
 
 from .annotating import COLUMNS, annotate, drafted
@@ -23,14 +24,14 @@ DONE = 'done.json'     # what was made, {name of the file: bytes}
 class Job:
     """A bag, and what is made of it in a folder."""
 
-    def __init__(self, path, exercise, folder, video, seconds):
-        self.path, self._exercise, self._folder, self._video = path, exercise, folder, video
+    def __init__(self, path, task, folder, video, seconds):
+        self.path, self._task, self._folder, self._video = path, task, folder, video
         self._seconds = seconds
         self.name = os.path.splitext(os.path.basename(path))[0]
         self.bag = os.path.join(folder, self.name + '.bag')
-        wanted = [exercise.name, repr(exercise.settings), video, seconds, *_state(path)]
-        if 'picture' in exercise.takes:
-            wanted += _state(in_package(exercise.settings.picture))
+        wanted = [task.exercise.name, repr(task.settings), video, seconds, *_state(path)]
+        if PICTURE in task.exercise.needs:
+            wanted += _state(in_package(task.settings.picture))
         digest = hashlib.sha256(json.dumps(wanted).encode()).hexdigest()[:12]
         self._hidden = os.path.join(folder, HIDDEN, self.name, digest)
         self._drafts = os.path.join(self._hidden, 'drafts')
@@ -45,7 +46,7 @@ class Job:
 
     def annotate(self, piece):
         """See annotate."""
-        return annotate(piece, self._exercise, self._folder_of(piece))
+        return annotate(piece, self._task, self._folder_of(piece))
 
     def join(self, pieces):
         """Put together what was made of all Pieces. Raises InputError if a video cannot be written."""
@@ -58,7 +59,8 @@ class Job:
         cameras = sorted({piece.camera for piece in pieces})
         for camera in cameras if self._video else []:
             name = self.name + ('' if len(cameras) == 1 else camera.replace('/', '.')) + '.mp4'
-            topic = '/%s/%s%s/compressed' % (self._exercise.name, self._exercise.topics[-1], camera)
+            exercise = self._task.exercise
+            topic = '/%s/%s%s/compressed' % (exercise.name, exercise.topics[-1], camera)
             with drafted(os.path.join(self._folder, name), self._drafts) as draft:
                 if make_video(self.bag, topic, draft):
                     made.append(os.path.join(self._folder, name))
@@ -78,7 +80,7 @@ class Job:
         return os.path.join(self._drafts, hashlib.sha256(piece.topic.encode()).hexdigest()[:12])
 
 
-def jobs_of(paths, exercise, folder, video, seconds):
+def jobs_of(paths, task, folder, video, seconds):
     """Jobs for bags, each cut into pieces of so many seconds; what is made of them goes into one folder.
 
     Raises InputError if that cannot be.
@@ -92,7 +94,7 @@ def jobs_of(paths, exercise, folder, video, seconds):
                              % os.path.basename(path))
         if os.path.dirname(path) == folder:
             raise InputError('The bag "%s" is in the folder where all goes; give another --out.' % path)
-    return [Job(path, exercise, folder, video, seconds) for path in names.values()]
+    return [Job(path, task, folder, video, seconds) for path in names.values()]
 
 
 @contextmanager

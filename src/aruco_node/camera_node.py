@@ -1,55 +1,59 @@
 """A node that looks for tags, and for the areas between them, in a camera's frames."""
 import rospy
 from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
+from aruco_ar.exercise import TRACKER, Stage
 from aruco_ar.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
 from .faults import note_fault
 from .frame_node import FrameNode
-from .inputs import Inputs
 from .messages import check_size, tags_from_pixels
 from .parameters import plain, read
+from .pictures import TopicPicture, open_picture
 from .settings import load_areas
 
 
 class CameraNode(FrameNode):
     """Answers the newest frame of the camera with what it shows, while somebody listens.
 
-    A subclass says by ``answer`` what it makes of that. ``takes``: see Inputs.
+    A subclass says by ``step`` what it makes of that. ``needs``: see Exercise in aruco_ar.
     ``topics``, ``kind_of_settings``: see FrameNode.
     """
 
     scale = 1.0  # by which the frame was resized
     tags_in_sight, has_area = 0, False
 
-    def __init__(self, takes, topics, kind_of_settings):
+    def __init__(self, needs, topics, kind_of_settings):
         super().__init__(topics, kind_of_settings)
-        self._learns = 'area' in takes
+        self._tracks = TRACKER in needs
         self._areas: list[dict[str, object]] = [{}]  # of each area, the parameters that are its own
         if getattr(self.settings, 'areas', 'none') != 'none':
             self._areas = load_areas(self.settings.areas)
-        self._inputs = [Inputs(takes, of_area, package_folder()) for of_area in self._of_areas(self.settings)]
+        self._stages = [Stage(needs, of_area, open_picture) for of_area in self._of_areas(self.settings)]
+        self._seen = []  # the tags in sight
         self._tags = self.advertise('~tags', TagArray)
 
-    def answer(self, frame, given, header, stamp):
-        """The images to publish, one for each topic, as ``look`` gives them.
-
-        ``given``: for each area, a list of what the node takes.
-        """
+    def step(self, scene, header):
+        """The Result of a Scene, both of aruco_ar.exercise. ``header``: the frame's."""
         raise NotImplementedError
 
     def look(self, frame, header, stamp):
-        given = [inputs.at(frame, stamp) for inputs in self._inputs]
-        self.tags_in_sight = sum(len(inputs.tags) for inputs in self._inputs)
-        self.has_area = any(inputs.has_area for inputs in self._inputs)
-        return self.answer(frame, given, header, stamp)
+        # Each area is looked for in the frame as it came, whatever was painted into others.
+        image = frame if len(self._stages) == 1 else frame.copy()
+        results = []
+        for stage in self._stages:
+            results.append(self.step(stage.scene(frame, image, stamp), header))
+            image = results[-1].images[-1]
+        self._seen = [tag for result in results for tag in result.tags]
+        self.tags_in_sight = len(self._seen)
+        self.has_area = any(result.area is not None for result in results)
+        return results[-1].images
 
     def report(self):
         level, sentence, values = super().report()
-        if self._learns:
-            values['area'] = ' '.join(inputs.why for inputs in self._inputs)
+        if self._tracks:
+            values['area'] = ' '.join(stage.tracker.why for stage in self._stages if stage.tracker)
         return level, sentence, values
 
     def to_frame(self, message):
@@ -63,30 +67,38 @@ class CameraNode(FrameNode):
     def publish(self, messages, header):
         super().publish(messages, header)
         if self._tags.get_num_connections():
-            self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for inputs in self._inputs
-                                                 for tag in inputs.tags], header))
+            self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in self._seen], header))
 
     def is_wanted(self):
         return super().is_wanted() or self._tags.get_num_connections() > 0
 
     def follow(self, wanted):
-        for inputs in self._inputs:
-            inputs.follow(wanted)
+        for picture in self._topic_pictures():
+            picture.follow(wanted)
 
     def prepare(self, settings):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
             raise InputError('Each area has a picture of its own, in the file that ~areas names.')
-        return [inputs.prepare(of_area) for inputs, of_area in zip(self._inputs, self._of_areas(settings))]
+        stages = [stage.changed(of_area) for stage, of_area in zip(self._stages, self._of_areas(settings))]
+
+        def change():
+            before, self._stages = self._topic_pictures(), stages
+            for picture in set(before) - set(self._topic_pictures()):
+                picture.follow(False)
+        return [change]
 
     def reset(self):
         """Forget what was learned from frames."""
-        for inputs in self._inputs:
-            inputs.reset()
+        for stage in self._stages:
+            stage.reset()
 
     def serve(self):
         super().serve()
-        if self._learns:
+        if self._tracks:
             rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
+
+    def _topic_pictures(self):
+        return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]
 
     def _of_areas(self, settings):
         """The Settings of each area: its own before the node's."""
