@@ -19,10 +19,13 @@ myst_heading_anchors = 3  # so that [text](page.md#a-heading) works
 autodoc_member_order = 'bysource'
 autodoc_typehints = 'none'  # the docstrings say the shapes of arrays, which types do not
 
+toc_object_entries = False  # functions would make the menu long
+
 html_theme = 'alabaster'
 html_static_path = ['_static']
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 html_theme_options = {
     'description': 'Augmented reality with ArUco tags',
     'fixed_sidebar': True,
