@@ -12,7 +12,7 @@ import numpy as np
 from aruco_ar import Detector, find_area
 
 
-def test_readmes_example_runs_with_the_wheel_alone(package, frame, tmp_path):
+def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
     # Of a copy: building leaves things behind.
     source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
         '.git', '.venv', 'build', 'bags', '__pycache__'))
@@ -25,8 +25,8 @@ def test_readmes_example_runs_with_the_wheel_alone(package, frame, tmp_path):
     venv.create(str(tmp_path / 'env'), with_pip=True)
     python = str(tmp_path / 'env' / 'bin' / 'python')
     run(python, '-m', 'pip', 'install', '-q', source)
-    with open(package + '/README.md', encoding='utf-8') as readme:
-        example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', readme.read(), re.DOTALL)[1]
+    with open(package + '/docs/reference/aruco_ar.md', encoding='utf-8') as page:
+        example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', page.read(), re.DOTALL)[1]
     cv2.imwrite(str(tmp_path / 'photo.jpg'), frame, [cv2.IMWRITE_JPEG_QUALITY, 95])
     os.symlink(package + '/images', str(tmp_path / 'images'))
     run(python, '-c', example)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""README's example, as it stands there, drives the simulated robot up to the wall."""
+"""The example of docs/howto/poses.md, as it stands there, drives the simulated robot up to the wall."""
 import os
 import re
 import tempfile
@@ -16,8 +16,8 @@ from started import Started
 
 class StopBeforeTheWall(unittest.TestCase):
     def test_the_camera_stops_one_meter_before_the_wall(self):
-        with open(os.path.join(package_folder(), 'README.md'), encoding='utf-8') as readme:
-            code = next(block for block in re.findall(r'```python\n(.*?)```', readme.read(), re.DOTALL)
+        with open(os.path.join(package_folder(), 'docs', 'howto', 'poses.md'), encoding='utf-8') as page:
+            code = next(block for block in re.findall(r'```python\n(.*?)```', page.read(), re.DOTALL)
                         if 'stop_before_the_wall' in block)
         self.assertLessEqual(len([line for line in code.splitlines() if line.strip()]), 20)
         with tempfile.NamedTemporaryFile('w', suffix='.py') as script:

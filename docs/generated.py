@@ -1,0 +1,107 @@
+"""The pages that are made from the code: parameters, launch arguments, messages, and what --help prints.
+
+conf.py calls write_all; the pages of reference/ include what it writes.
+"""
+import glob
+import os
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from xml.etree import ElementTree
+
+import wall_camera
+from aruco_node import settings
+from aruco_node.parameters import abouts, plain
+from page_server import server
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+# Title, class, and the class whose parameters it has besides.
+SETTINGS = [
+    ('Every node that takes frames', settings.FrameSettings, None),
+    ('Every node that looks for tags', settings.Settings, settings.FrameSettings),
+    ('Nodes that track the area: `exercise5_5`, `exercise5_6`, `tag_poses`', settings.AreaSettings,
+     settings.Settings),
+    ('`exercise5_6`', settings.PictureSettings, settings.AreaSettings),
+    ('`tag_poses`', settings.PoseSettings, settings.AreaSettings),
+    ('`camera_relay`', settings.RelaySettings, settings.FrameSettings),
+    ('`wall_camera`', wall_camera.Settings, None),
+    ('`page`', server.Settings, None),
+]
+NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
+         'camera_relay', 'page']
+PROGRAMS = ['artag_generator', 'annotate_bags', 'gazebo_wall']
+
+
+def write_all(folder):
+    """Write all pages into a folder; those that are as they were are left alone."""
+    os.makedirs(folder, exist_ok=True)
+    for name, text in (('parameters', parameters()), ('launch', launch_files()), ('messages', messages()),
+                       ('nodes', manuals(NODES)), ('programs', manuals(PROGRAMS))):
+        path = os.path.join(folder, name + '.md')
+        if not os.path.exists(path) or text_of(path) != text:
+            with open(path, 'w', encoding='utf-8') as file:
+                file.write(text)
+
+
+def text_of(path):
+    with open(path, encoding='utf-8') as file:
+        return file.read()
+
+
+def parameters():
+    """A table for each class of settings, of the parameters that it adds."""
+    parts = []
+    for title, kind, base in SETTINGS:
+        values, known = plain(kind()), abouts(base) if base else {}
+        rows = [('`~%s`' % name, code(values[name]), about.what, about.kind.allowed,
+                 'yes' if about.live else 'no')
+                for name, about in abouts(kind).items() if name not in known]
+        parts.append('## %s\n\n%s' % (title, table(
+            ('Parameter', 'Default', 'Meaning', 'Allowed', 'Live'), rows)))
+    return '\n'.join(parts)
+
+
+def launch_files():
+    """The arguments of every launch file, and the comment at its top."""
+    parts = []
+    for path in sorted(glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))):
+        parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
+        root = ElementTree.parse(path, parser).getroot()
+        about = root[0].text.strip() if root[0].tag is ElementTree.Comment else ''
+        rows = [('`%s`' % arg.get('name'), code(arg.get('default', 'required')), arg.get('doc', ''))
+                for arg in root.findall('arg')]
+        parts.append('## %s\n\n%s\n\n%s' % (os.path.basename(path), ' '.join(about.split()), table(
+            ('Argument', 'Default', 'Meaning'), rows)))
+    return '\n'.join(parts)
+
+
+def messages():
+    """The definition of every message, whose comments say what is in it."""
+    paths = sorted(glob.glob(os.path.join(PACKAGE, 'msg', '*.msg')))
+    return '\n'.join('## unit5/%s\n\n```text\n%s```\n' % (os.path.basename(path)[:-len('.msg')], text_of(path))
+                     for path in paths)
+
+
+def manuals(names):
+    """What --help of these programs prints."""
+    with ThreadPoolExecutor(2) as pool:
+        texts = pool.map(manual, names)
+        return '\n'.join('### %s\n\n```text\n%s\n```\n' % (name, text) for name, text in zip(names, texts))
+
+
+def manual(name):
+    path = os.path.join(PACKAGE, 'src', name + '.py')
+    done = subprocess.run([sys.executable, path, '--help'], env=dict(os.environ, COLUMNS='110'),
+                          stdout=subprocess.PIPE, text=True, check=True)
+    return done.stdout.strip()
+
+
+def code(value):
+    """A value as code, as YAML and a command line have it."""
+    return '`%s`' % (str(value).lower() if isinstance(value, bool) else value)
+
+
+def table(head, rows):
+    """A Markdown table."""
+    lines = [head, ['---'] * len(head), *rows]
+    return ''.join('| %s |\n' % ' | '.join(str(cell).replace('|', '\\|') for cell in line) for line in lines)
