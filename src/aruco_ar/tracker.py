@@ -25,6 +25,7 @@ RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 FURTHER = 8            # where one of the four is missing, so many other tags are looked for
 SMALL_SIDE_PX = 12     # of tags that are found only if looked for closely
+LARGE_SIDE_PX, LARGE_TURN = 40, 5  # where a tag is as large, only each fifth search looks closely
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 AROUND = 1.0           # sides: so far around its place a tag is looked for that is not there
 FINER = 2.0            # as if it were so much smaller: a window is small enough to look at it closely
@@ -107,7 +108,7 @@ class Tracker:
         self._stamp: float | None = None
         self._shape: tuple[int, ...] = ()
         self._shown = False
-        self._closely = False
+        self._searches, self._closely_each = 0, 2  # how often; which of them looks closely
         self._now = 0.0  # goes on also where stamps stand still
         self._layout = None
         self._begin([])
@@ -268,9 +269,13 @@ class Tracker:
 
     def _search_all(self, frame: Image) -> list[Tag]:
         """The tags anywhere in the frame, of any size; two ways, each of which finds some more, take turns."""
-        self._closely = not self._closely
-        if self._closely or self._one_way:
-            return self._detector.detect(frame)
+        self._searches += 1
+        if self._one_way or self._searches % self._closely_each:
+            tags = self._detector.detect(frame)
+            # Where one tag is large, the others hardly are small.
+            large = any(side_of(tag.corners[None]) > LARGE_SIDE_PX for tag in tags)
+            self._closely_each = LARGE_TURN if large else 2
+            return tags
         return self._detector.search(frame, SMALL_SIDE_PX)
 
     def _believe(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:

@@ -9,12 +9,13 @@ from unittest import mock
 import numpy as np
 import yaml
 from aruco_ar.errors import InputError
+from aruco_ar.exercise import PICTURE, TRACKER, Stage, find_tags
 from aruco_ar.files import package_folder
 from aruco_ar.robot import load_path
 from aruco_ar.wall import load_wall
 from aruco_node.calibration import Calibration
-from aruco_node.inputs import Inputs
 from aruco_node.parameters import plain, read
+from aruco_node.pictures import open_picture
 from aruco_node.settings import LEARN, PictureSettings, load_areas
 from page_server.guard import is_loopback
 
@@ -78,11 +79,13 @@ def area_taken(path, name, value):
 
 
 def _look(settings):
-    takes = ['tags']
-    takes += ['area'] * hasattr(settings, 'hold') + ['picture', 'fit', 'opacity'] * hasattr(settings, 'picture')
-    inputs = Inputs(takes, settings, package_folder())
+    stage = Stage([TRACKER] * hasattr(settings, 'hold') + [PICTURE] * hasattr(settings, 'picture'), settings,
+                  open_picture)
     for stamp in 0.0, 0.1:
-        inputs.at(FRAME, stamp)
+        scene = stage.scene(FRAME, FRAME, stamp)
+        find_tags(scene)
+        if scene.tracker is not None:
+            scene.tracker.update(FRAME, stamp)
 
 
 def refusal(take, *arguments):

@@ -51,7 +51,8 @@ class Respawn(NodeTest):
         np.testing.assert_allclose(before[INSIDE].mean(axis=(0, 1)), np.array(BLUE) / 2 + GRAY / 2, atol=3)
         self.kill('exercise5_6')
         np.testing.assert_array_equal(self.see(scene([1, 3], 'DICT_5X5_100')), scene([1, 3], 'DICT_5X5_100'))
-        np.testing.assert_array_equal(self.see(frame), before)
+        # Found by another way of searching, the tags are thousandths of a pixel elsewhere.
+        np.testing.assert_allclose(self.see(frame), before, rtol=0, atol=1.01)
         self.assertEqual(change('/exercise5_6'), changed)
 
     def test_the_poses_are_those_of_before(self):
