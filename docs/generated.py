@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import wall_camera
 from aruco_node import settings
-from aruco_node.parameters import abouts, plain
+from aruco_node.parameters.parameters import abouts, plain
 from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

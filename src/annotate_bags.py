@@ -13,16 +13,16 @@ import signal
 import sys
 import time
 
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 import yaml
 from aruco_ar import InputError
-from aruco_bags.annotating import Task, check
+from aruco_bags.bag_reader import PIECE_S
 from aruco_bags.job import jobs_of, kept
-from aruco_bags.reading import PIECE_S
-from aruco_bags.working import work, workers
-from aruco_node.bridge import fault_of_bridge
-from aruco_node.parameters import read
-from aruco_node.settings import BagSettings
+from aruco_bags.task import Task, check
+from aruco_bags.workers import work, workers
+from aruco_node.messages.bridge import fault_of_bridge
+from aruco_node.parameters.parameters import read
+from aruco_node.parameters.settings import BagSettings
 
 MAX_PIECE_S = 100000
 HERE = os.path.dirname(os.path.abspath(__file__))

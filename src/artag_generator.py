@@ -8,13 +8,13 @@ import argparse
 import os
 import sys
 
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 import cv2
 from aruco_ar import InputError, draw_tag
-from aruco_ar.files import own_folder, write_whole
-from aruco_ar.progress import progress
-from aruco_ar.sheet import PAGES, tag_sheet, tag_svg
-from aruco_ar.tags import DICTIONARY_NAMES
+from aruco_ar.base.files import own_folder, write_whole
+from aruco_ar.base.progress import progress
+from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg
+from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_ID = 10000  # above those of every dictionary
 

@@ -4,15 +4,15 @@
 On a robot as JPEG, so that they go through its network; on a base station
 decoded, once for all nodes there.
 """
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 import rospy
-from aruco_node.calibration import info_topic
-from aruco_node.frame_node import CAMERA, FrameNode
-from aruco_node.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image_topics
-from aruco_node.memory import keep_memory
-from aruco_node.node import run_node
-from aruco_node.settings import RelaySettings
-from aruco_node.tolerant import tolerant
+from aruco_node.nodes.calibration import info_topic
+from aruco_node.nodes.frame_node import CAMERA, FrameNode
+from aruco_node.nodes.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image_topics
+from aruco_node.nodes.node import run_node
+from aruco_node.parameters.settings import RelaySettings
+from aruco_node.process.memory import keep_memory
+from aruco_node.ros_internals.tolerant import tolerant
 from sensor_msgs.msg import CameraInfo
 
 IMAGE, INFO = 'image_raw', 'camera_info'

@@ -5,11 +5,11 @@ A tag is a black square with a pattern of light cells that holds a number, its
 id. For each tag the detector gives the id and four corners, clockwise from the
 tag's own top left.
 """
+import aruco_node
 import cv2
 from aruco_ar import Detector
 from aruco_ar.exercise import Exercise, Result
-from aruco_ar.paint import GREEN, RED, SHIFT, fixed_point, write_text
-from aruco_node import run
+from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 
 def detect_tags(scene):
@@ -39,4 +39,4 @@ def detect_tags(scene):
 EXERCISE = Exercise('exercise5_2', detect_tags)
 
 if __name__ == '__main__':
-    run(EXERCISE)
+    aruco_node.run(EXERCISE)

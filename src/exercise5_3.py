@@ -5,10 +5,10 @@ The centers will be the corners of the area that we paint into. The polygon
 through them depends on their order. In the order in which the tags were found
 it usually crosses itself.
 """
+import aruco_node
 import cv2
 from aruco_ar.exercise import Exercise, Result, find_tags
-from aruco_ar.paint import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
-from aruco_node import run
+from aruco_ar.painting.marks import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
 
 
 def extract_centers(scene):
@@ -32,4 +32,4 @@ def extract_centers(scene):
 EXERCISE = Exercise('exercise5_3', extract_centers)
 
 if __name__ == '__main__':
-    run(EXERCISE)
+    aruco_node.run(EXERCISE)

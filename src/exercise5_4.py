@@ -4,9 +4,9 @@
 Top left, top right, bottom right, bottom left: in this order the polygon is a
 proper quadrilateral, whatever the order in which the tags were found.
 """
+import aruco_node
 from aruco_ar import fill_polygon, find_four_centers, mark_centers, order_coordinates
 from aruco_ar.exercise import Exercise, Result, find_tags
-from aruco_node import run
 
 
 def order_centers(scene):
@@ -29,4 +29,4 @@ def order_centers(scene):
 EXERCISE = Exercise('exercise5_4', order_centers)
 
 if __name__ == '__main__':
-    run(EXERCISE)
+    aruco_node.run(EXERCISE)

@@ -4,10 +4,10 @@
 The area is the quadrilateral through the centers of four tags. A mask is an
 image that is white where the area is and black elsewhere.
 """
+import aruco_node
 import cv2
 from aruco_ar import area_mask
 from aruco_ar.exercise import TRACKER, Exercise, Result
-from aruco_node import run
 
 
 def subtract_area(scene):
@@ -29,4 +29,4 @@ def subtract_area(scene):
 EXERCISE = Exercise('exercise5_5', subtract_area, needs=[TRACKER], topics=['mask', 'image'])
 
 if __name__ == '__main__':
-    run(EXERCISE)
+    aruco_node.run(EXERCISE)

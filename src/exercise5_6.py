@@ -4,13 +4,13 @@
 The picture is warped, so that its corners fall on the corners of the area.
 Then it takes the place of what exercise 5.5 subtracted.
 """
+import aruco_node
 import cv2
 import numpy as np
 from aruco_ar import area_mask
 from aruco_ar.exercise import PICTURE, TRACKER, Exercise, Result
-from aruco_ar.fitting import fit_picture
-from aruco_ar.paint import put_in, warp
-from aruco_node import run
+from aruco_ar.painting.fit import fit_picture
+from aruco_ar.painting.paint import put_in, warp
 
 
 def paint_picture(scene):
@@ -47,4 +47,4 @@ def paint_picture(scene):
 EXERCISE = Exercise('exercise5_6', paint_picture, needs=[TRACKER, PICTURE])
 
 if __name__ == '__main__':
-    run(EXERCISE)
+    aruco_node.run(EXERCISE)

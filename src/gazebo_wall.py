@@ -8,10 +8,11 @@ import argparse
 import os
 import sys
 
+import aruco_program  # noqa: F401  before all else
 from aruco_ar import InputError
-from aruco_ar.files import own_folder, package_folder, write_whole
-from aruco_ar.gazebo import wall_files
-from aruco_ar.wall import load_wall
+from aruco_ar.base.files import own_folder, package_folder, write_whole
+from aruco_ar.simulation.gazebo import wall_files
+from aruco_ar.walls.wall import load_wall
 
 
 def parse(argv):

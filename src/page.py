@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A live page in the browser: what all exercises show, side by side, driving, and what is painted."""
-from aruco_node.manual import Manual
-from aruco_node.node import run_node
+from aruco_node.nodes.manual import Manual
+from aruco_node.nodes.node import run_node
 from page_server.server import Settings, serve
 
 if __name__ == '__main__':

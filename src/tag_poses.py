@@ -7,30 +7,30 @@ and axes drawn on the frame.
 """
 import time
 
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 import rospy
 import tf2_ros
 from aruco_ar import InputError, PoseEstimator
-from aruco_ar.errors import shorten
+from aruco_ar.base.errors import shorten
+from aruco_ar.base.files import in_package
 from aruco_ar.exercise import TRACKER, Result, find_tags
-from aruco_ar.files import in_package
-from aruco_ar.paint import mark_poses
-from aruco_ar.wall import load_wall
-from aruco_node import pose_messages
-from aruco_node.calibration import Calibration
-from aruco_node.camera_node import CameraNode
-from aruco_node.faults import say_once
-from aruco_node.health import ERROR, WARN
-from aruco_node.manual import camera_manual
-from aruco_node.memory import keep_memory
-from aruco_node.names import frame_name
-from aruco_node.node import run_node
-from aruco_node.parameters import AUTO
-from aruco_node.settings import ID, LEARN, PoseSettings
-from aruco_node.stamps import OthersFrames
-from aruco_node.waiting import SILENCE_S
-from aruco_node.wall_messages import WALL_FRAME
-from aruco_node.wall_watch import WallWatch
+from aruco_ar.painting.marks import mark_poses
+from aruco_ar.poses.wall_watch import WallWatch
+from aruco_ar.walls.wall import load_wall
+from aruco_node.health.diagnostics import ERROR, WARN
+from aruco_node.health.faults import say_once
+from aruco_node.health.silence import SILENCE_S
+from aruco_node.messages import pose_messages
+from aruco_node.messages.frame_names import frame_name
+from aruco_node.messages.wall_messages import WALL_FRAME
+from aruco_node.nodes.calibration import Calibration
+from aruco_node.nodes.camera_node import CameraNode
+from aruco_node.nodes.manual import camera_manual
+from aruco_node.nodes.node import run_node
+from aruco_node.parameters.parameters import AUTO
+from aruco_node.parameters.settings import ID, LEARN, PoseSettings
+from aruco_node.process.memory import keep_memory
+from aruco_node.ros_internals.tf_listener import OthersFrames
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray

@@ -7,25 +7,34 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Tuple
 
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 import numpy as np
 import rospy
 import tf2_ros
-from aruco_ar.files import package_folder
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import MAX_ANGULAR, MAX_LINEAR, Camera, Pose, drive, hand_held, load_path, wall_to_camera
-from aruco_ar.wall import load_wall
-from aruco_node.faults import guarded
-from aruco_node.frame_node import CAMERA
-from aruco_node.health import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
-from aruco_node.manual import Manual
-from aruco_node.memory import keep_memory
-from aruco_node.node import parameter, run_node
-from aruco_node.parameters import Number, number, read, text
-from aruco_node.publishing import ImagePublisher
-from aruco_node.reconfigure import Reconfigurer
-from aruco_node.tolerant import tolerant
-from aruco_node.wall_messages import fixed_transforms, observe, robot_transform
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import (
+    MAX_ANGULAR,
+    MAX_LINEAR,
+    Camera,
+    Pose,
+    drive,
+    hand_held,
+    load_path,
+    wall_to_camera,
+)
+from aruco_ar.walls.wall import load_wall
+from aruco_node.health.diagnostics import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
+from aruco_node.health.faults import guarded
+from aruco_node.messages.publishing import ImagePublisher
+from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_transform
+from aruco_node.nodes.frame_node import CAMERA
+from aruco_node.nodes.manual import Manual
+from aruco_node.nodes.node import parameter, run_node
+from aruco_node.parameters.parameters import Number, number, read, text
+from aruco_node.parameters.reconfigure import Reconfigurer
+from aruco_node.process.memory import keep_memory
+from aruco_node.ros_internals.tolerant import tolerant
 from geometry_msgs.msg import Twist
 
 MAX_LATE_S = 5.0  # no rendering takes as long

@@ -1,12 +1,13 @@
 import os
 import sys
 
-import aruco_ar  # before numpy, which it gives one thread
+import aruco_program  # noqa: F401  as in every program of ours
+import aruco_ar
 import numpy as np
 import pytest
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.wall import load_wall
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # For the benchmark's drives, and for what is hostile.

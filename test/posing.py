@@ -1,8 +1,9 @@
 """Tags seen on simulated drives, with corners computed rather than detected, and how far poses are off."""
 import numpy as np
 from aruco_ar import Tag
-from aruco_ar.robot import Camera, wall_to_camera
-from aruco_ar.solving import square, turned
+from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.simulation.robot import Camera, wall_to_camera
+from aruco_ar.tags.tag import square
 from drives import LIVELY
 from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
 

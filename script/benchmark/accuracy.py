@@ -5,7 +5,7 @@ from multiprocessing import Pool
 import cv2
 import numpy as np
 from aruco_ar import Tracker
-from aruco_ar.progress import progress, tell
+from aruco_ar.base.progress import progress, tell
 from course import Course
 from drives import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
 

@@ -11,10 +11,10 @@ from contextlib import suppress
 import psutil
 import rosbag
 import rospy
-from aruco_ar.progress import tell
-from aruco_ar.robot import Camera
-from aruco_node.messages import compressed_from_frame, image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.base.progress import tell
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import compressed_from_frame, image_from_frame
+from aruco_node.messages.wall_messages import camera_info
 from drives import FRAMES_PER_S, LIVELY, PACKAGE, drive
 from std_msgs.msg import Header
 

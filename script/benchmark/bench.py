@@ -4,8 +4,7 @@ import argparse
 import os
 import sys
 
-from aruco_ar import InputError  # isort: skip  # before numpy is, which it gives one thread
-
+import aruco_program  # noqa: F401  before all else
 import accuracy
 import bags
 import browser
@@ -18,6 +17,7 @@ import real
 import search
 import speed
 import video
+from aruco_ar import InputError
 
 PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page', 'network', 'bags')
 

@@ -3,9 +3,9 @@ import os
 from collections import namedtuple
 
 import numpy as np
-from aruco_ar.render import WallRenderer, project_rows
-from aruco_ar.robot import Camera, Path, Pose, hand_held, wall_to_camera
-from aruco_ar.wall import load_wall
+from aruco_ar.simulation.render import WallRenderer, project_rows
+from aruco_ar.simulation.robot import Camera, Path, Pose, hand_held, wall_to_camera
+from aruco_ar.walls.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 WALL = load_wall(os.path.join(PACKAGE, 'config', 'wall.yaml'))

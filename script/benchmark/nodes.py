@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import psutil
 import rospy
-from aruco_ar.progress import progress, tell
-from aruco_node.messages import image_from_frame
+from aruco_ar.base.progress import progress, tell
+from aruco_node.messages.images import image_from_frame
 from drives import WIDE, drive
 from master import processor_seconds
 from sensor_msgs.msg import Image

@@ -7,10 +7,11 @@ from multiprocessing import Pool
 import cv2
 import numpy as np
 from aruco_ar import Detector, Lens, PoseEstimator, get_dictionary
-from aruco_ar.progress import progress, tell
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.solving import angles_of, square
+from aruco_ar.base.progress import progress, tell
+from aruco_ar.geometry.plane_pose import angles_of
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.tags.tag import square
 from drives import FRAMES_PER_S, WALL
 from speed import timed
 

@@ -7,8 +7,8 @@ from typing import Optional
 import cv2
 import numpy as np
 from aruco_ar import InputError, Tracker
-from aruco_ar.files import yaml_entries
-from aruco_ar.progress import progress, tell
+from aruco_ar.base.files import yaml_entries
+from aruco_ar.base.progress import progress, tell
 from course import Course
 from drives import PACKAGE
 from speed import timed

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A bare rospy relay, with the same memory settings as our nodes."""
 import rospy
-from aruco_node.memory import keep_memory
+from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import Image
 
 keep_memory()

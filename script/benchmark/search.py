@@ -7,11 +7,11 @@ from multiprocessing import Pool
 import cv2
 import numpy as np
 from aruco_ar import DICTIONARIES, Detector
-from aruco_ar.detector import SEARCHES
-from aruco_ar.progress import progress, tell
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, Camera, Pose, wall_to_camera
-from aruco_ar.wall import Wall, WallTag
+from aruco_ar.base.progress import progress, tell
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, Camera, Pose, wall_to_camera
+from aruco_ar.tags.detector import SEARCHES
+from aruco_ar.walls.wall import Wall, WallTag
 from drives import PACKAGE, WIDE, drive
 from speed import timed
 

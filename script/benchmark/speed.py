@@ -6,7 +6,7 @@ from itertools import product
 import cv2
 import numpy as np
 from aruco_ar import Tracker, load_picture, overlay
-from aruco_ar.progress import progress, tell
+from aruco_ar.base.progress import progress, tell
 from course import Course
 from drives import PACKAGE, WIDE, drive
 

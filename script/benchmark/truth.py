@@ -12,8 +12,8 @@ from typing import Optional
 import cv2
 import numpy as np
 from aruco_ar import DICTIONARIES
-from aruco_ar.progress import progress
-from aruco_ar.tags import Tag
+from aruco_ar.base.progress import progress
+from aruco_ar.tags.tag import Tag
 
 SMALL_PX, LARGER = 700, 3   # a frame less wide than this is enlarged so many times to be read
 REACH_PX = 3.0              # to both sides of an edge, where it is looked for

@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import real
 from aruco_ar import InputError, Tracker, load_picture, overlay
-from aruco_ar.progress import progress
+from aruco_ar.base.progress import progress
 from chart import draw, jitter
 from course import Course
 from drives import PACKAGE

@@ -4,9 +4,9 @@ import sys
 from itertools import cycle
 
 import rospy
-from aruco_ar.robot import Camera
-from aruco_node.messages import image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import image_from_frame
+from aruco_node.messages.wall_messages import camera_info
 from drives import LIVELY, WIDE, drive
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header

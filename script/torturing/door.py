@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager, suppress
 
 import psutil
 import rospy
-from aruco_node.messages import image_from_frame
+from aruco_node.messages.images import image_from_frame
 from hostile import attacks, intruders
 from loopback_test import sockets_below
 from master import Master

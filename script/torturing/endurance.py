@@ -2,7 +2,7 @@
 import time
 
 import numpy as np
-from aruco_ar.progress import progress
+from aruco_ar.base.progress import progress
 from master import Master
 from rig import ALL, Ages, camera, first_of, nodes
 

@@ -9,7 +9,7 @@ from itertools import islice
 
 import cv2
 import numpy as np
-from aruco_ar.progress import tell
+from aruco_ar.base.progress import tell
 from hostile import kills
 from master import Master
 

@@ -6,11 +6,11 @@ import time
 import urllib.request
 
 import rospy
-from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
-from aruco_ar.progress import progress
-from aruco_node.messages import image_from_frame
-from aruco_node.parameters import abouts, plain
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import package_folder
+from aruco_ar.base.progress import progress
+from aruco_node.messages.images import image_from_frame
+from aruco_node.parameters.parameters import abouts, plain
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
 from hostile import reading, values

@@ -7,10 +7,10 @@ from itertools import count
 import numpy as np
 import psutil
 import rospy
-from aruco_ar.progress import progress
-from aruco_ar.robot import Camera
-from aruco_node.messages import TRANSPORTS, compressed_from_frame, image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.base.progress import progress
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import TRANSPORTS, compressed_from_frame, image_from_frame
+from aruco_node.messages.wall_messages import camera_info
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from hostile.messages import Hostile

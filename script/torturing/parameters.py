@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import rosgraph
-from aruco_ar.files import package_folder
-from aruco_ar.progress import progress
-from aruco_node.parameters import abouts
-from aruco_node.settings import AREA_ENTRIES, PictureSettings
+from aruco_ar.base.files import package_folder
+from aruco_ar.base.progress import progress
+from aruco_node.parameters.parameters import abouts
+from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
 from hostile import reading, values
 from hostile.wishes import set_parameter
 from live_parameters import Live

@@ -14,7 +14,7 @@ from concurrent.futures.process import BrokenProcessPool
 import cv2
 import numpy as np
 from aruco_ar import Detector
-from aruco_ar.detector import SEARCHES
+from aruco_ar.tags.detector import SEARCHES
 from hostile import scenes
 from hostile.looking import PICTURES_EACH, watch
 

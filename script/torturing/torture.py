@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-import aruco_ar  # noqa: F401  before numpy is, which it gives one thread
+import aruco_program  # noqa: F401  before all else
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 PARTS = {

@@ -4,18 +4,19 @@ A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
 (overlay). A Tracker finds the area in a sequence of frames. What connects this
 to ROS is in ``aruco_node``.
 """
-from . import beginning  # noqa: F401  before all else
-from .area import Area, find_area, find_four_centers
-from .area_pose import AreaPose
-from .detector import Detector
-from .errors import InputError
-from .lens import Lens
-from .ordering import largest_quadrilateral, order_coordinates
-from .paint import area_mask, fill_polygon, mark_centers, mark_tags, overlay, subtract
-from .picture import load_picture
-from .poses import CameraPose, PoseEstimator, TagPose
-from .tags import DICTIONARIES, Tag, draw_tag, get_dictionary
-from .tracker import Tracker
+from .base import required  # noqa: F401  before what is too old fails in its own way
+from .base.errors import InputError
+from .geometry.ordering import largest_quadrilateral, order_coordinates
+from .painting.marks import fill_polygon, mark_centers, mark_tags
+from .painting.paint import area_mask, overlay, subtract
+from .painting.picture import load_picture
+from .poses.area_pose import AreaPose
+from .poses.estimator import CameraPose, PoseEstimator, TagPose
+from .poses.lens import Lens
+from .tags.detector import Detector
+from .tags.tag import DICTIONARIES, Tag, draw_tag, get_dictionary
+from .tracking.area import Area, find_area, find_four_centers
+from .tracking.tracker import Tracker
 
 __all__ = [
     'DICTIONARIES', 'Area', 'AreaPose', 'CameraPose', 'Detector', 'InputError', 'Lens', 'PoseEstimator', 'Tag',

@@ -4,11 +4,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Callable, Protocol, Sequence
 
-from .area import Area
-from .arrays import Image
-from .detector import Detector
-from .tags import Tag
-from .tracker import Tracker
+from .base.arrays import Image
+from .tags.detector import Detector
+from .tags.tag import Tag
+from .tracking.area import Area
+from .tracking.tracker import Tracker
 
 TRACKER, PICTURE = 'tracker', 'picture'  # what an exercise may need
 # After a change of these parameters the tracker starts anew.

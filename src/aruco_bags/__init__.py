@@ -1,4 +1,4 @@
 """Bags: their frames looked at without a roscore, piece by piece, on as many processor cores as there are."""
-from aruco_ar.versions import need
+from aruco_ar.base.versions import need
 
 need('distributed')

@@ -7,13 +7,13 @@ import shutil
 from contextlib import ExitStack, contextmanager
 from typing import Dict
 
-from aruco_ar.errors import InputError
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import in_package
 from aruco_ar.exercise import PICTURE
-from aruco_ar.files import in_package
 
-from .annotating import COLUMNS, annotate, drafted
-from .joining import join_bags, join_tables, make_video
-from .reading import pieces_of
+from .bag_reader import pieces_of
+from .pieces import join_bags, join_tables, make_video
+from .task import COLUMNS, annotate, drafted
 
 HIDDEN = '.unit5'      # in the folder of what is made: what is half done, and how the rest was
 LOCK = '.lock'         # no bag is called so

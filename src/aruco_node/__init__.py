@@ -1,6 +1,6 @@
 """The node layer: everything between ROS and ``aruco_ar``, which knows nothing of ROS."""
-import aruco_ar  # noqa: F401  before all else: see there
+import aruco_program  # noqa: F401  before all else
 
-from .exercise import run
+from .nodes.exercise import run
 
 __all__ = ['run']

@@ -3,6 +3,6 @@
 ``server`` starts it; ``handlers`` and ``live`` answer the browser; ``guard``
 says whom; ``topics``, ``driving`` and ``choices`` are what it has to do with ROS.
 """
-from aruco_ar.versions import need
+from aruco_ar.base.versions import need
 
 need('tornado')

@@ -6,14 +6,14 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import rospy
-from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
-from aruco_ar.picture import decode_picture, open_header, resize
-from aruco_ar.sources import open_source
-from aruco_node.faults import guarded
-from aruco_node.messages import image_from_frame, jpeg_from_frame
-from aruco_node.settings import TOPIC
-from aruco_node.tolerant import tolerant
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import package_folder
+from aruco_ar.painting.picture import decode_picture, open_header, resize
+from aruco_ar.painting.sources import open_source
+from aruco_node.health.faults import guarded
+from aruco_node.messages.images import image_from_frame, jpeg_from_frame
+from aruco_node.parameters.settings import TOPIC
+from aruco_node.ros_internals.tolerant import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from PIL.Image import DecompressionBombError

@@ -5,7 +5,7 @@ import socket
 from functools import lru_cache
 from urllib.parse import urlsplit
 
-from aruco_ar.errors import InputError
+from aruco_ar.base.errors import InputError
 
 
 def is_loopback(address):

@@ -3,7 +3,7 @@ import asyncio
 from contextlib import contextmanager
 from urllib.parse import quote
 
-from aruco_ar.errors import InputError
+from aruco_ar.base.errors import InputError
 from tornado.iostream import StreamClosedError
 from tornado.web import Finish, RequestHandler, stream_request_body
 

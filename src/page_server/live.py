@@ -12,7 +12,7 @@ from collections import deque
 from contextlib import nullcontext
 
 import rospy
-from aruco_ar.errors import InputError
+from aruco_ar.base.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from .handlers import STALLED_S, Guarded

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 from typing import Any, List, NamedTuple, Optional
 
 import rospy
-from aruco_ar.errors import InputError
-from aruco_ar.files import package_folder
-from aruco_node.faults import note_fault
-from aruco_node.frame_node import CAMERA
-from aruco_node.health import OK, Diagnostics
-from aruco_node.node import parameter
-from aruco_node.parameters import AUTO, number, read, text, wish
-from aruco_node.reconfigure import Reconfigurer
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import package_folder
+from aruco_node.health.diagnostics import OK, Diagnostics
+from aruco_node.health.faults import note_fault
+from aruco_node.nodes.frame_node import CAMERA
+from aruco_node.nodes.node import parameter
+from aruco_node.parameters.parameters import AUTO, number, read, text, wish
+from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
 from tornado.netutil import bind_sockets

@@ -8,13 +8,13 @@ import tempfile
 
 import numpy as np
 from aruco_ar import InputError
-from aruco_ar.picture import MAX_SIDE_PX
-from aruco_ar.robot import load_path
-from aruco_ar.sources import open_source
-from aruco_ar.wall import load_wall
-from aruco_node.messages import TRANSPORTS, frame_from_compressed, frame_from_image, picture_from_image
-from aruco_node.parameters import read
-from aruco_node.settings import PictureSettings, load_areas
+from aruco_ar.painting.picture import MAX_SIDE_PX
+from aruco_ar.painting.sources import open_source
+from aruco_ar.simulation.robot import load_path
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import TRANSPORTS, frame_from_compressed, frame_from_image, picture_from_image
+from aruco_node.parameters.parameters import read
+from aruco_node.parameters.settings import PictureSettings, load_areas
 from genpy import DeserializationError
 from sensor_msgs.msg import CompressedImage, Image
 

@@ -12,7 +12,7 @@ from itertools import count
 import cv2
 import psutil
 import rospy
-from aruco_node.messages import image_from_frame
+from aruco_node.messages.images import image_from_frame
 from nodes import CAMERA, IMAGES, NODES, scene
 from sensor_msgs.msg import Image
 from serving import free_port

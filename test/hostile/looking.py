@@ -19,14 +19,14 @@ from aruco_ar import (
     overlay,
     subtract,
 )
-from aruco_ar.detector import SEARCHES
-from aruco_ar.fitting import FITS
-from aruco_ar.ordering import is_quadrilateral
-from aruco_ar.paint import mark_poses
-from aruco_ar.wall import Wall, WallTag
-from aruco_node import pose_messages
-from aruco_node.messages import polygon_from_pixels, tags_from_pixels
-from aruco_node.wall_watch import WallWatch
+from aruco_ar.geometry.ordering import is_quadrilateral
+from aruco_ar.painting.fit import FITS
+from aruco_ar.painting.marks import mark_poses
+from aruco_ar.poses.wall_watch import WallWatch
+from aruco_ar.tags.detector import SEARCHES
+from aruco_ar.walls.wall import Wall, WallTag
+from aruco_node.messages import pose_messages
+from aruco_node.messages.images import polygon_from_pixels, tags_from_pixels
 from rospy import Time
 from std_msgs.msg import Header
 

@@ -11,10 +11,10 @@ import traceback
 
 import numpy as np
 from aruco_ar import InputError
-from aruco_ar.robot import load_path
-from aruco_ar.sources import open_source
-from aruco_ar.wall import load_wall
-from aruco_node.settings import load_areas
+from aruco_ar.painting.sources import open_source
+from aruco_ar.simulation.robot import load_path
+from aruco_ar.walls.wall import load_wall
+from aruco_node.parameters.settings import load_areas
 from hostile.files import cases
 
 MEMORY_BYTES = 8 * 2**30  # for which no file of these should ask

@@ -8,15 +8,15 @@ from unittest import mock
 
 import numpy as np
 import yaml
-from aruco_ar.errors import InputError
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import package_folder
 from aruco_ar.exercise import PICTURE, TRACKER, Stage, find_tags
-from aruco_ar.files import package_folder
-from aruco_ar.robot import load_path
-from aruco_ar.wall import load_wall
-from aruco_node.calibration import Calibration
-from aruco_node.parameters import plain, read
-from aruco_node.pictures import open_picture
-from aruco_node.settings import LEARN, PictureSettings, load_areas
+from aruco_ar.simulation.robot import load_path
+from aruco_ar.walls.wall import load_wall
+from aruco_node.nodes.calibration import Calibration
+from aruco_node.nodes.pictures import open_picture
+from aruco_node.parameters.parameters import plain, read
+from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
 from page_server.guard import is_loopback
 
 MAX_SENTENCE = 500
@@ -33,7 +33,8 @@ def settings_of(node):
 
     def tell(name, work, manual):
         told.append(manual.settings)
-    with mock.patch('aruco_node.node.run_node', tell), mock.patch('aruco_node.exercise.run_node', tell):
+    nodes = 'aruco_node.nodes.'
+    with mock.patch(nodes + 'node.run_node', tell), mock.patch(nodes + 'exercise.run_node', tell):
         runpy.run_path(os.path.join(package_folder(), 'src', node + '.py'), run_name='__main__')
     return told[0]
 

@@ -8,7 +8,7 @@ from functools import lru_cache
 import cv2
 import numpy as np
 from aruco_ar import draw_tag, get_dictionary
-from aruco_ar.tags import tag_cells
+from aruco_ar.tags.tag import tag_cells
 
 DICTIONARIES = 'DICT_6X6_250', 'DICT_4X4_50', 'DICT_5X5_1000', 'DICT_ARUCO_ORIGINAL', 'DICT_APRILTAG_36h11'
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])

@@ -13,7 +13,7 @@ from xml.sax.saxutils import escape
 from xmlrpc.client import Binary, DateTime
 
 import numpy as np
-from aruco_node.parameters import Choice, Number
+from aruco_node.parameters.parameters import Choice, Number
 
 LONG = 100 * 1000
 SHORT = 1000

@@ -14,7 +14,7 @@ import pytest
 import rosbag
 import rospy
 from aruco_ar import Tracker
-from aruco_node.messages import compressed_from_frame, frame_from_compressed, image_from_frame
+from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
 from bags import BEGIN_S, JPEG, record
 from drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo

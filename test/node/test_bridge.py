@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_node.bridge import fault_of_bridge
-from aruco_node.messages import frame_from_image, image_from_frame
+from aruco_node.messages.bridge import fault_of_bridge
+from aruco_node.messages.images import frame_from_image, image_from_frame
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

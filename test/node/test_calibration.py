@@ -2,11 +2,11 @@
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_ar.robot import Camera
-from aruco_node.calibration import Calibration, lens_from_info
-from aruco_node.parameters import read
-from aruco_node.settings import PoseSettings
-from aruco_node.wall_messages import camera_info
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.wall_messages import camera_info
+from aruco_node.nodes.calibration import Calibration, lens_from_info
+from aruco_node.parameters.parameters import read
+from aruco_node.parameters.settings import PoseSettings
 from sensor_msgs.msg import CameraInfo
 
 CAMERA = Camera(distortion=[-0.3, 0.1, 0.001, -0.001, 0.0])

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_node.messages import (
+from aruco_node.health.silence import explain_silence
+from aruco_node.messages.images import (
     TRANSPORTS,
     compressed_from_frame,
     frame_from_compressed,
@@ -14,7 +15,7 @@ from aruco_node.messages import (
     image_from_frame,
     picture_from_image,
 )
-from aruco_node.waiting import IMAGE_TYPES, explain_silence
+from aruco_node.messages.topics import IMAGE_TYPES
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 

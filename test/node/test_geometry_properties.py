@@ -2,11 +2,12 @@
 import cv2
 import numpy as np
 from aruco_ar import Area, CameraPose, Lens, PoseEstimator, Tag, find_area, order_coordinates
-from aruco_ar.fitting import fit_picture
-from aruco_ar.motion import homography_to, transform
-from aruco_ar.ordering import is_quadrilateral
-from aruco_ar.solving import angles_of, square, turned
-from aruco_node import pose_messages
+from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.geometry.ordering import is_quadrilateral
+from aruco_ar.geometry.plane_pose import angles_of, turned
+from aruco_ar.painting.fit import fit_picture
+from aruco_ar.tags.tag import square
+from aruco_node.messages import pose_messages
 from hostile.looking import faults_of_paint
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st

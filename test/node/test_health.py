@@ -1,7 +1,7 @@
 """What is said about how a node is doing, by the frames that came, went and were dropped."""
 import pytest
-from aruco_node import health
-from aruco_node.health import OK, WARN, FrameCount
+from aruco_node.health import diagnostics as health
+from aruco_node.health.diagnostics import OK, WARN, FrameCount
 
 
 @pytest.fixture

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 from aruco_ar import InputError
-from aruco_ar.files import write_whole
-from aruco_ar.sources import open_source
+from aruco_ar.base.files import write_whole
+from aruco_ar.painting.sources import open_source
 from hostile.files import GIGANTIC, animation, png, video
 
 MAX_MB = 1000  # of all that opens a file: what the largest picture that is taken needs, and some more

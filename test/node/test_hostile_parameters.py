@@ -1,9 +1,9 @@
 """All parameters with wrong and extreme values: taken, or refused with one sentence that names them."""
 import pytest
 from aruco_ar import InputError
-from aruco_ar.errors import MAX_SENTENCE
-from aruco_node.parameters import abouts, plain, read
-from aruco_node.settings import PictureSettings
+from aruco_ar.base.errors import MAX_SENTENCE
+from aruco_node.parameters.parameters import abouts, plain, read
+from aruco_node.parameters.settings import PictureSettings
 from hostile import reading, values
 
 # One of each class of settings.

@@ -1,6 +1,6 @@
 """Which frames are too old to be shown: few, and only before a node that keeps up with its camera."""
 import pytest
-from aruco_node.lateness import Lateness
+from aruco_ar.lateness import Lateness
 
 PERIOD = 1 / 30
 

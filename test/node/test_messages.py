@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_node.messages import (
+from aruco_node.messages.images import (
     FAST,
     MAX_PICTURE_PIXELS,
     frame_from_compressed,
@@ -18,7 +18,7 @@ from aruco_node.messages import (
     image_from_frame,
     picture_from_image,
 )
-from aruco_node.tolerant import tolerant
+from aruco_node.ros_internals.tolerant import tolerant
 from cv_bridge import CvBridge
 from hostile.files import chunk, png
 from hostile.messages import KNOWN, Hostile
@@ -64,7 +64,7 @@ def test_what_goes_out_is_what_cv_bridge_would_send(encoding, channels, random):
 def test_cv_bridge_is_not_loaded_for_what_most_cameras_send():
     script = '''
 import sys
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from sensor_msgs.msg import Image
 for name in sys.argv[1:]:
     frame_from_image(Image(width=1, height=1, step=3, encoding=name, data=b'abc'))
@@ -180,7 +180,7 @@ def test_nothing_is_written_by_decoders(package):
     script = '''
 import aruco_ar
 import numpy as np
-from aruco_node.messages import frame_from_compressed
+from aruco_node.messages.images import frame_from_compressed
 from hostile.messages import Garbage, Hostile
 hostile = Hostile(2, [np.zeros((480, 640, 3), np.uint8)])
 for _ in range(1000):

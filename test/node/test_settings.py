@@ -1,8 +1,8 @@
 """Parameters: what they may be, and what is said where they are not."""
 import pytest
 from aruco_ar import InputError
-from aruco_node.parameters import abouts, plain, read
-from aruco_node.settings import PictureSettings, PoseSettings, load_areas
+from aruco_node.parameters.parameters import abouts, plain, read
+from aruco_node.parameters.settings import PictureSettings, PoseSettings, load_areas
 
 
 def settings(kind=PictureSettings, **parameters):

@@ -3,8 +3,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, draw_tag
-from aruco_ar.edges import fit_tags
-from aruco_ar.tags import tag_cells
+from aruco_ar.tags.edges import fit_tags
+from aruco_ar.tags.tag import tag_cells
 
 CORNERS = np.float32([[101.3, 80.7], [222.9, 90.2], [215.4, 205.8], [96.1, 199.5]])
 CELLS = tag_cells('DICT_6X6_250', 7)[None]

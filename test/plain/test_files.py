@@ -10,11 +10,11 @@ import time
 
 import pytest
 from aruco_ar import InputError
-from aruco_ar.files import write_whole
+from aruco_ar.base.files import write_whole
 
 WRITING = '''
 import sys
-from aruco_ar.files import write_whole
+from aruco_ar.base.files import write_whole
 print('begins', flush=True)
 while True:
     write_whole(sys.argv[1] + '/new/file', bytes(1 << 25))

@@ -3,10 +3,10 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Area, Detector, InputError, Tracker, find_area, overlay
-from aruco_ar.fitting import fit_picture
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.wall import Wall, WallTag
+from aruco_ar.painting.fit import fit_picture
+from aruco_ar.simulation.render import WallRenderer, project
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import Wall, WallTag
 
 RED, GREEN, BLUE = (0, 0, 255), (0, 255, 0), (255, 0, 0)
 SLANTED = wall_to_camera(Pose(-1.9, 0.9, -0.42))

@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 from aruco_ar import Lens, PoseEstimator
-from aruco_ar.robot import Pose, wall_to_camera
-from aruco_ar.solving import turned
+from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.simulation.robot import Pose, wall_to_camera
 from posing import PINHOLE, off, surprise, tag_at
 
 SIDE = 0.1  # meters, of the tags

@@ -9,11 +9,11 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector
-from aruco_ar.gazebo import wall_files
-from aruco_ar.render import project
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.tags import tag_cells
-from aruco_ar.wall import load_wall
+from aruco_ar.simulation.gazebo import wall_files
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.tags.tag import tag_cells
+from aruco_ar.walls.wall import load_wall
 
 MODEL = 'models/unit5_wall/'
 WORLD = 'worlds/wall.world'

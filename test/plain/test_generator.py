@@ -9,7 +9,7 @@ import numpy as np
 import pypdfium2
 import pytest
 from aruco_ar import Detector
-from aruco_ar.sheet import PAGES, tag_sheet
+from aruco_ar.tags.sheet import PAGES, tag_sheet
 
 DPI = 150
 MM_PER_PX = 25.4 / DPI

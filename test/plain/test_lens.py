@@ -3,10 +3,10 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Lens
-from aruco_ar.edges import fit_tags
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.tags import tag_cells
+from aruco_ar.simulation.render import WallRenderer, project
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.tags.edges import fit_tags
+from aruco_ar.tags.tag import tag_cells
 
 MATRIX = np.array([[554.0, 0, 319.5], [0, 560, 240.5], [0, 0, 1]])
 LENSES = {

@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError, largest_quadrilateral, order_coordinates
-from aruco_ar.ordering import is_quadrilateral
+from aruco_ar.geometry.ordering import is_quadrilateral
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -15,8 +15,8 @@ from aruco_ar import (
     overlay,
     subtract,
 )
-from aruco_ar.render import project
-from aruco_ar.robot import Camera
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 

@@ -3,10 +3,10 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, InputError, Lens, PoseEstimator, Tag
-from aruco_ar.belief import Belief
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.solving import angles_of, turned
+from aruco_ar.geometry.plane_pose import angles_of, turned
+from aruco_ar.poses.belief import Belief
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from drives import LIVELY
 from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
 from posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at

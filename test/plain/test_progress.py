@@ -9,7 +9,7 @@ import termios
 
 WORK = '''
 import itertools, sys
-from aruco_ar import progress
+from aruco_ar.base import progress
 clock = itertools.count(step=float(sys.argv[1]))  # seconds for each look at it
 progress.time.monotonic = lambda: next(clock)
 for item in progress.progress(range(6), 'pages'):

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, InputError, Tracker, draw_tag
-from aruco_ar.detector import SEARCHES
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
-from aruco_ar.wall import Poster
+from aruco_ar.simulation.render import WallRenderer, project
+from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
+from aruco_ar.tags.detector import SEARCHES
+from aruco_ar.walls.wall import Poster
 from drives import WALL, drive
 from search import CROWDS, CROWDS_DICTIONARY, FRAMES, PHOTOS, SAME_CORNER_PX, TAGS, apart, crowd, views
 

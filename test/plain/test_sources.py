@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from aruco_ar.sources import open_source
+from aruco_ar.painting.sources import open_source
 from PIL import Image
 
 RED, GREEN, BLUE = (0, 0, 255), (0, 255, 0), (255, 0, 0)

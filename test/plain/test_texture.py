@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Tracker
-from aruco_ar.wall import Poster
+from aruco_ar.walls.wall import Poster
 from drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 from test_tracker import assert_never_wrong, follow, later, rms
 

@@ -5,9 +5,9 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError, Tracker
-from aruco_ar.render import WallRenderer, project
-from aruco_ar.robot import Camera, Path, Pose, wall_to_camera
-from aruco_ar.wall import Poster, WallTag
+from aruco_ar.simulation.render import WallRenderer, project
+from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
+from aruco_ar.walls.wall import Poster, WallTag
 from drives import FAST, LIVELY, SLOW, STILL, WALL, Frame, at_random, drive
 
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}

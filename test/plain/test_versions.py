@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from aruco_ar.versions import LOWEST, TooOld, need
+from aruco_ar.base.versions import LOWEST, TooOld, need
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 PROGRAMS = sorted(name for name in os.listdir(os.path.join(PACKAGE, 'src')) if name.endswith('.py'))
@@ -40,12 +40,40 @@ def test_every_program_says_what_is_too_old_and_what_to_do(program, tmp_path):
     ('cv2', '4.8.1-dev', 'unit5 needs OpenCV 4.9 or later, but .* has 4.8.1-dev.')])
 def test_each_is_looked_at(module, version, sentence, tmp_path):
     stand_in(tmp_path, module, version)
-    text = said(tmp_path, '-c', 'import aruco_ar')
+    text = said(tmp_path, '-c', 'import aruco_program')
     assert re.match(sentence, text) and text.count('\n') == 1
 
 
+def test_aruco_ar_alone_raises_it(tmp_path):
+    stand_in(tmp_path, 'cv2', '4.2.0')
+    assert said(tmp_path, '-c', 'import aruco_ar').splitlines()[-1].startswith(
+        'aruco_ar.base.versions.TooOld: unit5 needs OpenCV 4.9 or later')
+
+
+CHANGES = '''
+import os, signal, sys, warnings
+import cv2, numpy, PIL.Image, yaml  # which may change what they like
+
+def state():
+    handlers = [signal.getsignal(number) for number in signal.valid_signals()]
+    return [sys.excepthook, dict(os.environ), handlers, signal.pthread_sigmask(signal.SIG_BLOCK, []),
+            list(warnings.filters), PIL.Image.MAX_IMAGE_PIXELS, cv2.getNumThreads(), list(sys.path)]
+before = state()
+import aruco_ar, pkgutil, importlib
+for module in pkgutil.walk_packages(aruco_ar.__path__, 'aruco_ar.'):
+    importlib.import_module(module.name)
+assert state() == before
+'''
+
+
+def test_importing_aruco_ar_changes_nothing():
+    done = subprocess.run([sys.executable, '-c', CHANGES], env=dict(os.environ, PYTHONPATH=PACKAGE + '/src'),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+
+
 def test_what_is_missing_is_said():
-    text = said('none', '-S', '-c', 'import aruco_ar')  # without all that was installed
+    text = said('none', '-S', '-c', 'import aruco_program')  # without all that was installed
     assert re.match('unit5 needs NumPy 1.23 or later, but .* has none', text) and text.count('\n') == 1
 
 

@@ -3,9 +3,9 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, InputError, find_area
-from aruco_ar.render import WallRenderer, project, project_rows
-from aruco_ar.robot import Camera, Path, Pose, drive, hand_held, load_path, wall_to_camera
-from aruco_ar.wall import load_wall
+from aruco_ar.simulation.render import WallRenderer, project, project_rows
+from aruco_ar.simulation.robot import Camera, Path, Pose, drive, hand_held, load_path, wall_to_camera
+from aruco_ar.walls.wall import load_wall
 
 LENS = Camera(distortion=[-0.25, 0.08, 0.001, -0.001, 0.0])
 

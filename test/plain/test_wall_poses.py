@@ -4,10 +4,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from aruco_ar import Area, CameraPose, PoseEstimator, Tag
-from aruco_ar.render import project
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.solving import turned
-from aruco_ar.wall import WallTag
+from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import WallTag
 from poses import SIDE, TAGS_WALL, true_pose
 from posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
 

@@ -7,8 +7,8 @@ import threading
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.files import package_folder
-from aruco_node.messages import frame_from_image
+from aruco_ar.base.files import package_folder
+from aruco_node.messages.images import frame_from_image
 from listening import Diagnoses
 from nodes import NodeTest
 from PIL import Image as PillowImage

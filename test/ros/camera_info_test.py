@@ -5,12 +5,12 @@ import tempfile
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.files import package_folder
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.wall import load_wall
-from aruco_node.messages import image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import image_from_frame
+from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nodes import NodeTest
 from sensor_msgs.msg import CameraInfo

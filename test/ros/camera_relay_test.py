@@ -3,9 +3,14 @@
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.robot import Camera
-from aruco_node.messages import compressed_from_frame, frame_from_compressed, frame_from_image, image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import (
+    compressed_from_frame,
+    frame_from_compressed,
+    frame_from_image,
+    image_from_frame,
+)
+from aruco_node.messages.wall_messages import camera_info
 from listening import until
 from nodes import CAMERA, NodeTest, change, scene
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image

@@ -5,7 +5,7 @@ import signal
 
 import rospy
 import rostest
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from nodes import CAMERA, NodeTest
 from started import WAIT_S
 

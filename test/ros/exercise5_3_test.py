@@ -2,7 +2,7 @@
 """Exercise 5.3: the centers are marked, and the polygon through them as they come is filled."""
 import cv2
 import numpy as np
-from aruco_ar.paint import PURPLE
+from aruco_ar.painting.marks import PURPLE
 from replay import ReplayTest, main
 
 

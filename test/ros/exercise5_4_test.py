@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Exercise 5.4: the polygon through the ordered centers is a proper quadrilateral."""
 import numpy as np
-from aruco_ar.paint import PURPLE
+from aruco_ar.painting.marks import PURPLE
 from replay import ReplayTest, main, split
 
 

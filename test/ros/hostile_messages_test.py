@@ -8,9 +8,14 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.robot import Camera
-from aruco_node.messages import compressed_from_frame, frame_from_compressed, frame_from_image, image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import (
+    compressed_from_frame,
+    frame_from_compressed,
+    frame_from_image,
+    image_from_frame,
+)
+from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import Connections, until
 from nodes import BLANK, CAMERA, CENTERS, NodeTest, scene

@@ -9,9 +9,9 @@ import rospy
 import rostest
 import yaml
 from aruco_ar import InputError
-from aruco_node.parameters import abouts
-from aruco_node.reconfigure import Reconfigurer
-from aruco_node.settings import Settings
+from aruco_node.parameters.parameters import abouts
+from aruco_node.parameters.reconfigure import Reconfigurer
+from aruco_node.parameters.settings import Settings
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import until

@@ -9,7 +9,7 @@ from contextlib import suppress
 
 import psutil
 import rostest
-from aruco_ar.files import package_folder
+from aruco_ar.base.files import package_folder
 from listening import until
 from started import Started
 

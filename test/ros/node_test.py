@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages import frame_from_compressed, frame_from_image, image_from_frame
+from aruco_node.messages.images import frame_from_compressed, frame_from_image, image_from_frame
 from cv_bridge import CvBridge
 from nodes import CAMERA, NodeTest, scene
 from rosgraph import Master

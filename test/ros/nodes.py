@@ -8,9 +8,9 @@ import numpy as np
 import rospy
 import started
 from aruco_ar import draw_tag
-from aruco_ar.robot import Camera
-from aruco_node.messages import frame_from_image, image_from_frame
-from aruco_node.wall_messages import camera_info
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.images import frame_from_image, image_from_frame
+from aruco_node.messages.wall_messages import camera_info
 from dynamic_reconfigure.msg import BoolParameter, Config, DoubleParameter, IntParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from listening import Connections, Inbox, until

@@ -7,8 +7,8 @@ import sys
 import psutil
 import rospy
 import rostest
-from aruco_ar.files import package_folder
-from aruco_node.messages import image_from_frame
+from aruco_ar.base.files import package_folder
+from aruco_node.messages.images import image_from_frame
 from listening import until
 from sensor_msgs.msg import Image
 from serving import PICTURE, ServerTest

@@ -7,7 +7,7 @@ from xmlrpc.client import ServerProxy
 
 import rospy
 import rostest
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from browsing import BrowserTest
 from dynamic_reconfigure.msg import Config
 from nav_msgs.msg import Odometry

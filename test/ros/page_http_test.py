@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages import compressed_from_frame, image_from_frame
+from aruco_node.messages.images import compressed_from_frame, image_from_frame
 from listening import Connections, until
 from sensor_msgs.msg import CompressedImage, Image
 from serving import PICTURE, ServerTest, ask

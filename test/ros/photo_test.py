@@ -8,7 +8,7 @@ import numpy as np
 import rospy
 import rostest
 from aruco_ar import Detector, mark_tags
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from sensor_msgs.msg import Image
 from skipping import skip
 from started import Started

@@ -12,7 +12,7 @@ import rospy
 import rostest
 import started
 from aruco_ar import draw_tag
-from aruco_node.messages import frame_from_image, image_from_frame
+from aruco_node.messages.images import frame_from_image, image_from_frame
 from dynamic_reconfigure.client import Client
 from listening import Connections, Inbox
 from sensor_msgs.msg import CompressedImage, Image

@@ -7,7 +7,7 @@ import tempfile
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.msg import ConfigDescription
 from geometry_msgs.msg import Twist
 from listening import until

@@ -6,7 +6,7 @@ import numpy as np
 import rospy
 import rostest
 from aruco_ar import Area, Tag, area_mask
-from aruco_node.messages import TRANSPORTS, frame_from_image
+from aruco_node.messages.images import TRANSPORTS, frame_from_image
 from geometry_msgs.msg import PolygonStamped
 from listening import moments
 from sensor_msgs.msg import Image

@@ -7,8 +7,8 @@ import unittest
 
 import rospy
 import rostest
-from aruco_ar.files import package_folder
-from aruco_ar.robot import CAMERA_FORWARD_M
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.robot import CAMERA_FORWARD_M
 from listening import Inbox
 from nav_msgs.msg import Odometry
 from started import Started

@@ -6,12 +6,12 @@ import numpy as np
 import rospy
 import rostest
 import tf2_ros
-from aruco_ar.files import package_folder
-from aruco_ar.render import project
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.wall import load_wall
-from aruco_node.messages import frame_from_image
-from aruco_node.pose_messages import from_transform
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import frame_from_image
+from aruco_node.messages.pose_messages import from_transform
 from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
 from listening import Inbox, moments
 from nav_msgs.msg import Odometry

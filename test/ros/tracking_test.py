@@ -7,7 +7,7 @@ import numpy as np
 import rospy
 import rostest
 from aruco_ar import draw_tag
-from aruco_node.messages import frame_from_image, image_from_frame
+from aruco_node.messages.images import frame_from_image, image_from_frame
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

@@ -6,9 +6,9 @@ import numpy as np
 import rospy
 import rostest
 import tf2_ros
-from aruco_ar.files import package_folder
-from aruco_ar.wall import load_wall
-from aruco_node.messages import frame_from_image
+from aruco_ar.base.files import package_folder
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import frame_from_image
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from listening import Diagnoses, Inbox, moments, until
 from nav_msgs.msg import Odometry

@@ -8,11 +8,11 @@ import cv2
 import rospy
 import rostest
 from aruco_ar import Detector
-from aruco_ar.files import package_folder
-from aruco_ar.render import WallRenderer
-from aruco_ar.robot import Camera, Pose, wall_to_camera
-from aruco_ar.wall import load_wall
-from aruco_node.messages import frame_from_image
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import frame_from_image
 from listening import Inbox
 from sensor_msgs.msg import Image
 from serving import free_port

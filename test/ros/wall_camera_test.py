@@ -9,7 +9,7 @@ import rospy
 import rostest
 import tf2_ros
 from aruco_ar import Detector, find_area
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PolygonStamped, Twist
 from nav_msgs.msg import Odometry

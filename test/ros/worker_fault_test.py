@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages import frame_from_image
+from aruco_node.messages.images import frame_from_image
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from listening import Diagnoses, until
 from nodes import CAMERA, NodeTest, change, scene
@@ -80,8 +80,8 @@ class WorkerFault(NodeTest):
         return rospy.ServiceProxy(service, Trigger)()
 
     def test_an_exercise_goes_on_when_its_loop_its_frames_or_its_services_fail(self):
-        node = 'aruco_node.camera_node:CameraNode.'
-        update, write = 'aruco_ar.tracker:Tracker.update', 'aruco_node.snapshot:Snapshot._write'
+        node = 'aruco_node.nodes.camera_node:CameraNode.'
+        update, write = 'aruco_ar.tracking.tracker:Tracker.update', 'aruco_node.health.snapshot:Snapshot._write'
         self.publisher, self.connections = self.camera()
         self.start_failing('exercise5_6', [update, write] + [
             node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])
@@ -107,7 +107,7 @@ class WorkerFault(NodeTest):
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
     def test_the_poses_come_again_after_their_calibration_failed(self):
-        info, look = 'aruco_node.calibration:Calibration.lens', 'aruco_node.wall_watch:WallWatch.look'
+        info, look = 'aruco_node.nodes.calibration:Calibration.lens', 'aruco_ar.poses.wall_watch:WallWatch.look'
         self.calibrate()
         self.publisher, self.connections = self.camera()
         self.start_failing('tag_poses', [info, look])
@@ -119,7 +119,8 @@ class WorkerFault(NodeTest):
         self.assertEqual(sorted(tag.id for tag in self.newest('poses').tags), [1, 2, 3, 4])
 
     def test_the_simulated_camera_publishes_again(self):
-        observe, render = 'aruco_node.wall_messages:observe', 'aruco_ar.render:WallRenderer.render'
+        observe = 'aruco_node.messages.wall_messages:observe'
+        render = 'aruco_ar.simulation.render:WallRenderer.render'
         self.start_failing('wall_camera', [observe, render])
         self.inboxes = {'camera': self.listen(CAMERA)}
         self.newest('camera')

@@ -1,0 +1,1 @@
+"""What every room uses: types of arrays, errors, files, versions."""

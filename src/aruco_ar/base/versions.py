@@ -1,0 +1,56 @@
+"""What must not be missing or too old: said in a sentence, before anything runs.
+
+It has to be read by any Python 3.
+"""
+import importlib
+import importlib.util
+import re
+import sys
+
+# Of each module: how it is called, the lowest version that the tests pass with, and what pip is told.
+LOWEST = {
+    'python': ('Python', (3, 8), ''),
+    'numpy': ('NumPy', (1, 23), 'numpy>=1.23,<2'),
+    'cv2': ('OpenCV', (4, 9), 'opencv-contrib-python-headless>=4.9,<4.12'),
+    'PIL': ('Pillow', (9, 1), 'pillow>=9.1,<13'),
+    'tornado': ('Tornado', (6, 4, 2), 'tornado>=6.4.2,<7'),
+    'distributed': ('Dask distributed', (2023, 5), 'distributed>=2023.5,<2026'),
+}
+
+
+class TooOld(ImportError):
+    """A sentence that says what is missing or too old, and what to do."""
+
+    is_whole = True  # nobody needs a traceback to understand it
+
+
+def need(module: str) -> None:
+    """Raises TooOld if the module, one of LOWEST, is missing or too old for this package."""
+    name, lowest, package = LOWEST[module]
+    if module == 'python':
+        found = '.'.join(map(str, sys.version_info[:3]))
+    elif importlib.util.find_spec(module) is None:
+        found = 'none'
+    else:
+        imported = importlib.import_module(module)
+        found = getattr(imported, '__version__', None) or imported.version
+    if _numbers(found) < lowest:
+        sentence = 'unit5 needs %s %s or later, but %s has %s.' % (
+            name, '.'.join(map(str, lowest)), sys.executable, found)
+        if package:
+            sentence += ' Run script/setup in the folder of unit5 and build it again, or: pip install "%s".' \
+                % package
+        raise TooOld(sentence)
+
+
+def _numbers(version: str) -> 'tuple[int, ...]':
+    """(4, 10, 0) of "4.10.0-dev", and () of what is no version."""
+    return tuple(int(number) for number in re.split(r'[^\d.]', version)[0].split('.') if number)
+
+
+if __name__ == '__main__':  # script/setup asks about what the system has
+    try:
+        for each in sys.argv[1:]:
+            need(each)
+    except TooOld as error:
+        sys.exit(str(error))

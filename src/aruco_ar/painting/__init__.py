@@ -1,0 +1,1 @@
+"""The picture, and painting: marks, masks and pictures on frames."""

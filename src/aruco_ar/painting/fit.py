@@ -1,0 +1,41 @@
+"""Fitting a picture of one shape into an area of another."""
+from __future__ import annotations
+
+import numpy as np
+
+from aruco_ar.base.arrays import Image
+from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.tracking.area import Area
+
+FITS = 'stretch', 'contain', 'cover'
+
+
+def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
+    """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
+
+    ``fit``: with ``stretch`` all of the picture fills all of the area; with
+    ``contain`` all of the picture is in the middle of the area, in its own
+    proportions; with ``cover`` as much of its middle as fills the area. Raises
+    InputError for any other.
+    """
+    if fit not in FITS:
+        raise InputError('"%s" is no way to fit a picture; choose one of %s.' % (fit, ', '.join(FITS)))
+    if fit == 'stretch':
+        return picture, area
+    height, width = picture.shape[:2]
+    wider = width / height / (area.ratio or _ratio_in_the_frame(area))  # than the area, so many times
+    if fit == 'cover':
+        kept_width = max(1, round(width / max(wider, 1)))
+        kept_height = max(1, round(height * min(wider, 1)))
+        left, top = (width - kept_width) // 2, (height - kept_height) // 2
+        return picture[top:top + kept_height, left:left + kept_width], area
+    across, down = min(wider, 1) / 2, min(1 / wider, 1) / 2
+    inner = np.array([[-across, -down], [across, -down], [across, down], [-across, down]]) + 0.5
+    return picture, Area(transform(homography_to(area.corners), inner).astype(np.float32))
+
+
+def _ratio_in_the_frame(area: Area) -> float:
+    """What is best known about the proportions of an Area where no tag tells about the wall."""
+    top, right, bottom, left = np.hypot(*(area.corners - np.roll(area.corners, -1, axis=0)).T)
+    return (top + bottom) / max(left + right, 1e-9)

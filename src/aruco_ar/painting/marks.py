@@ -1,0 +1,111 @@
+"""Marks on frames: outlines, axes, dots, texts and polygons.
+
+Positions are in pixels. They stay fractions of a pixel until they are drawn. The middle of the top left pixel
+is (0, 0). Colors are (blue, green, red).
+"""
+from __future__ import annotations
+
+from typing import Iterable, Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Color, Floats, Image, Integers, Numbers
+from aruco_ar.poses.estimator import TagPose
+from aruco_ar.poses.lens import Lens
+from aruco_ar.tags.tag import Tag
+from aruco_ar.tracking.area import Area
+
+GREEN = (0, 255, 0)
+RED = (0, 0, 255)
+BLUE = (255, 0, 0)
+YELLOW = (0, 255, 255)
+BLACK = (0, 0, 0)
+WHITE = (255, 255, 255)
+PURPLE = (255, 0, 150)  # the course's
+
+# OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
+SHIFT = 4
+
+AXIS, ABOVE_PX = 0.75, 22  # how long axes are, in sides of a tag; and how far above it its id is
+MAX_DRAWN_PX = 1e5
+
+
+def fixed_point(points: Numbers) -> Integers:
+    """Points, (..., 2) pixels, as OpenCV wants them between pixels: whole numbers of 1 / 2**SHIFT px, int32."""
+    return np.round(np.asarray(points, np.float64) * (1 << SHIFT)).astype(np.int32)
+
+
+def mark_tags(frame: Image, tags: Iterable[Tag]) -> Image:
+    """Outline every tag, mark its first corner (its own top left), and write its id."""
+    image = _outlined(frame, tags)
+    for tag in tags:  # after all outlines, so that no line crosses a number
+        write_text(image, str(tag.id), tag.center)
+    return image
+
+
+def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens: Lens | None,
+               area: Area | None = None) -> Image:
+    """Outline every tag, and draw the axes of every TagPose, x red, y green, z blue; the id stands above.
+
+    ``lens``: the Lens of the frame, which may be None if there are no poses.
+    ``area``: the Area, if there is one, is outlined too.
+    """
+    image = _outlined(frame, tags)
+    if area is not None:
+        cv2.polylines(image, [fixed_point(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
+    for pose in poses:
+        if lens is not None:
+            _draw_axes(image, pose, lens)
+    for tag in tags:
+        write_text(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
+    return image
+
+
+def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
+    ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
+    pixels = lens.project(ends)
+    if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
+        origin, *tips = (tuple(map(int, point)) for point in fixed_point(pixels))
+        for tip, color in zip(tips, (RED, GREEN, BLUE)):
+            cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
+
+
+def _outlined(frame: Image, tags: Iterable[Tag]) -> Image:
+    image = frame.copy()
+    for tag in tags:
+        cv2.polylines(image, [fixed_point(tag.corners)], True, GREEN, 2, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, tuple(map(int, fixed_point(tag.corners[0]))), 4 << SHIFT, RED, -1,
+                   cv2.LINE_AA, SHIFT)
+    return image
+
+
+def write_text(image: Image, text: str, center: Sequence[float] | Floats) -> None:
+    """Write text around a center, dark-rimmed to be readable on black and on white."""
+    font, scale = cv2.FONT_HERSHEY_SIMPLEX, 0.7
+    (width, height), _ = cv2.getTextSize(text, font, scale, 2)
+    left = int(np.clip(center[0] - width / 2, 2, max(2, image.shape[1] - width - 2)))
+    foot = int(np.clip(center[1] + height / 2, height + 2, max(height + 2, image.shape[0] - 3)))
+    cv2.putText(image, text, (left, foot), font, scale, BLACK, 5, cv2.LINE_AA)
+    cv2.putText(image, text, (left, foot), font, scale, YELLOW, 2, cv2.LINE_AA)
+
+
+def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
+    """Put a dot on every center, (n, 2)."""
+    image = frame.copy()
+    for center in centers:
+        point = tuple(map(int, fixed_point(center)))
+        cv2.circle(image, point, 5 << SHIFT, BLACK, -1, cv2.LINE_AA, SHIFT)
+        cv2.circle(image, point, 4 << SHIFT, YELLOW, -1, cv2.LINE_AA, SHIFT)
+    return image
+
+
+def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color = PURPLE) -> Image:
+    """Fill the polygon through points, (n, 2), in the order in which they are given.
+
+    Fewer than three points make no polygon and change nothing.
+    """
+    image = frame.copy()
+    if len(points) >= 3:
+        cv2.fillPoly(image, [fixed_point(points)], color, cv2.LINE_AA, SHIFT)
+    return image

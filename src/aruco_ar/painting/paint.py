@@ -1,0 +1,119 @@
+"""Painting on frames.
+
+Every function takes a frame, (h, w, 3) BGR uint8, leaves it as it is, and
+returns a new one of the same shape. Positions are in pixels and stay
+fractions of a pixel until they are drawn; the middle of the top left pixel
+is (0, 0). Colors are (blue, green, red).
+"""
+from __future__ import annotations
+
+import ctypes
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Image, Numbers
+from aruco_ar.base.pixels import blend
+from aruco_ar.compiled import library
+from aruco_ar.geometry.homography import transform
+from aruco_ar.tracking.area import Area
+
+from .fit import fit_picture
+
+_C = library('painting')
+_C.draw_mask.restype = _C.warp.restype = None
+_C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, ctypes.c_void_p]
+_C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
+                    *[ctypes.c_int] * 3, ctypes.c_void_p]
+
+
+def area_mask(frame: Image, area: Area | None) -> Image:
+    """White where the area is, black elsewhere; all black if ``area`` is None.
+
+    On the area's rim it is as gray as the part of the pixel that the area covers.
+    """
+    mask = np.zeros_like(frame, order='C')
+    if area is not None:
+        corners = np.array(area.corners, np.float64)
+        _C.draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], corners.ctypes.data)
+    return mask
+
+
+def subtract(frame: Image, mask: Image) -> Image:
+    """The frame without what is white in the mask: black there, untouched where the mask is black."""
+    return cv2.subtract(frame, mask)
+
+
+def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image | None = None,
+            fit: str = 'stretch', opacity: float = 1.0) -> Image:
+    """The frame with a picture painted into the area; the frame itself if one of the two is None.
+
+    ``picture``: (h, w, 3) BGR, or (h, w, 4) BGRA, whose alpha lets the frame
+    shine through. The rim is smooth: its pixels are part frame, part picture.
+    ``out``: where the result goes, in place of a new array; give the frame
+    itself to paint right into it, which saves copying it. ``fit``: stretch,
+    contain or cover (see fit_picture). ``opacity``: how much of the picture is
+    in the mixture with the frame, 0 to 1.
+    """
+    if out is None:
+        out = frame.copy()
+    elif out is not frame:
+        np.copyto(out, frame)
+    if area is None or picture is None:
+        return out
+    picture, area = fit_picture(picture, area, fit)
+    window, area = area.window(out)
+    mask = area_mask(window, area)
+    warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask)
+    put_in(window, warped, mask, opacity)
+    return out
+
+
+def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
+    """A picture seen through a homography where a mask is not black; black, and transparent, elsewhere.
+
+    This is cv2.warpPerspective with two differences. It skips the pixels that nobody will see. And a picture
+    that is too large is halved first. Otherwise pixels would be left out, and fine lines would flicker.
+
+    ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
+    pixels of the mask. ``mask``: (h, w, 3) uint8. The result has the mask's size and the picture's channels.
+    """
+    homography = np.asarray(homography, np.float64)
+    _, to_picture = cv2.invert(homography)  # all 0 where there is none
+    for _ in range(_halvings(picture, homography)):
+        picture = picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2]
+        picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
+        # The middle of a pixel, which was two wide, is between them.
+        to_picture = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]]) @ to_picture
+    picture, mask = np.ascontiguousarray(picture), np.ascontiguousarray(mask)
+    height, width, channels = picture.shape
+    warped = np.zeros((*mask.shape[:2], channels), np.uint8)
+    _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], picture.ctypes.data,
+            picture.strides[0], width, height, channels, to_picture.ctypes.data)
+    return warped
+
+
+def _halvings(picture: Image, homography: Floats) -> int:
+    """How often a picture without alpha can be halved and is still as large as it is seen."""
+    if picture.shape[2] == 4:
+        return 0  # the mean of colors is wrong where some of them are not to be seen
+    height, width = picture.shape[:2]
+    seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
+    top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
+    return int(np.log2(max(1, min(width / max(top, foot, 1), height / max(left, right, 1)))))
+
+
+def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
+    """Paint a picture, (h, w, 3), or (h, w, 4) with alpha, into a frame of its size, where the mask is white.
+
+    ``opacity``: see overlay.
+    """
+    if not frame.size:
+        return
+    if picture.shape[2] == 3 and opacity == 1:
+        cv2.subtract(frame, mask, frame)
+        cv2.add(frame, cv2.min(picture, mask, picture), frame)
+        return
+    if picture.shape[2] == 4:
+        mask = cv2.multiply(mask, cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+    frame[:] = blend(frame, picture[:, :, :3], cv2.convertScaleAbs(mask, alpha=opacity))

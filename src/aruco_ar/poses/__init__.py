@@ -1,0 +1,1 @@
+"""Poses: of tags, of the wall, and of the camera before it."""

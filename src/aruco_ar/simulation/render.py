@@ -1,0 +1,287 @@
+"""Rendering the wall as a camera sees it, and where the truth of it lies in the frame."""
+from __future__ import annotations
+
+from typing import Collection
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import NO_ARRAY, Floats, Image, Integers, View
+from aruco_ar.base.errors import InputError
+from aruco_ar.base.pixels import blend
+from aruco_ar.geometry.homography import transform
+from aruco_ar.painting.picture import load_picture
+from aruco_ar.walls.wall import Wall
+
+from .robot import Camera, view_between
+
+NEAR_M = 0.05         # nothing nearer to the camera than this is seen
+TAG_CELL_TEXELS = 32  # resolution of a tag's texture, halved again and again for far views
+WALL_TEXELS_M = 160   # resolution of the wall's texture; it is soft, so this is enough
+SAMPLES = 3           # per pixel and direction, where a tag is drawn
+POSTER_SAMPLES = 2    # the same of a poster
+ROOM_COLOR = (205, 200, 196)
+FLOOR_COLOR = (92, 104, 116)
+FLOOR = np.array([[-20.0, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20]])  # wall meters
+CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # what covers a tag, in its sides
+CARD_COLOR = (120, 128, 134)
+FAR_PX = 1e6          # nothing is drawn farther out
+SETTLED = 5           # so often is asked in which row a point is seen, and where in that row's view
+NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
+
+
+def project(points: Floats, rotation: Floats, translation: Floats, camera: Camera) -> tuple[Floats, bool]:
+    """Pixels, (n, 2) float64, of wall points, (n, 3), and whether all lie before the camera.
+
+    The pinhole model with plumb_bob distortion, as OpenCV's projectPoints.
+    """
+    depth = points @ rotation[2] + translation[2]
+    pixels, _ = cv2.projectPoints(np.asarray(points, np.float64), cv2.Rodrigues(rotation)[0], translation,
+                                  camera.matrix, np.array(camera.distortion, np.float64))
+    return np.asarray(pixels, np.float64).reshape(-1, 2), bool(np.all(depth > NEAR_M))
+
+
+def project_rows(points: Floats, first: View, last: View, camera: Camera) -> tuple[Floats, bool]:
+    """The same where the frame's rows are read one after the other, from the first view to the last."""
+    pixels, before = project(points, *first, camera)
+    if not before or all(np.array_equal(*parts) for parts in zip(first, last)):
+        return pixels, before
+    for number, point in enumerate(points):
+        for _ in range(SETTLED):
+            part = pixels[number, 1] / (camera.height - 1)
+            pixels[number] = project(point[None], *view_between(first, last, part), camera)[0][0]
+    return pixels, before
+
+
+class WallRenderer:
+    """Renders frames of a Wall through a Camera.
+
+    ``noise``: standard deviation, gray levels. ``blur``: standard deviation,
+    pixels. ``smear``: pixels by which motion to the side blurs all.
+    ``light``: how much darker the wall's right end is than its left, 0 to 1.
+    ``quality``: 1 to 100, of JPEG, by which each frame is compressed; 0 for none.
+    ``seed`` makes the noise repeatable. Raises InputError for a poster that
+    cannot be read.
+    """
+
+    def __init__(self, wall: Wall, camera: Camera, noise: float = 0.0, blur: float = 0.0, light: float = 0.0,
+                 seed: int = 0, smear: int = 1, quality: int = 0) -> None:
+        self._wall, self._camera = wall, camera
+        self._blur, self._smear, self._light, self._quality = blur, smear, light, quality
+        self._random = np.random.RandomState(seed)
+        self._background = self._paint_wall()
+        self._posters = [(poster.corners, self._paint_poster(load_picture(poster.image), poster.corners))
+                         for poster in wall.posters]
+        papers = [wall.paper(tag) for tag in wall.tags]
+        self._tags = [(tag, corners, self._paint_tag(cells, corners))
+                      for tag, (cells, corners) in zip(wall.tags, papers)]
+        self._noise = None
+        if noise > 0:
+            shape = (camera.height + NOISE_FIELD_MARGIN, camera.width + NOISE_FIELD_MARGIN, 3)
+            self._noise = np.round(self._random.normal(0, noise, shape)).astype(np.int16)
+        self._lens = _lens(camera)
+        width, height = self._lens[1]
+        self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
+
+    def render(self, rotation: Floats, translation: Floats, covered: Collection[int] = (),
+               exposure: float = 1.0, last: View | None = None) -> Image:
+        """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera).
+
+        ``covered``: ids of tags before which something gray is held.
+        ``exposure``: how many times as light all is. ``last``: the view when
+        the last row is read, where rows are read one after the other.
+        """
+        matrix, _, lens = self._lens
+        to_image = matrix @ _of_wall((rotation, translation))
+        frame = self._room.copy()
+        self._draw_wall(frame, to_image, rotation, translation)
+        floor = self._outline(FLOOR, rotation, translation)
+        if floor is not None:
+            cv2.fillPoly(frame, [floor], FLOOR_COLOR, cv2.LINE_AA, 4)
+        for corners, texture in self._posters:
+            self._draw_flat(frame, corners, texture, POSTER_SAMPLES, to_image, rotation, translation)
+        for tag, paper, texture in self._tags:
+            self._draw_flat(frame, paper, texture, SAMPLES, to_image, rotation, translation)
+            if tag.id in covered:
+                card = self._outline(tag.on_wall(*CARD), rotation, translation)
+                if card is not None:
+                    cv2.fillPoly(frame, [card], CARD_COLOR, cv2.LINE_AA, 4)
+        looks = lens if last is None else self._looks_by_row((rotation, translation), last)
+        if looks is not None:
+            frame = cv2.remap(frame, looks, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        if self._blur > 0:
+            frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
+        if self._smear > 1:
+            frame = cv2.blur(frame, (self._smear, 1))
+        if exposure != 1:
+            frame = cv2.convertScaleAbs(frame, alpha=exposure)
+        if self._noise is not None:
+            top, left = self._random.randint(0, NOISE_FIELD_MARGIN + 1, 2)
+            window = self._noise[top:top + frame.shape[0], left:left + frame.shape[1]]
+            frame = cv2.add(frame, window, dtype=cv2.CV_8U)
+        if self._quality:
+            packed = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, self._quality])[1]
+            frame = cv2.imdecode(packed, cv2.IMREAD_COLOR)
+        return frame
+
+    def _looks_by_row(self, first: View, last: View) -> Image:
+        """(h, w, 2) float32: where in the picture by the first view each pixel of the frame looks."""
+        matrix, _, looks = self._lens
+        height, width = self._camera.height, self._camera.width
+        if looks is None:
+            looks = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(np.float32)
+        seen = np.empty_like(looks)
+        begun = matrix @ _of_wall(first)
+        for row in range(height):
+            back = begun @ np.linalg.inv(matrix @ _of_wall(view_between(first, last, row / (height - 1))))
+            seen[row] = transform(back, np.asarray(looks[row], np.float64))
+        return seen
+
+    def _light_at(self, x: Floats) -> Floats:
+        return 1 - self._light * np.clip(x / self._wall.width + 0.5, 0, 1)
+
+    def _paint_wall(self) -> Image:
+        """The wall's texture: its color, a soft pattern of plaster, and a skirting board."""
+        shape = int(self._wall.height * WALL_TEXELS_M), int(self._wall.width * WALL_TEXELS_M)
+        plaster = np.zeros(shape)
+        for grain, depth in (64, 5), (16, 4), (5, 3):
+            strength = depth * self._wall.plaster
+            coarse = self._random.normal(0, strength, (shape[0] // grain + 2, shape[1] // grain + 2))
+            plaster += cv2.resize(coarse, shape[::-1], interpolation=cv2.INTER_CUBIC)
+        board = int(0.06 * WALL_TEXELS_M)
+        plaster[-board:] = 25
+        x = (np.arange(shape[1]) + 0.5) / WALL_TEXELS_M - self._wall.width / 2
+        color = (np.array(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
+        return np.clip(color, 0, 255).astype(np.uint8)
+
+    def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
+        """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
+        texels = TAG_CELL_TEXELS // self._wall.parts
+        texture = cells.repeat(texels, 0).repeat(texels, 1)
+        place = (np.arange(len(texture)) + 0.5) / len(texture)
+        left, right, _, foot = paper[:, 0]
+        x = left + (right - left) * place + (foot - left) * place[:, None]
+        # Paper is not a light source, ink not a hole.
+        lit = ((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)
+        return _pyramid(lit, 2 * len(cells) / self._wall.parts)  # until two texels are left of a cell
+
+    def _paint_poster(self, picture: Image, corners: Floats) -> list[Image]:
+        """The same of a picture, (h, w, 3 or 4) BGR, whose corners are there on the wall: (h, w, 3) each."""
+        (left, right), width = corners[:2, 0], picture.shape[1]
+        x = left + (right - left) * (np.arange(width) + 0.5) / width
+        return _pyramid((picture[:, :, :3] * self._light_at(x)[None, :, None]).astype(np.uint8), 8)
+
+    def _outline(self, points: Floats, rotation: Floats, translation: Floats) -> Integers | None:
+        """A flat piece of the scene as a polygon in the frame, in 16ths of a pixel, or None."""
+        seen = clip_near(points @ rotation.T + translation)
+        if len(seen) < 3:
+            return None
+        pixels = (seen / seen[:, 2:]) @ self._lens[0].T
+        return np.clip(np.round(pixels[:, :2] * 16), -2**24, 2**24).astype(np.int32)
+
+    def _draw_wall(self, frame: Image, to_image: Floats, rotation: Floats, translation: Floats) -> None:
+        half, height = self._wall.width / 2, self._wall.height
+        outline = self._outline(np.array([[-half, height, 0], [half, height, 0], [half, 0, 0],
+                                          [-half, 0, 0]]), rotation, translation)
+        if outline is None:
+            return
+        to_wall = np.array([[1 / WALL_TEXELS_M, 0, 0.5 / WALL_TEXELS_M - half],
+                            [0, -1 / WALL_TEXELS_M, height - 0.5 / WALL_TEXELS_M], [0, 0, 1]])
+        # The wall is soft: half the resolution shows all of it at a quarter of the cost.
+        half_size = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])
+        size = frame.shape[1::-1]
+        seen = cv2.warpPerspective(self._background, half_size @ to_image @ to_wall,
+                                   (size[0] // 2, size[1] // 2),
+                                   flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        seen = cv2.resize(seen, size, interpolation=cv2.INTER_LINEAR)
+        mask = np.zeros(frame.shape[:2], np.uint8)
+        cv2.fillPoly(mask, [outline], (255,), cv2.LINE_8, 4)
+        cv2.copyTo(seen, mask, frame)
+
+    def _draw_flat(self, frame: Image, paper: Floats, pyramid: list[Image], samples: int, to_image: Floats,
+                   rotation: Floats, translation: Floats) -> None:
+        """Warp a tag's paper or a poster, by its corners on the wall, into what it covers of the frame.
+
+        Each pixel is the mean over so many samples in it across and down, that is, over its square;
+        the texture is taken from the pyramid so that no sample skips texels.
+        """
+        if np.min(paper @ rotation[2] + translation[2]) <= NEAR_M:
+            return
+        ends = np.column_stack([paper[:, :2], np.ones(4)]) @ to_image.T
+        ends = ends[:, :2] / ends[:, 2:]
+        low = np.maximum(np.floor(ends.min(axis=0)).astype(int), 0)
+        high = np.minimum(np.ceil(ends.max(axis=0)).astype(int) + 1, frame.shape[1::-1])
+        if np.any(high <= low):
+            return
+        width, height = (int(length) for length in high - low)
+        across, down = np.linalg.norm(ends - np.roll(ends, -1, axis=0), axis=1).reshape(2, 2).min(axis=0)
+        level = 0
+        while level + 1 < len(pyramid) and (pyramid[level].shape[0] > down * samples
+                                            or pyramid[level].shape[1] > across * samples):
+            level += 1
+        texture = pyramid[level]
+        foot, side = texture.shape[:2]
+        fine = np.asarray((ends + 0.5 - low) * samples - 0.5, np.float32)
+        # Texel i covers i to i + 1, its middle being i + 0.5; pixels are alike.
+        rim = np.array([[-.5, -.5], [side - .5, -.5], [side - .5, foot - .5], [-.5, foot - .5]], np.float32)
+        to_fine = cv2.getPerspectiveTransform(rim, fine)
+        seen = cv2.warpPerspective(texture, to_fine, (width * samples, height * samples),
+                                   flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        cover = np.zeros(seen.shape[:2], np.uint8)
+        cv2.fillConvexPoly(cover, np.round(np.clip(fine, -FAR_PX, FAR_PX) * 16).astype(np.int32), (255,),
+                           cv2.LINE_8, 4)
+
+        def mean(seen: Image) -> Image:
+            pixels = cv2.resize(seen, (width, height), interpolation=cv2.INTER_AREA)
+            return pixels if pixels.ndim == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR)
+        part = frame[low[1]:high[1], low[0]:high[0]]
+        part[:] = blend(part, mean(seen), mean(cover))
+
+
+def _pyramid(texture: Image, least: float) -> list[Image]:
+    """A picture and smaller ones, each half the one before, while they are longer than that."""
+    pyramid = [texture]
+    while min(pyramid[-1].shape[:2]) > least:
+        pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
+    return pyramid
+
+
+def _of_wall(view: View) -> Floats:
+    """(3, 3): what takes points of the wall, (x, y, 1), to rays of the camera."""
+    rotation, translation = view
+    return np.column_stack([rotation[:, 0], rotation[:, 1], translation])
+
+
+def clip_near(points: Floats) -> Floats:
+    """The polygon, (n, 3) in the optical frame, without what is nearer than NEAR_M."""
+    kept = []
+    for start, end in zip(points, np.roll(points, -1, axis=0)):
+        if start[2] > NEAR_M:
+            kept.append(start)
+        if (start[2] > NEAR_M) != (end[2] > NEAR_M):
+            kept.append(start + (NEAR_M - start[2]) / (end[2] - start[2]) * (end - start))
+    return np.array(kept).reshape(-1, 3)
+
+
+def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
+    """(K, (width, height), map): the pinhole picture to render, and how the lens bends it.
+
+    Without distortion the picture is the frame, and map is None. With it, the
+    picture is large enough for all that the lens shows, and map, (h, w, 2)
+    float32, says where in it each pixel of the frame looks.
+    """
+    if not np.any(camera.distortion):
+        return camera.matrix, (camera.width, camera.height), None
+    grid = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
+    rays = cv2.undistortPointsIter(
+        np.array(grid, np.float64).reshape(-1, 1, 2), camera.matrix, np.array(camera.distortion), NO_ARRAY,
+        NO_ARRAY, (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
+    looks = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
+    low, high = np.floor(looks.min(axis=0)) - 1, np.ceil(looks.max(axis=0)) + 1
+    if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
+        raise InputError('The distortion %s bends the view too far; give smaller coefficients.'
+                         % (list(camera.distortion),))
+    matrix = camera.matrix.copy()
+    matrix[:2, 2] -= low
+    width, height = (int(length) for length in high - low + 1)
+    return matrix, (width, height), np.asarray(looks - low, np.float32).reshape(camera.height, camera.width, 2)

@@ -1,0 +1,1 @@
+"""Tags: what one is, finding them in a frame, and printing them."""

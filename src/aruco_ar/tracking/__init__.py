@@ -1,0 +1,1 @@
+"""The area between four tags: in one frame, and over time."""

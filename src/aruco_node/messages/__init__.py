@@ -1,0 +1,1 @@
+"""Between messages of ROS and arrays."""

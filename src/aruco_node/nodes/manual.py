@@ -1,0 +1,77 @@
+"""What a node prints for ``--help``: what it subscribes, publishes and takes."""
+from dataclasses import dataclass
+from textwrap import fill
+from typing import Any, List, Tuple
+
+from aruco_node.parameters.parameters import abouts, plain
+
+from .frame_node import CAMERA
+
+TEXT_WIDTH, WIDTH = 60, 120
+Row = Tuple[str, str, str]  # name, type, what it is; TOPIC is any
+
+
+@dataclass(frozen=True)
+class Manual:
+    """The interface of a node. ``settings``: the class of its parameters."""
+
+    subscribes: List[Row]
+    publishes: List[Row]
+    services: List[Row]
+    settings: Any
+    launch: str = ''  # the launch file, where it is not called as the node is
+
+    def text(self, name, about):
+        """The manual of the node of that name; ``about`` says what it is for."""
+        values = plain(self.settings())
+        parameters = [('~' + key, '%s%s' % (values[key], ' *' if each.live else ''),
+                       '%s (%s)' % (each.what, each.kind.allowed))
+                      for key, each in abouts(self.settings).items()]
+        live = any(each.live for each in abouts(self.settings).values())
+        publishes, services = self.publishes + COMMON, list(self.services)
+        if live:
+            publishes = publishes + LIVE
+            services.append(('~set_parameters', 'dynamic_reconfigure/Reconfigure', ''))
+        parts = ['%s\n\nrosrun unit5 %s.py _PARAMETER:=VALUE   or   roslaunch unit5 %s.launch ARGUMENT:=VALUE'
+                 % (about.strip(), name, self.launch or name)]
+        for title, rows in (('Subscribes', self.subscribes), ('Publishes', publishes), ('Services', services),
+                            ('Parameters' + ', * can be changed while it runs (dynamic_reconfigure)' * live,
+                             parameters)):
+            if rows:
+                parts.append('%s:\n%s' % (title, _table(rows)))
+        return '\n\n'.join(parts)
+
+
+CAMERA_TOPICS = [
+    (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
+    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'instead, with ~transport compressed: JPEG or PNG')]
+FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
+COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'how it is doing, once a second')]
+LIVE = [('~parameter_descriptions', 'dynamic_reconfigure/ConfigDescription', ''),
+        ('~parameter_updates', 'dynamic_reconfigure/Config', '')]
+
+
+def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
+    """The Manual of a CameraNode that makes images of these topics, with what it has besides."""
+    reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
+    return Manual(
+        CAMERA_TOPICS + list(subscribes),
+        image_topics(topics) + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] +
+        list(publishes),
+        FRAME_SERVICES + reset, settings)
+
+
+def image_topics(topics):
+    """Rows of the images that a FrameNode makes."""
+    return [row for topic in topics for row in (
+        ('~' + topic, 'sensor_msgs/Image', 'bgr8, with the header of the frame'),
+        ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]
+
+
+def _table(rows):
+    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
+    indent = ' ' * (sum(widths) + 6)
+    return '\n'.join(
+        fill('  %-*s  %-*s  %s' % (widths[0], name, widths[1], kind, what),
+             min(len(indent) + TEXT_WIDTH, WIDTH), subsequent_indent=indent, drop_whitespace=True)
+        for name, kind, what in rows)
