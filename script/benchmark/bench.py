@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from contextlib import nullcontext
 
 import aruco_program  # noqa: F401  before all else
 import accuracy
@@ -18,8 +19,12 @@ import search
 import speed
 import video
 from aruco_ar import InputError
+from record import recorded
 
-PARTS = ('sticking', 'speed', 'search', 'poses', 'nodes', 'memory', 'page', 'network', 'bags')
+PARTS = {'sticking': accuracy.run, 'speed': speed.run, 'search': search.run, 'poses': poses.run,
+         'nodes': nodes.run_load, 'memory': nodes.run_memory, 'page': browser.run, 'network': network.run,
+         'bags': bags.run}
+WITH_MASTER = 'nodes', 'memory', 'page'
 
 
 def parse():
@@ -37,6 +42,8 @@ def parse():
                         'truth, where it has one')
     parser.add_argument('--dictionary', default='DICT_6X6_250',
                         help="of the video's tags (default: DICT_6X6_250)")
+    parser.add_argument('--record', action='store_true',
+                        help='also write what is printed into docs/results/, for the documentation')
     parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
                         help='where the chart of error and jitter goes (default: unit5-bench.png)')
     return parser.parse_args()
@@ -45,35 +52,25 @@ def parse():
 def main():
     args = parse()
     if args.real and args.only == 'nodes':
-        with master.Master():
+        with master.Master(), recorded('real_nodes', args.record):
             nodes.run_clips(real.clips_of(args.real))
         return
     if args.real:
-        real.run(args.real, args.chart)
+        with recorded('real', args.record):
+            real.run(args.real, args.chart)
         return
     if args.video:
         video.run(args.video, args.dictionary, args.ids, args.chart)
         return
-    print('%d processor cores' % os.cpu_count())
-    if args.only in (None, 'sticking'):
-        stamps, truth, course, ours = accuracy.run()
-        chart.draw(args.chart, accuracy.CHART_CASE, stamps, course, ours, truth)
-        print('\nWrote %s' % args.chart)
-    if args.only in (None, 'speed'):
-        speed.run()
-    if args.only in (None, 'search'):
-        search.run()
-    if args.only in (None, 'poses'):
-        poses.run()
-    if args.only in (None, 'nodes', 'memory', 'page'):
-        with master.Master():
-            for part, work in (('nodes', nodes.run_load), ('memory', nodes.run_memory), ('page', browser.run)):
-                if args.only in (None, part):
-                    work()
-    if args.only in (None, 'network'):
-        network.run()
-    if args.only in (None, 'bags'):
-        bags.run()
+    for part, work in PARTS.items():
+        if args.only in (None, part):
+            with master.Master() if part in WITH_MASTER else nullcontext(), recorded(part, args.record):
+                print('%d processor cores' % os.cpu_count())
+                found = work()
+            if part == 'sticking':
+                stamps, truth, course, ours = found
+                chart.draw(args.chart, accuracy.CHART_CASE, stamps, course, ours, truth)
+                print('\nWrote %s' % args.chart)
 
 
 if __name__ == '__main__':

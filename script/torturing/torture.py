@@ -28,6 +28,8 @@ def parse():
     parser.add_argument('--only', choices=PARTS, metavar='PART', help='this part alone')
     parser.add_argument('--hours', type=float, metavar='N', help='go on for so long, evenly over the parts')
     parser.add_argument('--seed', type=int, default=1, help='of what is made at random (default: 1)')
+    parser.add_argument('--record', action='store_true',
+                        help='also write what is printed into docs/results/, for the documentation')
     args = parser.parse_args()
     if args.hours is not None and not args.hours > 0:
         parser.error('--hours takes a number above 0, not %g' % args.hours)
@@ -37,9 +39,10 @@ def parse():
 def main():
     args = parse()
     if args.only:
-        sys.exit(torture(args.only, args.hours and 3600 * args.hours, args.seed))
+        sys.exit(torture(args.only, args.hours and 3600 * args.hours, args.seed, args.record))
     # Each in a process of its own: a process can be a ROS node once only.
     share = ['--hours', str(args.hours / len(PARTS))] if args.hours else []
+    share += ['--record'] * args.record
     found = [part for part in PARTS if subprocess.call(
         [sys.executable, os.path.abspath(__file__), '--only', part, '--seed', str(args.seed), *share])]
     print('\n' + ('Something was found in: ' + ', '.join(found) if found else
@@ -47,15 +50,17 @@ def main():
     sys.exit(len(found) > 0)
 
 
-def torture(part, seconds, seed):
+def torture(part, seconds, seed, record):
     """Do one part; returns whether it found anything, which it prints."""
     tests = os.path.join(HERE, '..', '..', 'test')
     folders = [tests, os.path.join(tests, 'ros'), os.path.join(HERE, '..', 'benchmark')]
     sys.path += folders
     os.environ['PYTHONPATH'] = os.pathsep.join([*folders, os.environ['PYTHONPATH']])  # of what a part starts
     print('\n%s: %s\n' % (part, PARTS[part]), flush=True)
-    found = importlib.import_module(part).run(seconds, seed)
-    print('\n%s: %s' % (part, '\n'.join(['found', *found]) if found else 'nothing was found.'), flush=True)
+    from record import recorded  # of the benchmark, like much of what the parts need
+    with recorded('torture_' + part, record):
+        found = importlib.import_module(part).run(seconds, seed)
+        print('\n%s: %s' % (part, '\n'.join(['found', *found]) if found else 'nothing was found.'), flush=True)
     return len(found) > 0
 
 

@@ -27,7 +27,6 @@ RELEARN_S = 0.5        # for so long another arrangement of tags must be seen
 SIGHTS = 3             # as often must be seen what is new, to be believed
 FURTHER = 8            # where one of the four is missing, so many other tags are looked for
 SMALL_SIDE_PX = 12     # of tags that are found only if looked for closely
-LARGE_SIDE_PX, LARGE_TURN = 40, 5  # where a tag is as large, only each fifth search looks closely
 MIN_SIDE_PX = 8        # a tag expected to be smaller is not looked for
 AROUND = 1.0           # sides: so far around its place a tag is looked for that is not there
 FINER = 2.0            # as if it were so much smaller: a window is small enough to look at it closely
@@ -110,7 +109,7 @@ class Tracker:
         self._stamp: float | None = None
         self._shape: tuple[int, ...] = ()
         self._shown = False
-        self._searches, self._closely_each = 0, 2  # how often; which of them looks closely
+        self._searches, self._has_some = 0, False  # how often; whether the usual way found any, last time
         self._now = 0.0  # goes on also where stamps stand still
         self._layout = None
         self._begin([])
@@ -270,15 +269,21 @@ class Tracker:
         return self._detector.search(frame, max(side_of(np.array(expected)).min(), MIN_SIDE_PX))
 
     def _search_all(self, frame: Image) -> list[Tag]:
-        """The tags anywhere in the frame, of any size; two ways, each of which finds some more, take turns."""
+        """The tags anywhere in the frame, of any size.
+
+        There are two ways, each of which finds some more; they take turns. The turn of the close one is both,
+        where it shows no area though the usual one found some tags in the frame before.
+        """
         self._searches += 1
-        if self._one_way or self._searches % self._closely_each:
+        if self._one_way or self._searches % 2:
             tags = self._detector.detect(frame)
-            # Where one tag is large, the others hardly are small.
-            large = any(side_of(tag.corners[None]) > LARGE_SIDE_PX for tag in tags)
-            self._closely_each = LARGE_TURN if large else 2
+            self._has_some = len(tags) > 0
             return tags
-        return self._detector.search(frame, SMALL_SIDE_PX)
+        tags = self._detector.search(frame, SMALL_SIDE_PX)
+        if self._has_some and self._layout_of(tags) is None:
+            known = {tag.id for tag in tags}
+            tags += [tag for tag in self._detector.detect(frame) if tag.id not in known]
+        return tags
 
     def _believe(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Take in where known tags are seen, {id: corners}.
