@@ -3,7 +3,7 @@ from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
 
-from aruco_node.parameters.parameters import abouts, plain
+from aruco_node.parameters.parameters import parameters_of, ros_values
 
 from .frame_node import CAMERA
 
@@ -21,19 +21,19 @@ class Manual:
     settings: Any
     launch: str = ''  # the launch file, where it is not called as the node is
 
-    def text(self, name, about):
-        """The manual of the node of that name; ``about`` says what it is for."""
-        values = plain(self.settings())
+    def text(self, name, purpose):
+        """The manual of the node of that name; ``purpose`` says what it is for."""
+        values = ros_values(self.settings())
         parameters = [('~' + key, '%s%s' % (values[key], ' *' if each.live else ''),
-                       '%s (%s)' % (each.what, each.kind.allowed))
-                      for key, each in abouts(self.settings).items()]
-        live = any(each.live for each in abouts(self.settings).values())
+                       each.sentence)
+                      for key, each in parameters_of(self.settings).items()]
+        live = any(each.live for each in parameters_of(self.settings).values())
         publishes, services = self.publishes + COMMON, list(self.services)
         if live:
             publishes = publishes + LIVE
             services.append(('~set_parameters', 'dynamic_reconfigure/Reconfigure', ''))
         parts = ['%s\n\nrosrun unit5 %s.py _PARAMETER:=VALUE   or   roslaunch unit5 %s.launch ARGUMENT:=VALUE'
-                 % (about.strip(), name, self.launch or name)]
+                 % (purpose.strip(), name, self.launch or name)]
         for title, rows in (('Subscribes', self.subscribes), ('Publishes', publishes), ('Services', services),
                             ('Parameters' + ', * can be changed while it runs (dynamic_reconfigure)' * live,
                              parameters)):
