@@ -47,7 +47,7 @@ class Settings:
         live=False)
     port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
     drive: Any = switch(
-        AUTO, 'whether the page may drive the robot; auto: only if the page is served to this machine only')
+        AUTO, 'whether the page may drive the robot; auto: if it is served to this machine only')
     linear: float = number(0.3, 0, 2, 'speed at which the page drives the robot, in m/s')
     angular: float = number(0.8, 0, 8, 'speed at which the page turns the robot, in rad/s')
 

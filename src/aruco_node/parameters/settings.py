@@ -73,8 +73,8 @@ class FrameSettings:
 
     transport: str = choice(
         'raw', IMAGE_TYPES,
-        "which topic the frames are read from: raw is the camera's own topic; compressed is the topic with "
-        '/compressed at the end of that name, for JPEG and PNG', live=False)
+        "which topic the frames are read from: raw is the camera's own; compressed is that with /compressed at "
+        'the end, for JPEG and PNG', live=False)
     folder: str = text(
         '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves pictures')
 
