@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
 import wall_camera
-from aruco_node import settings
+from aruco_node.parameters import settings
 from aruco_node.parameters.parameters import parameters_of, ros_values
 from page_server import server
 
