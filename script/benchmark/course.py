@@ -36,14 +36,17 @@ class Course:
     def paint(self, frame):
         """The frame with the picture in the area, and the area's corners."""
         area = self.area(frame)
-        if area is None:
-            return frame, None
+        painted = None if area is None else self.paint_at(frame, area)
+        return (frame, None) if painted is None else (painted, area)
+
+    def paint_at(self, frame, area):
+        """The frame with the picture in an area, (4, 2) pixels, or None where there is no homography."""
         height, width = self._picture.shape[:2]
         ends = np.array([[0, 0], [width, 0], [width, height], [0, height]])
         homography, _ = cv2.findHomography(ends, area)
         if homography is None:
-            return frame, None
+            return None
         warped = cv2.warpPerspective(self._picture, homography, frame.shape[1::-1])
         mask = np.zeros_like(frame)
-        cv2.fillConvexPoly(mask, np.int32([area]), (255, 255, 255), cv2.LINE_AA)
-        return cv2.add(warped, cv2.subtract(frame, mask)), area
+        cv2.fillConvexPoly(mask, np.int32([np.round(area)]), (255, 255, 255), cv2.LINE_AA)
+        return cv2.add(warped, cv2.subtract(frame, mask))

@@ -13,9 +13,8 @@ from aruco_ar.base.errors import InputError
 from aruco_node.messages.images import TRANSPORTS
 from aruco_node.messages.topics import IMAGE_TYPES, raw_topic
 from aruco_node.nodes.calibration import info_topic
+from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
-
-from .indexed_bag import IndexedBag
 
 PIECE_S = 60.0         # of a bag's own time
 RUN_IN_NS = 3 * 10**9  # before a piece its frames are looked at as well, for what is learned from them

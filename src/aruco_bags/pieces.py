@@ -3,6 +3,7 @@ import cv2
 import rosbag
 from aruco_ar.base.errors import InputError
 from aruco_node.messages.images import frame_from_compressed
+from aruco_node.ros_internals.indexed_bag import forget_written
 
 COPY_BYTES = 1 << 20
 USUAL_RATE = 30.0  # of the video of a single frame
@@ -13,8 +14,7 @@ def join_bags(parts, target):
     """Write the messages of bags, one after the other, into another."""
     with rosbag.Bag(target, 'w') as joined:
         for part in parts:
-            # For who reads it while it is written, rosbag keeps what all messages are in.
-            joined._connection_indexes.clear()
+            forget_written(joined)
             with rosbag.Bag(part) as bag:
                 for topic, message, time in bag.read_messages(raw=True):
                     joined.write(topic, message, time, raw=True)

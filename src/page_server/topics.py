@@ -11,8 +11,8 @@ from aruco_ar.base.errors import InputError
 from aruco_node.health.faults import guarded
 from aruco_node.messages.images import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX
-from aruco_node.ros_internals.connections import subscribe_newest
 from aruco_node.ros_internals.master import published_topics
+from aruco_node.ros_internals.newest import subscribe_newest
 from aruco_node.ros_internals.tolerant import tolerant
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray

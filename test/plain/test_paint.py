@@ -17,6 +17,7 @@ from aruco_ar import (
 )
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
+from course import Course
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 
@@ -39,16 +40,7 @@ def away_from_rim(area, shape, px):
 
 
 def course_overlay(frame, picture, area):
-    """The course's own steps: warp, mask, subtract, add."""
-    height, width = picture.shape[:2]
-    zigzag = area.corners[[0, 1, 3, 2]]
-    homography, _ = cv2.findHomography(
-        np.float32([[0, 0], [width, 0], [0, height], [width, height]]), zigzag)
-    warped = cv2.warpPerspective(picture, homography, frame.shape[1::-1])
-    mask = np.zeros_like(frame)
-    cv2.fillConvexPoly(mask, np.int32(np.round(area.corners)), (255, 255, 255), cv2.LINE_AA)
-    outside = cv2.cvtColor(cv2.bitwise_not(mask), cv2.COLOR_BGR2GRAY)
-    return cv2.add(cv2.copyTo(warped, cv2.bitwise_not(outside)), cv2.subtract(frame, mask))
+    return Course('DICT_6X6_250', picture).paint_at(frame, area.corners)
 
 
 @pytest.fixture

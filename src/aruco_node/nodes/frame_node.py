@@ -15,8 +15,8 @@ from aruco_node.messages.images import TRANSPORTS
 from aruco_node.messages.publishing import ImagePublisher, Listener
 from aruco_node.parameters.parameters import read
 from aruco_node.parameters.reconfigure import Reconfigurer
-from aruco_node.ros_internals.connections import more_comes, subscribe_newest
 from aruco_node.ros_internals.master import is_there, published_topics
+from aruco_node.ros_internals.newest import is_more_pending, subscribe_newest
 from aruco_node.ros_internals.tf_listener import is_time
 
 from .node import parameter
@@ -199,7 +199,7 @@ class FrameNode:
         if not self.is_due(stamp):
             return
         wait = self._lateness.begins(stamp, rospy.Time.now().to_sec(), missing)
-        if wait and more_comes(self._subscriber, wait):
+        if wait and is_more_pending(self._subscriber, wait):
             self._count.left_out()  # the next frame will show the same, sooner
             return
         frame = self.to_frame(message)
@@ -209,7 +209,7 @@ class FrameNode:
             self._snapshot.after(images)
         messages = [each for topic, image in images.items()
                     for each in self._outputs[topic].messages(image, header)]
-        if self._lateness.is_late(rospy.Time.now().to_sec()) and more_comes(self._subscriber):
+        if self._lateness.is_late(rospy.Time.now().to_sec()) and is_more_pending(self._subscriber):
             self._count.left_out()
             return
         self.publish(messages, header)

@@ -16,8 +16,8 @@ from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
 from aruco_node.parameters.parameters import quoted
 from aruco_node.process.streams import guard_streams
-from aruco_node.ros_internals.connections import admit_each_alone
-from aruco_node.ros_internals.master import keep_registered
+from aruco_node.ros_internals.admission import admit_concurrently
+from aruco_node.ros_internals.registration import keep_registered
 
 ENDS_S = 5.0  # a node that is asked to end has ended after so long
 
@@ -73,7 +73,7 @@ def _start(name):
     fault = fault_of_bridge()
     if fault:
         rospy.logwarn('%s Until then, of raw frames only %s are read.', fault, ', '.join(FAST))
-    admit_each_alone()
+    admit_concurrently()
     keep_registered()
     _check_clock()
     # A frame takes a few milliseconds: threads would add more work than they save time.

@@ -11,7 +11,8 @@ from dynamic_reconfigure.encoding import encode_config
 from dynamic_reconfigure.server import Server
 
 from aruco_node.health.faults import note_fault
-from aruco_node.ros_internals.master import ask, before_registering
+from aruco_node.ros_internals.master import ask
+from aruco_node.ros_internals.registration import before_registering
 
 from .parameters import MAX_QUOTED, Choice, Number, parameters_of, read, ros_values
 

@@ -1,9 +1,15 @@
-"""Stamps as no clock gives them, and what they do to TF."""
+"""TF frames of other nodes.
+
+Symptom: tf2 ends the process, and every process that listens, where a stamp plus its buffer's length is beyond
+what 32 bits of seconds hold, in the year 2106. It also prints a line for each of the node's own transforms
+while the stamps of a camera stand still or go back.
+Private: ``_connection_header`` of a message, which rospy's documentation names. Without it, the node's own
+transforms are taken in, too.
+Seen with: tf2_ros 0.7. It can go when tf2 checks stamps.
+"""
 import rospy
 import tf2_ros
 
-# tf2 ends the process, and that of everybody who listens, where it counts on from a
-# stamp to beyond what 32 bits hold, in the year 2106.
 LATEST_S = 2**32 - 24 * 3600
 
 
@@ -13,13 +19,10 @@ def is_time(stamp):
 
 
 class OthersFrames(tf2_ros.TransformListener):
-    """Fills a buffer with the TF frames of others.
-
-    Not with those of this node, of which tf2 says a line each where the stamps
-    of a camera stand still or go back.
-    """
+    """Fills a buffer with the TF frames of other nodes."""
 
     def callback(self, data):
-        if data._connection_header['callerid'] != rospy.get_name():
+        """Take in the transforms of a tf2_msgs/TFMessage: those that have a possible stamp."""
+        if getattr(data, '_connection_header', {}).get('callerid') != rospy.get_name():
             data.transforms = [each for each in data.transforms if is_time(each.header.stamp)]
             super().callback(data)

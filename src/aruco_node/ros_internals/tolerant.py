@@ -1,4 +1,10 @@
-"""Messages that cannot be read."""
+"""Messages that cannot be read.
+
+Symptom: where a message does not fit its type, rospy tries to read the same bytes again, once a second,
+forever. It never gets to the messages after it.
+Private: nothing but that rospy calls ``deserialize`` of the class that it was given.
+Seen with: rospy 1.15 and 1.17. It can go when rospy drops such a message.
+"""
 from functools import lru_cache
 from typing import Any
 
@@ -7,11 +13,7 @@ import rospy
 
 @lru_cache(maxsize=None)
 def tolerant(kind: Any):
-    """A class of messages like ``kind``, of which one that cannot be read comes as an empty one.
-
-    rospy tries to read such a message again and again, a second each time, and
-    never gets to those after it.
-    """
+    """A class of messages like ``kind``. A message of it that cannot be read arrives as an empty one."""
     class Tolerant(kind):
         told = False
 

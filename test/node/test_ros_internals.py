@@ -1,0 +1,158 @@
+"""The private parts of ROS that we use are still what they were; without them, all goes on, more plainly."""
+import socket
+import struct
+import threading
+from types import SimpleNamespace
+from unittest import mock
+
+import genpy
+import pytest
+import rosbag
+from aruco_node.ros_internals import admission, indexed_bag, newest, registration, tf_listener
+from aruco_node.ros_internals.indexed_bag import IndexedBag, forget_written
+from rospy.impl import tcpros_base
+from std_msgs.msg import Header, UInt8
+from tf2_msgs.msg import TFMessage
+
+WAIT_S = 20
+
+
+@pytest.fixture
+def warnings():
+    with mock.patch('rospy.logwarn') as said:
+        yield said
+
+
+@pytest.fixture
+def server(monkeypatch):
+    """rospy's own server of connections, without a node."""
+    made = tcpros_base.TCPROSServer()
+    monkeypatch.setattr(tcpros_base, '_tcpros_server', made)
+    # Who asks for a topic gets a greeting, and the connection is closed.
+    made.topic_connection_handler = lambda connection, address, header: 'no topic here'
+    made.start_server()
+    yield made
+    made.shutdown()
+
+
+def ask_for_topic(connection):
+    field = b'topic=/any'
+    connection.sendall(struct.pack('<II', len(field) + 4, len(field)) + field)
+    return connection.recv(100)
+
+
+@pytest.mark.parametrize('is_admitted_alone', [True, False])
+def test_who_connects_and_says_nothing_locks_nobody_out(server, is_admitted_alone, warnings):
+    if is_admitted_alone:
+        admission.admit_concurrently()
+    address = 'localhost', server.tcp_ros_server.port
+    with socket.create_connection(address), socket.create_connection(address, timeout=WAIT_S) as other:
+        if is_admitted_alone:
+            assert b'no topic here' in ask_for_topic(other)
+        else:  # the symptom: where it is gone, admission.py can go
+            other.settimeout(0.5)
+            with pytest.raises(socket.timeout):
+                ask_for_topic(other)
+    warnings.assert_not_called()
+
+
+def test_with_another_server_it_warns(monkeypatch, warnings):
+    monkeypatch.setattr(tcpros_base, '_tcpros_server', SimpleNamespace())
+    admission.admit_concurrently()
+    assert 'can lock out all others' in warnings.call_args[0][0]
+
+
+def test_more_is_pending_when_bytes_have_come():
+    # What rospy.Subscriber has: see the next test.
+    here, there = socket.socketpair()
+    with here, there:
+        subscriber = SimpleNamespace(impl=SimpleNamespace(connections=[SimpleNamespace(socket=here)]))
+        assert not newest.is_more_pending(subscriber)
+        there.send(b'1')
+        assert newest.is_more_pending(subscriber)
+    assert not newest.is_more_pending(subscriber)  # closed
+    assert not newest.is_more_pending(None)
+    assert not newest.is_more_pending(SimpleNamespace())
+
+
+def test_a_subscriber_has_connections_with_sockets():
+    from rospy.impl.tcpros_base import TCPROSTransport
+    from rospy.topics import _SubscriberImpl
+    assert _SubscriberImpl('/topic', UInt8).connections == []
+    transport = TCPROSTransport(tcpros_base.TCPROSTransportProtocol('/topic', UInt8), '/topic')
+    assert hasattr(transport, 'socket')
+
+
+def test_a_node_is_registered_with_all_that_it_has(monkeypatch):
+    assert registration.IS_KNOWN
+    topics = registration.get_topic_manager()
+    services = registration.get_service_manager()
+    told = []
+    listener = registration.get_registration_listeners()
+    monkeypatch.setattr(services, 'get_services', lambda: [('/first', 'uri'), ('/last', 'uri')])
+    monkeypatch.setattr(topics, 'get_publications', lambda: [('/image', 'kind')])
+    monkeypatch.setattr(topics, 'get_subscriptions', lambda: [('/camera', 'kind')])
+    monkeypatch.setattr(listener, 'notify_added', lambda name, what, kind: told.append((name, kind)))
+    registration._register()
+    kinds = registration.Registration
+    assert told == [('/first', kinds.SRV), ('/image', kinds.PUB), ('/camera', kinds.SUB), ('/last', kinds.SRV)]
+
+
+@pytest.mark.parametrize('name', ['lock', 'get_publications', 'get_subscriptions'])
+def test_a_topic_manager_has(name):
+    assert hasattr(registration.get_topic_manager(), name)
+
+
+@pytest.mark.parametrize('name', ['lock', 'get_services'])
+def test_a_service_manager_has(name):
+    assert hasattr(registration.get_service_manager(), name)
+
+
+def test_with_another_rospy_it_warns_and_watches_nothing(monkeypatch, warnings):
+    monkeypatch.setattr(registration, 'IS_KNOWN', False)
+    before = threading.active_count()
+    registration.keep_registered()
+    assert threading.active_count() == before
+    assert 'restart this node, too' in warnings.call_args[0][0]
+
+
+def test_transforms_of_others_alone_are_taken_in():
+    frames = object.__new__(tf_listener.OthersFrames)
+    frames.tf_sub = frames.tf_static_sub = mock.Mock()
+    with mock.patch('rospy.get_name', return_value='/we'), \
+            mock.patch('tf2_ros.TransformListener.callback') as taken:
+        for header in {'callerid': '/we'}, {'callerid': '/others'}, None:
+            message = TFMessage()
+            if header:
+                message._connection_header = header
+            frames.callback(message)
+    assert taken.call_count == 2
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """The path of a bag of 100 messages, one a second, in many chunks."""
+    path = str(tmp_path / 'long.bag')
+    with rosbag.Bag(path, 'w', chunk_threshold=256) as written:
+        for second in range(1, 101):
+            written.write('/count', UInt8(second), genpy.Time(second))
+            written.write('/header', Header(seq=second), genpy.Time(second))
+            forget_written(written)
+            assert not any(written._connection_indexes.values())
+    return path
+
+
+@pytest.mark.parametrize('is_known', [True, False])
+def test_a_part_of_a_bag_is_read_alone(bag, is_known, monkeypatch):
+    if not is_known:
+        monkeypatch.setattr(indexed_bag, 'PRIVATE', ['_not_there'])
+    part = IndexedBag(bag)
+    assert part.begin() == genpy.Time(1)
+    assert part.topics() == {'/count': 'std_msgs/UInt8', '/header': 'std_msgs/Header'}
+    assert sorted(time.secs for _, time in part.times(['/count'])) == list(range(1, 101))
+    for begin in 10, 50, 3:
+        found = list(part.messages(['/count'], genpy.Time(begin), genpy.Time(begin + 5)))
+        assert [message.data for _, message, _ in found] == list(range(begin, begin + 6))
+        if is_known:  # of the index, no more is in memory than of these
+            assert sum(map(len, part._bag._connection_indexes.values())) < 40
+    part.close()
