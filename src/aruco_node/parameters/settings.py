@@ -118,7 +118,7 @@ class AreaSettings(Settings):
 
     hold: float = number(
         HOLD_S, 0, 60,
-        "longest time in seconds for which the area is kept while neither tags nor the wall's texture show "
+        "longest time in seconds for which the area is kept while neither tags nor the wall's texture shows "
         'where it is')
     upright: str = choice(
         'tags', UPRIGHT,
