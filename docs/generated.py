@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import wall_camera
 from aruco_node.parameters import settings
-from aruco_node.parameters.parameters import abouts, plain
+from aruco_node.parameters.parameters import parameters_of, ros_values
 from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -52,10 +52,10 @@ def parameters():
     """A table for each class of settings, of the parameters that it adds."""
     parts = []
     for title, kind, base in SETTINGS:
-        values, known = plain(kind()), abouts(base) if base else {}
-        rows = [('`~%s`' % name, code(values[name]), about.what, about.kind.allowed,
-                 'yes' if about.live else 'no')
-                for name, about in abouts(kind).items() if name not in known]
+        values, known = ros_values(kind()), parameters_of(base) if base else {}
+        rows = [('`~%s`' % name, code(values[name]), parameter.what, parameter.kind.allowed,
+                 'yes' if parameter.live else 'no')
+                for name, parameter in parameters_of(kind).items() if name not in known]
         parts.append('## %s\n\n%s' % (title, table(
             ('Parameter', 'Default', 'Meaning', 'Allowed', 'Live'), rows)))
     return '\n'.join(parts)

@@ -21,26 +21,31 @@ from aruco_bags.job import jobs_of, kept
 from aruco_bags.task import Task, check
 from aruco_bags.workers import work, workers
 from aruco_node.messages.bridge import fault_of_bridge
-from aruco_node.parameters.parameters import read
+from aruco_node.nodes.manual import parameter_rows, table
+from aruco_node.parameters.parameters import parameters_of, read
 from aruco_node.parameters.settings import BagSettings
 
 MAX_PIECE_S = 100000
 HERE = os.path.dirname(os.path.abspath(__file__))
-EXERCISES = sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(HERE))))
-PARAMETERS = ('dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'hold', 'upright', 'picture',
-              'fit', 'opacity', 'tag_size', 'tag_sizes', 'rectified')
+EXERCISES = [number.replace('_', '.')
+             for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(HERE))))]
+# Parameters of nodes which say nothing about what is made of bags.
+OF_NODES = ('transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
+            'robot_frame')
+PARAMETERS = [name for name in parameters_of(BagSettings) if name not in OF_NODES]
 
 
 def parse(argv):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="Parameters as the exercises' nodes have them, such as _ids:=1,2,3,4 or _tag_size:=0.2:\n%s.\n"
-               'What they are: rosrun unit5 exercise5_6.py --help, and tag_poses.py.' % ', '.join(PARAMETERS))
+        epilog='parameters, such as _ids:=1,2,3,4 or _tag_size:=0.2:\n%s\n\n'
+               'Only pictures that stand still can be painted into bags: JPEG and PNG.'
+               % table([row for row in parameter_rows(BagSettings, '_') if row[0][1:] in PARAMETERS]))
     option = parser.add_argument
     option('bags', nargs='+', metavar='BAG', help='a bag with images, raw or compressed')
     option('--out', required=True, metavar='FOLDER', help='where all of it goes')
-    option('--exercise', choices=EXERCISES, type=lambda text: text.replace('.', '_'), default='5_6',
-           help='default: 5_6')
+    option('--exercise', choices=EXERCISES, type=lambda text: text.replace('_', '.'), default='5.6',
+           help='which one; 5_2 is the same as 5.2 (default: 5.6)')
     option('--video', action='store_true', help='write MP4s as well')
     who = parser.add_mutually_exclusive_group().add_argument
     who('--workers', type=int, metavar='N', default=os.cpu_count(),
@@ -74,9 +79,10 @@ def settings(argv):
 
 
 def exercise(number):
-    """The Exercise that a file beside this one declares."""
+    """The Exercise of a number, such as '5.2', that a file beside this one declares."""
     # Dask sends what it defines to the workers by value, as they do not import programs.
-    return runpy.run_path(os.path.join(HERE, 'exercise%s.py' % number), run_name='exercise')['EXERCISE']
+    path = os.path.join(HERE, 'exercise%s.py' % number.replace('.', '_'))
+    return runpy.run_path(path, run_name='exercise')['EXERCISE']
 
 
 def main(argv):

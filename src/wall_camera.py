@@ -31,7 +31,7 @@ from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_t
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import parameter, run_node
-from aruco_node.parameters.parameters import Number, number, read, text
+from aruco_node.parameters.parameters import Number, number, parsed, read, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.tolerant import tolerant
@@ -65,24 +65,32 @@ def coefficients(value):
 
 @dataclass(frozen=True)
 class Settings:
-    """The parameters."""
+    """The parameters. After a change of their defaults or words, run script/launch_args."""
 
-    wall: str = text('config/wall.yaml', 'the path of a YAML file, which may be within the package',
-                     'the wall and its tags', live=False)
-    path: str = text('none', 'none, or the path of a YAML file',
-                     'where to drive, until the first command comes', live=False)
-    rate: float = number(30.0, 0.1, 1000, 'frames a second', live=False)
-    seed: float = number(0.0, 0, 2**31, 'of the noise', live=False)
-    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens',
-                                         coefficients, list, live=False)
-    noise: float = number(2.0, 0, 100, 'standard deviation of the noise, gray levels')
-    blur: float = number(0.0, 0, 20, 'standard deviation of the blur, pixels')
-    light: float = number(0.3, 0, 1, "how much darker the wall's right end is than its left")
-    exposure: float = number(1.0, 0, 20, 'how many times as light all is; above 1, white is cut off')
-    swing: float = number(0.0, 0, 4, 'stops by which the exposure goes up and down within 4 seconds')
-    hand: float = number(0.0, 0, 10, 'how unsteady a hand holds the camera, 1 is usual; TF is without')
-    shutter: float = number(0.0, 0, 100, "milliseconds in which a frame's rows are read, one after the other")
-    jpeg: float = number(0.0, 0, 100, 'the quality by which each frame is compressed; 0 for none')
+    wall: str = text(
+        'config/wall.yaml', 'the path of a YAML file, which may be within the package',
+        'file that describes the simulated wall and its tags', live=False)
+    path: str = text(
+        'none', 'none, or the full path of a YAML file',
+        'file that says where the simulated robot drives until the first /cmd_vel comes; none: it stands still',
+        live=False)
+    rate: float = number(30.0, 0.1, 1000, 'frames per second', live=False)
+    seed: float = number(0.0, 0, 2**31, 'seed of the random noise', live=False)
+    distortion: Tuple[float, ...] = parsed(
+        (0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'distortion coefficients of the lens', coefficients,
+        list, live=False)
+    noise: float = number(2.0, 0, 100, 'standard deviation of the noise, in gray levels')
+    blur: float = number(0.0, 0, 20, 'standard deviation of the blur, in pixels')
+    light: float = number(
+        0.3, 0, 1, 'how much darker the right end of the wall is than its left end; 0: not at all')
+    exposure: float = number(
+        1.0, 0, 20, 'factor on the brightness of the whole frame; above 1, what is too light turns white')
+    swing: float = number(0.0, 0, 4, 'stops by which the exposure rises and falls, once in 4 seconds')
+    hand: float = number(
+        0.0, 0, 10, 'how much the camera shakes, as if held by hand; 1 is usual; TF does not show it')
+    shutter: float = number(
+        0.0, 0, 100, 'milliseconds within which the rows of a frame are read, one after the other')
+    jpeg: float = number(0.0, 0, 100, 'quality of the JPEG compression that each frame goes through; 0: none')
 
 
 class Driver:

@@ -10,7 +10,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
 from aruco_ar.base.progress import progress
 from aruco_node.messages.images import image_from_frame
-from aruco_node.parameters.parameters import abouts, plain
+from aruco_node.parameters.parameters import parameters_of, ros_values
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
 from hostile import reading, values
@@ -77,10 +77,10 @@ class Live:
         """Wish ``count`` values of each parameter of each node, and odd messages, and look what comes of it."""
         for node, kind in progress(self._kinds.items(), 'live', len(self._kinds)):
             before = self._set(node, Config())
-            for name, about in abouts(kind).items():
-                given = values.typed(values.values(about, random))
+            for name, parameter in parameters_of(kind).items():
+                given = values.typed(values.values(parameter, random))
                 for index in random.permutation(len(given))[:count]:
-                    before = self._wish(node, kind, name, given[index], about.live, before)
+                    before = self._wish(node, kind, name, given[index], parameter.live, before)
                 self._answers(node)
             for config in GROUPS + NAMES:
                 self._counts['odd'] += 1
@@ -104,7 +104,7 @@ class Live:
             if after != before:
                 self._note('others', node, 'takes %s for ~%s' % (ascii(value)[:60], name))
             return after
-        expected = dict(before, **{name: plain(settings)[name]})
+        expected = dict(before, **{name: ros_values(settings)[name]})
         if after != expected:
             self._note('others', node, 'makes of %s for ~%s something else' % (ascii(value)[:60], name))
         self._answers(node)

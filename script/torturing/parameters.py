@@ -10,7 +10,7 @@ import numpy as np
 import rosgraph
 from aruco_ar.base.files import package_folder
 from aruco_ar.base.progress import progress
-from aruco_node.parameters.parameters import abouts
+from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
 from hostile import reading, values
 from hostile.wishes import set_parameter
@@ -46,8 +46,8 @@ def run(seconds, seed):
 
 def _print(kinds, counts):
     print('%d nodes, %d parameters, of which %d can be changed in a running node' % (
-        len(kinds), sum(len(abouts(kind)) for kind in kinds.values()),
-        sum(about.live for kind in kinds.values() for about in abouts(kind).values())))
+        len(kinds), sum(len(parameters_of(kind)) for kind in kinds.values()),
+        sum(parameter.live for kind in kinds.values() for parameter in parameters_of(kind).values())))
     for where, what in (('read', 'values read without a node'), ('start', 'nodes started with a value'),
                         ('live', 'wishes to running nodes'), ('odd', 'odd messages to running nodes')):
         print('%6d %s: %d taken, %d refused with a sentence' % (
@@ -63,10 +63,10 @@ def _note(counts, found, kind, node, name, value, what):
     found.setdefault('%s: ~%s %s' % (node, name, what), 'with ' + ascii(value)[:80])
 
 
-def _given(name, about, random, pipe):
+def _given(name, parameter, random, pipe):
     """All values for a parameter, and where it may be a path, a pipe."""
-    given = values.values(about, random)
-    return given + [pipe] if 'path' in about.kind.allowed else given
+    given = values.values(parameter, random)
+    return given + [pipe] if 'path' in parameter.kind.allowed else given
 
 
 def _refusal(take, *arguments):
@@ -77,12 +77,12 @@ def _refusal(take, *arguments):
 
 def _read(kinds, random, folder, counts, found):
     """Read all values of all parameters, and of the entries of a file of areas, without nodes."""
-    parameters = {(kind.__name__, name): (node, kind, name, about) for node, kind in kinds.items()
-                  for name, about in abouts(kind).items()}  # once, what several nodes share
-    for node, kind, name, about in progress(parameters.values(), 'read'):
-        for value in _given(name, about, random, values.pipe(folder)):
+    parameters = {(kind.__name__, name): (node, kind, name, parameter) for node, kind in kinds.items()
+                  for name, parameter in parameters_of(kind).items()}  # once, what several nodes share
+    for node, kind, name, parameter in progress(parameters.values(), 'read'):
+        for value in _given(name, parameter, random, values.pipe(folder)):
             _read_one(node, name, value, counts, found, reading.taken, kind, name, value)
-    path, entries = os.path.join(folder, 'areas.yaml'), abouts(PictureSettings)
+    path, entries = os.path.join(folder, 'areas.yaml'), parameters_of(PictureSettings)
     for name in progress(AREA_ENTRIES, 'areas'):
         for value in values.short(_given(name, entries[name], random, values.pipe(folder))):
             _read_one('areas', name, value, counts, found, reading.area_taken, path, name, value)
@@ -108,8 +108,8 @@ def _start(kinds, random, pipe, counts, found):
     """Start nodes with some of the values of each parameter."""
     jobs = []
     for node, kind in kinds.items():
-        for name, about in abouts(kind).items():
-            given = _given(name, about, random, pipe)
+        for name, parameter in parameters_of(kind).items():
+            given = _given(name, parameter, random, pipe)
             some = [given[index] for index in random.permutation(len(given)) if values.as_xml(given[index])]
             jobs += [(node, kind, name, value) for value in some[:STARTS]]
     with ThreadPoolExecutor(AT_ONCE) as pool:

@@ -14,7 +14,7 @@ from aruco_node.health.diagnostics import OK, Diagnostics
 from aruco_node.health.faults import note_fault
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.node import parameter
-from aruco_node.parameters.parameters import AUTO, number, read, text, wish
+from aruco_node.parameters.parameters import AUTO, number, read, switch, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -39,16 +39,17 @@ DIAGNOSTICS_MS = 250
 
 @dataclass(frozen=True)
 class Settings:
-    """The parameters of the page."""
+    """The parameters of the page. After a change of their defaults or words, run script/launch_args."""
 
-    address: str = text('127.0.0.1', 'an IP address, or localhost',
-                        'where the page is served: 127.0.0.1 for this machine alone, 0.0.0.0 for its network',
-                        live=False)
-    port: float = number(8080, 1, 65535, "the page's port", live=False)
-    drive: Any = wish(AUTO, 'whether the page may drive the robot; auto: only where it is served to this '
-                            'machine alone')
-    linear: float = number(0.3, 0, 2, 'speed to drive at, m/s')
-    angular: float = number(0.8, 0, 8, 'speed to turn at, rad/s')
+    address: str = text(
+        '127.0.0.1', 'an IP address, or localhost',
+        'address at which the page is served: 127.0.0.1 for this machine only, 0.0.0.0 for its whole network',
+        live=False)
+    port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
+    drive: Any = switch(
+        AUTO, 'whether the page may drive the robot; auto: if it is served to this machine only')
+    linear: float = number(0.3, 0, 2, 'speed at which the page drives the robot, in m/s')
+    angular: float = number(0.8, 0, 8, 'speed at which the page turns the robot, in rad/s')
 
 
 class Tile(NamedTuple):

@@ -15,7 +15,7 @@ from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall
 from aruco_node.nodes.calibration import Calibration
 from aruco_node.nodes.pictures import open_picture
-from aruco_node.parameters.parameters import plain, read
+from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
 from page_server.guard import is_loopback
 
@@ -50,8 +50,8 @@ def taken(kind, name, value):
     Raises InputError where a node would refuse it.
     """
     settings = read_with(kind, name, value)
-    assert read(kind, plain(settings).get) == settings, 'it reads otherwise from the parameter server'
-    has = {each: getattr(settings, each) for each in plain(settings)}
+    assert read(kind, ros_values(settings).get) == settings, 'it reads otherwise from the parameter server'
+    has = {each: getattr(settings, each) for each in ros_values(settings)}
     if has.get('areas', 'none') != 'none':
         for area in load_areas(settings.areas):
             _look(read(kind, lambda other, default: area.get(other, has[other])))

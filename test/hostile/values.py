@@ -79,9 +79,9 @@ def around(low, high):
         [low, high, low - 1, high + 1, (low + high) / 2]
 
 
-def values(about, random, count=20):
-    """A list of values for a parameter of which that is known (see About), ``count`` of them made at random."""
-    kind = about.kind
+def values(parameter, random, count=20):
+    """A list of values for a Parameter, ``count`` of them made at random."""
+    kind = parameter.kind
     own = around(kind.low, kind.high) if isinstance(kind, Number) else []
     if isinstance(kind, Choice):
         own = [changed for text in kind.choices

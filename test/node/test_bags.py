@@ -1,6 +1,7 @@
 """Bags looked at without a roscore: what is made of them, by however many, whatever ends on the way."""
 import csv
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,8 @@ import rosbag
 import rospy
 from aruco_ar import Tracker
 from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
+from aruco_node.parameters.parameters import ros_values
+from aruco_node.parameters.settings import BagSettings
 from bags import BEGIN_S, JPEG, record
 from drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo
@@ -270,3 +273,14 @@ def test_what_was_made_otherwise_is_made_anew(package, recorded, done, tmp_path)
     os.unlink(str(tmp_path / 'drive.bag'))
     annotated(package, tmp_path, recorded)
     assert_same(done, tmp_path)
+
+
+def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):
+    said = subprocess.run([sys.executable, package + '/src/annotate_bags.py', '--help'], stdout=subprocess.PIPE,
+                          text=True, check=True).stdout
+    assert '{5.2,5.3,5.4,5.5,5.6}' in said and '5_2 is the same as 5.2' in said
+    listed = re.findall(r'^  _(\w+) +(\S+)', said, re.MULTILINE)
+    assert dict(listed)['likeness'] == '0.8'
+    only_of_nodes = {'transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
+                     'robot_frame'}
+    assert {name for name, _ in listed} == set(ros_values(BagSettings())) - only_of_nodes

@@ -2,7 +2,7 @@
 import pytest
 from aruco_ar import InputError
 from aruco_ar.base.errors import MAX_SENTENCE
-from aruco_node.parameters.parameters import abouts, plain, read
+from aruco_node.parameters.parameters import parameters_of, read, ros_values
 from aruco_node.parameters.settings import PictureSettings
 from hostile import reading, values
 
@@ -13,9 +13,9 @@ NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay'
 @pytest.mark.parametrize('node', NODES)
 def test_every_value_of_every_parameter_is_read_or_refused_with_a_sentence(node, random):
     kind = reading.settings_of(node)
-    for name, about in abouts(kind).items():
+    for name, parameter in parameters_of(kind).items():
         taken = refused = 0
-        for value in values.values(about, random):
+        for value in values.values(parameter, random):
             sentence = reading.refusal(reading.read_with, kind, name, value)
             if sentence:
                 refused += 1
@@ -23,7 +23,7 @@ def test_every_value_of_every_parameter_is_read_or_refused_with_a_sentence(node,
             else:
                 taken += 1
                 settings = reading.read_with(kind, name, value)
-                assert read(kind, plain(settings).get) == settings, (name, value)
+                assert read(kind, ros_values(settings).get) == settings, (name, value)
         assert taken > 0 and refused > 100, name
 
 
@@ -55,7 +55,7 @@ def test_whatever_a_sentence_repeats_it_is_one_line_that_can_be_read():
 @pytest.mark.parametrize('name', ['ids', 'picture', 'opacity'])
 def test_every_entry_of_a_file_of_areas_is_read_or_refused_with_a_sentence(name, random, tmp_path):
     path, refused = str(tmp_path / 'areas.yaml'), 0
-    for value in values.short(values.values(abouts(PictureSettings)[name], random)):
+    for value in values.short(values.values(parameters_of(PictureSettings)[name], random)):
         sentence = reading.refusal(reading.area_taken, path, name, value)
         refused += sentence is not None
         assert sentence is None or not reading.fault_of(sentence), sentence

@@ -8,7 +8,8 @@ from xml.etree import ElementTree
 import pytest
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
-SHARED_ARGS = {'camera', 'transport', 'dictionary', 'ids', 'scale', 'search', 'respawn', 'view', 'bag', 'sim'}
+SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 'search', 'correction',
+               'likeness', 'min_side', 'respawn', 'view', 'bag', 'sim'}
 OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'},
             'exercise5_6.launch': {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
 

@@ -1,7 +1,7 @@
 """Parameters: what they may be, and what is said where they are not."""
 import pytest
 from aruco_ar import InputError
-from aruco_node.parameters.parameters import abouts, plain, read
+from aruco_node.parameters.parameters import parameters_of, read, ros_values
 from aruco_node.parameters.settings import PictureSettings, PoseSettings, load_areas
 
 
@@ -17,14 +17,14 @@ def test_without_parameters_nothing_is_to_be_configured():
 @pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
 def test_what_a_parameter_server_keeps_reads_as_the_same(kind):
     given = settings(kind, ids=[4, 3, 2, 1], **({'tag_sizes': {'7': 0.1}} if kind is PoseSettings else {}))
-    assert settings(kind, **plain(given)) == given
-    assert all(isinstance(value, (str, float, bool)) for value in plain(given).values())
+    assert settings(kind, **ros_values(given)) == given
+    assert all(isinstance(value, (str, float, bool)) for value in ros_values(given).values())
 
 
 @pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
 def test_every_parameter_says_what_it_is_for(kind):
-    for name, about in abouts(kind).items():
-        assert about.what and about.kind.allowed, name
+    for name, parameter in parameters_of(kind).items():
+        assert parameter.what and parameter.kind.allowed, name
 
 
 @pytest.mark.parametrize('sizes', [

@@ -9,7 +9,7 @@ import rospy
 import rostest
 import yaml
 from aruco_ar import InputError
-from aruco_node.parameters.parameters import abouts
+from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.parameters.settings import Settings
 from dynamic_reconfigure.srv import Reconfigure
@@ -25,9 +25,9 @@ from hostile.wishes import GROUPS, NAMES, REFUSED, answered, set_parameter, wish
 EACH = 3  # wrong values of a parameter
 
 
-def wrong(kind, name, about, random):
+def wrong(kind, name, parameter, random):
     """Some values that the parameter must not have."""
-    given = values.typed(values.values(about, random))
+    given = values.typed(values.values(parameter, random))
     found = []
     while len(found) < EACH:
         value = given[random.randint(len(given))]
@@ -53,8 +53,8 @@ class Hostile(NodeTest):
             kind = reading.settings_of(name)
             reconfigure = rospy.ServiceProxy('/%s/set_parameters' % name, Reconfigure, persistent=True)
             before, wished = change('/' + name), []
-            for parameter, about in abouts(kind).items():
-                for value in wrong(kind, parameter, about, random) if about.live else ['raw']:
+            for parameter, each in parameters_of(kind).items():
+                for value in wrong(kind, parameter, each, random) if each.live else ['raw']:
                     wished.append('~' + parameter)
                     self.assertEqual(answered(reconfigure(wish(parameter, value)).config), before, wished[-1])
             for config in GROUPS + NAMES if name == 'page' else []:

@@ -172,7 +172,8 @@ class Picture(unittest.TestCase):
         self.addCleanup(client.close)
         for stamp, (name, write, words) in enumerate((
                 ('bomb.png', bomb, 'at most 36 million pixels'), ('pipe.mp4', os.mkfifo, 'is not a file'),
-                ('two\nlines.jpg', lambda path: Path(path).write_text('text'), 'must be the path of a picture'),
+                ('two\nlines.jpg', lambda path: Path(path).write_text('text'),
+                 'must be the full path of a picture'),
                 ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'),
                  'no picture that can be read'))):
             path = self.file(name, write)

@@ -8,7 +8,7 @@ from unit5.msg import TagArray
 
 from aruco_node.health.faults import note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
-from aruco_node.parameters.parameters import plain, read
+from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import load_areas
 
 from .frame_node import FrameNode
@@ -103,7 +103,7 @@ class CameraNode(FrameNode):
 
     def _of_areas(self, settings):
         """The Settings of each area: its own before the node's."""
-        values = plain(settings)
+        values = ros_values(settings)
         return [read(type(settings), {**values, **own}.get) for own in self._areas]
 
     def _on_reset(self, request):

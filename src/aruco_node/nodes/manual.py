@@ -3,7 +3,7 @@ from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
 
-from aruco_node.parameters.parameters import abouts, plain
+from aruco_node.parameters.parameters import parameters_of, ros_values
 
 from .frame_node import CAMERA
 
@@ -21,24 +21,20 @@ class Manual:
     settings: Any
     launch: str = ''  # the launch file, where it is not called as the node is
 
-    def text(self, name, about):
-        """The manual of the node of that name; ``about`` says what it is for."""
-        values = plain(self.settings())
-        parameters = [('~' + key, '%s%s' % (values[key], ' *' if each.live else ''),
-                       '%s (%s)' % (each.what, each.kind.allowed))
-                      for key, each in abouts(self.settings).items()]
-        live = any(each.live for each in abouts(self.settings).values())
+    def text(self, name, purpose):
+        """The manual of the node of that name; ``purpose`` says what it is for."""
+        live = any(each.live for each in parameters_of(self.settings).values())
         publishes, services = self.publishes + COMMON, list(self.services)
         if live:
             publishes = publishes + LIVE
             services.append(('~set_parameters', 'dynamic_reconfigure/Reconfigure', ''))
         parts = ['%s\n\nrosrun unit5 %s.py _PARAMETER:=VALUE   or   roslaunch unit5 %s.launch ARGUMENT:=VALUE'
-                 % (about.strip(), name, self.launch or name)]
+                 % (purpose.strip(), name, self.launch or name)]
         for title, rows in (('Subscribes', self.subscribes), ('Publishes', publishes), ('Services', services),
                             ('Parameters' + ', * can be changed while it runs (dynamic_reconfigure)' * live,
-                             parameters)):
+                             parameter_rows(self.settings, '~', ' *'))):
             if rows:
-                parts.append('%s:\n%s' % (title, _table(rows)))
+                parts.append('%s:\n%s' % (title, table(rows)))
         return '\n\n'.join(parts)
 
 
@@ -68,7 +64,18 @@ def image_topics(topics):
         ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]
 
 
-def _table(rows):
+def parameter_rows(settings, prefix, live=''):
+    """Rows of the parameters of a class of settings: name, default, and what it is for.
+
+    ``prefix``: before each name. ``live``: after the defaults of those that can be changed while a node runs.
+    """
+    values = ros_values(settings())
+    return [(prefix + name, '%s%s' % (values[name], live if parameter.live else ''), parameter.sentence)
+            for name, parameter in parameters_of(settings).items()]
+
+
+def table(rows):
+    """Rows as text: three columns, of which the last goes on in further lines where it is long."""
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     indent = ' ' * (sum(widths) + 6)
     return '\n'.join(

@@ -14,7 +14,7 @@ from rospy.core import is_shutdown_requested
 
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
-from aruco_node.parameters.parameters import shown
+from aruco_node.parameters.parameters import quoted
 from aruco_node.process.streams import guard_streams
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
@@ -93,7 +93,7 @@ def _check_clock():
     if not isinstance(clock, bool):
         rospy.logwarn('The parameter /use_sim_time is %s, which counts as %s here, and may elsewhere as the '
                       'other; it must be true or false: rosparam set use_sim_time false.',
-                      shown(clock), str(bool(clock)).lower())
+                      quoted(clock), str(bool(clock)).lower())
 
 
 def parameter(name, default):

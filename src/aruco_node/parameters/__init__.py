@@ -1,1 +1,1 @@
-"""The nodes' parameters: what each may be, all of them, and changing them at run time."""
+"""The parameters of nodes: how they are declared, which there are, and how they change in a running node."""

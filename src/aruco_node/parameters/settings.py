@@ -1,4 +1,8 @@
-"""The parameters of the nodes that look at a camera's frames, and of areas files."""
+"""The parameters of the nodes that take frames, and the entries of areas files.
+
+After a change of a parameter's default or words, run script/launch_args: it
+writes them into the launch files.
+"""
 import re
 from dataclasses import dataclass
 from typing import Tuple, Union
@@ -12,18 +16,29 @@ from aruco_ar.tracking.tracker import HOLD_S, UPRIGHT
 
 from aruco_node.messages.topics import IMAGE_TYPES
 
-from .parameters import AUTO, MAX_TEXT, Number, choice, number, read, some_text, text, wish
+from .parameters import (
+    AUTO,
+    MAX_TEXT,
+    Number,
+    choice,
+    number,
+    parsed,
+    path_or_name,
+    read,
+    switch,
+    text,
+)
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
-ID = '{id}'  # in the name of a tag's frame
+ID = '{id}'  # stands for the id in the name of a tag's TF frame
 LEARN = 'learn'
 MAX_AREAS = 50  # each takes the memory of its picture
-SIZE = Number(*SIDE_M)
+SIDE = Number(*SIDE_M)
 
 
 def _ids(value):
-    """A list, or text such as "1, 2, 3, 4" or "any", as launch files give it."""
+    """The ids as a tuple, of a list or of text such as "1, 2, 3, 4" or "any", as launch files give it."""
     if value == 'any':
         return ()
     parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
@@ -49,71 +64,94 @@ def _ids_as_text(ids):
 def _picture(value):
     if value == TOPIC:
         raise ValueError
-    return some_text(value)
+    return path_or_name(value)
 
 
 @dataclass(frozen=True)
 class FrameSettings:
-    """What every node that takes frames takes."""
+    """The parameters of every node that takes frames."""
 
-    transport: str = choice('raw', IMAGE_TYPES, 'compressed reads TOPIC/compressed', live=False)
-    folder: str = text('~/unit5-snapshots', 'the path of a folder', 'where ~snapshot saves pictures')
+    transport: str = choice(
+        'raw', IMAGE_TYPES,
+        "which topic the frames are read from: raw is the camera's own; compressed is that with /compressed at "
+        'the end, for JPEG and PNG', live=False)
+    folder: str = text(
+        '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves pictures')
 
 
 @dataclass(frozen=True)
 class RelaySettings(FrameSettings):
-    """What camera_relay takes."""
+    """The parameters of camera_relay."""
 
-    rate: float = number(0.0, 0, 1000, 'frames a second, at most; 0: all')
-    quality: float = number(80.0, 1, 100, 'of the JPEGs')
+    rate: float = number(0.0, 0, 1000, 'how many frames per second are published at most; 0: all')
+    quality: float = number(80.0, 1, 100, 'quality of the JPEG images that are published')
 
 
 @dataclass(frozen=True)
 class Settings(FrameSettings):
-    """What every node that looks at frames takes. ``ids``: the four that count, or empty for any."""
+    """The parameters of every node that looks for tags. ``ids``: four, or empty for any."""
 
-    dictionary: str = choice('DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name',
-                             shown=DICTIONARY_NAMES)
-    ids: Tuple[int, ...] = text((), '"any", or the ids of four different tags, such as 1,2,3,4',
-                                'the four tags that count', _ids, _ids_as_text)
-    scale: float = number(1.0, 0.01, 4.0, 'each frame is resized by this factor first')
-    search: str = choice('normal', SEARCHES, 'how hard to look for tags: fast for near ones, thorough for '
-                                             'small and slanted ones')
-    correction: float = number(1.0, 0, 1, 'how many of the wrong cells that the dictionary could correct are '
-                                          'corrected')
-    likeness: float = number(MIN_LIKENESS, 0, 1, 'how much what is seen must look like the tag that it is '
-                                                 'taken for')
-    min_side: float = number(0.0, 0, 10000, 'tags narrower than this are passed over, pixels')
+    dictionary: str = choice(
+        'DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name', listed=DICTIONARY_NAMES)
+    ids: Tuple[int, ...] = parsed(
+        (), 'any, or the ids of four different tags, such as 1,2,3,4',
+        'ids of the four tags that span the area; any: whichever tags are seen', _ids, _ids_as_text)
+    scale: float = number(
+        1.0, 0.01, 4.0, 'factor by which each frame is resized before tags are looked for')
+    search: str = choice(
+        'normal', SEARCHES,
+        'how thoroughly tags are looked for: fast is enough for near ones; thorough also finds small and '
+        'slanted ones, but takes much longer')
+    correction: float = number(
+        1.0, 0, 1,
+        'how many wrong cells a tag may have, as a share of those that its dictionary can correct; 0: none')
+    likeness: float = number(
+        MIN_LIKENESS, 0, 1,
+        "how closely what is seen must match a tag's pattern to be taken for that tag; 1 is a perfect match")
+    min_side: float = number(
+        0.0, 0, 10000, 'smallest side of a tag in the frame, in pixels; smaller tags are ignored')
 
 
 @dataclass(frozen=True)
 class AreaSettings(Settings):
-    """With the area. ``hold``, ``upright``: see Tracker."""
+    """The parameters of every node that tracks the area."""
 
-    hold: float = number(HOLD_S, 0, 60, 'seconds for which the area stays at most without a tag in sight')
-    upright: str = choice('tags', UPRIGHT, "whose top is the picture's: that of the tags or of the image")
+    hold: float = number(
+        HOLD_S, 0, 60,
+        "longest time in seconds for which the area is kept while neither tags nor the wall's texture shows "
+        'where it is')
+    upright: str = choice(
+        'tags', UPRIGHT,
+        "where the top of the picture is: tags puts it at the tags' own top, image at the top of the frame")
 
 
 @dataclass(frozen=True)
 class PictureSettings(AreaSettings):
-    """With the picture: a file, which may be within the package, or topic: and the name of an image topic."""
+    """The parameters of exercise5_6."""
 
-    picture: str = text('images/earth.jpg',
-                        'the path of a picture or video, such as images/earth.jpg, or topic: and the name of '
-                        'an image topic, such as topic:/other/camera', 'what is painted', _picture)
-    fit: str = choice('stretch', FITS, 'how a picture of another shape goes into the area')
-    opacity: float = number(1.0, 0, 1, 'how much of the picture is in the mixture with the frame')
-    areas: str = text('none', 'none, or the path of a YAML file', 'several areas: see config/areas.yaml',
-                      live=False)
+    picture: str = text(
+        'images/earth.jpg',
+        'the full path of a picture, GIF or video, or one within the package such as images/earth.jpg, or '
+        'topic: and the name of an image topic, such as topic:/other/camera',
+        'what is painted into the area', _picture)
+    fit: str = choice(
+        'stretch', FITS,
+        'how a picture goes into an area of another shape: stretch distorts it; contain shows all of it and '
+        'leaves a part of the area free; cover fills the area and cuts off what is too much')
+    opacity: float = number(
+        1.0, 0, 1, 'how opaque the picture is: with 0 only the frame is seen, with 1 only the picture')
+    areas: str = text(
+        'none', 'none, or the full path of a YAML file',
+        'file that describes several areas, as config/areas.yaml does; none: a single area', live=False)
 
 
 def _sizes(value):
-    """Pairs of id and meters, of a dict, or of text such as "7: 0.1, 8: 0.25", as launch files give it."""
+    """((id, meters), ...), of a dict or of text such as "7: 0.1, 8: 0.25", as launch files give it."""
     if value in ('none', '', {}):
         return ()
     pairs = value.items() if not isinstance(value, str) else \
         [part.split(':') for part in value.strip('{} ').split(',')]
-    sizes = tuple((_id(tag_id), SIZE.read(float(size) if isinstance(size, str) else size))
+    sizes = tuple((_id(tag_id), SIDE.read(float(size) if isinstance(size, str) else size))
                   for tag_id, size in pairs)
     if len(dict(sizes)) < len(sizes) or len(_sizes_as_text(sizes)) > MAX_TEXT:
         raise ValueError
@@ -125,43 +163,51 @@ def _sizes_as_text(sizes):
 
 
 def _tag_frame(value):
-    if ID not in some_text(value):
+    if ID not in path_or_name(value):
         raise ValueError
     return value
 
 
 @dataclass(frozen=True)
 class PoseSettings(AreaSettings):
-    """What tag_poses takes."""
+    """The parameters of tag_poses."""
 
-    tag_size: float = number(0.18, *SIDE_M, "side of the tags' black square, meters")
-    tag_sizes: Tuple[Tuple[int, float], ...] = text(
-        (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25', 'tags of another size', _sizes,
-        _sizes_as_text)
-    wall: str = text(LEARN, 'learn, or the path of a YAML file, which may be within the package',
-                     'where the tags are on the wall: see config/wall.yaml')
-    camera_info: str = text(AUTO, 'auto, or the name of a topic',
-                            "auto: camera_info beside the camera's images", live=False)
-    rectified: Union[str, bool] = wish(AUTO, 'whether the lens is corrected in the frames already; auto: if '
-                                             'their topic is called image_rect...')
-    tag_frame: str = text('tag_' + ID, 'a name with {id} in it', 'TF frame of a tag', _tag_frame, live=False)
-    wall_frame: str = text(AUTO, 'auto, or the name of a TF frame',
-                           "frame in which the camera's and the robot's poses are given; auto: wall, or "
-                           'learned_wall where it is learned', live=False)
-    robot_frame: str = text('base_link', 'the name of a TF frame', 'frame of the robot, for its pose',
-                            live=False)
+    tag_size: float = number(0.18, *SIDE_M, "side of a tag's black square, in meters")
+    tag_sizes: Tuple[Tuple[int, float], ...] = parsed(
+        (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
+        'sides of those tags that are not as large as tag_size says', _sizes, _sizes_as_text)
+    wall: str = text(
+        LEARN, 'learn, or the path of a YAML file, which may be within the package',
+        'where the tags are on the wall: a file says it, as config/wall.yaml does; learn finds it out from the '
+        'frames')
+    camera_info: str = text(
+        AUTO, 'auto, or the name of a topic',
+        "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
+    rectified: Union[str, bool] = switch(
+        AUTO,
+        'whether the distortion of the lens is already corrected in the frames; auto: if the name of their '
+        'topic begins with image_rect')
+    tag_frame: str = text(
+        'tag_' + ID, 'a name with {id} in it', 'name of the TF frame of a tag; {id} stands for its id',
+        _tag_frame, live=False)
+    wall_frame: str = text(
+        AUTO, 'auto, or the name of a TF frame',
+        'TF frame in which the poses of the camera and the robot are given; auto: learned_wall if the wall is '
+        'learned, else wall', live=False)
+    robot_frame: str = text(
+        'base_link', 'the name of a TF frame', 'TF frame of the robot, for its pose', live=False)
 
 
 @dataclass(frozen=True)
 class BagSettings(PoseSettings, PictureSettings):
-    """What annotate_bags takes."""
+    """The parameters of annotate_bags."""
 
 
 def load_areas(path):
-    """What a YAML file says of several areas: a list of {name of a parameter: value}.
+    """The areas that a YAML file describes: a list of {name of a parameter: value}.
 
-    config/areas.yaml shows all there is. Raises InputError naming the file and
-    the entry that is wrong.
+    config/areas.yaml shows all entries that there are. Raises InputError with
+    the file and the wrong entry.
     """
     with yaml_entries(path) as data:
         entries = [dict(entry) for entry in data['areas']]
