@@ -80,7 +80,7 @@ def _materials(wall: Wall) -> str:
 def _texture(wall: Wall, tag: WallTag) -> bytes:
     """A tag on its paper as a PNG, the tag's own top left first."""
     cells, _ = wall.paper(tag)
-    texels = CELL_TEXELS // wall.parts
+    texels = CELL_TEXELS // wall.paper_scale
     texture = cells.repeat(texels, 0).repeat(texels, 1)
     return cv2.imencode('.png', cv2.cvtColor(texture, cv2.COLOR_GRAY2BGR),
                         [cv2.IMWRITE_PNG_COMPRESSION, 9])[1].tobytes()

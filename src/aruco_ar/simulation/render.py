@@ -156,14 +156,14 @@ class WallRenderer:
 
     def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
         """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
-        texels = TAG_CELL_TEXELS // self._wall.parts
+        texels = TAG_CELL_TEXELS // self._wall.paper_scale
         texture = cells.repeat(texels, 0).repeat(texels, 1)
         place = (np.arange(len(texture)) + 0.5) / len(texture)
         left, right, _, foot = paper[:, 0]
         x = left + (right - left) * place + (foot - left) * place[:, None]
         # Paper is not a light source, ink not a hole.
         lit = ((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)
-        return _pyramid(lit, 2 * len(cells) / self._wall.parts)  # until two texels are left of a cell
+        return _pyramid(lit, 2 * len(cells) / self._wall.paper_scale)  # until two texels are left of a cell
 
     def _paint_poster(self, picture: Image, corners: Floats) -> list[Image]:
         """The same of a picture, (h, w, 3 or 4) BGR, whose corners are there on the wall: (h, w, 3) each."""
