@@ -118,7 +118,7 @@ def test_the_text_on_the_sheet(tmp_path):
     (['--quiet', '-1'], 'from 0 to 10'),
     (['--output', '/dev/null/tags'], '/dev/null/tags'),
     (['--sheet', '/dev/null/sheet.pdf'], '/dev/null/sheet.pdf'),
-    (['--sheet', 'sheet.pdf', '--side', '300'], 'do not fit on A4; the largest that do have'),
+    (['--sheet', 'sheet.pdf', '--side', '300'], 'do not fit on A4; the largest possible side is'),
     (['--sheet', 'sheet.pdf', '--side', '-5'], 'from 1 to 1000'),
 ])
 def test_errors_are_sentences_and_leave_nothing_behind(generate, tmp_path, arguments, words):

@@ -51,7 +51,7 @@ def test_a_float_picture_with_alpha_is_refused_not_painted_clear(tmp_path):
 def test_missing_broken_and_empty_files_are_named(tmp_path):
     (tmp_path / 'empty.jpg').write_bytes(b'')
     (tmp_path / 'broken.jpg').write_bytes(b'\xff\xd8\xff no picture')
-    for name, words in (('missing.jpg', 'cannot be read: No such file'), ('empty.jpg', 'cannot be read as a picture'),
+    for name, words in (('missing.jpg', 'cannot be read: No such file'), ('empty.jpg', 'read as a picture'),
                         ('broken.jpg', 'cannot be read as a picture'), ('.', 'is not a file')):
         path = str(tmp_path / name)
         with pytest.raises(InputError, match=words) as error:

@@ -7,7 +7,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import NEAR_M, angles_of, turned
+from aruco_ar.geometry.plane_pose import NEAR_M, rotation_matrices, rotation_vector
 from aruco_ar.tracking.area import Area
 
 from .belief import mixture
@@ -45,17 +45,17 @@ def area_pose(view: View, area: Area, lens: Lens) -> AreaPose | None:
     if not (np.isfinite(rays).all() and is_quadrilateral(pixels)):
         return None
     rotation, translation, covariance = view.poses[0]
-    slopes = np.linalg.inv(lens.look(rays)[1]) * AREA_PX                  # (4, 2, 2)
+    slopes = np.linalg.inv(lens.project_rays(rays)[1]) * AREA_PX                  # (4, 2, 2)
     # The pose, and those by small steps of the numbers that it depends on: the wall's six, the corners' eight.
     changes = np.zeros((29, 14))
     steps = np.array([WALL_STEP] * 6 + [CORNER_STEP] * 8)
     changes[1:15], changes[15:] = np.diag(steps), -np.diag(steps)
     moved = rays + np.einsum('kij,mkj->mki', slopes, changes[:, 6:].reshape(-1, 4, 2))
-    found = _area_on(turned(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
+    found = _area_on(rotation_matrices(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
     if found is None:
         return None
     points, axes, center, width, height = found
-    turns = np.array([angles_of(other @ axes[0].T) for other in axes])
+    turns = np.array([rotation_vector(other @ axes[0].T) for other in axes])
     off = np.concatenate([center - center[0], turns], axis=1)
     slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
     spread = np.eye(14)

@@ -15,7 +15,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Integers, Pose
 from aruco_ar.base.recent import Recent
-from aruco_ar.geometry.plane_pose import angles_of, crossed
+from aruco_ar.geometry.plane_pose import cross_matrices, rotation_vector
 
 SPEED_M_S = 1.0      # of the camera past the thing: a standard deviation
 MEMORY_S = 0.5       # evidence fades within about this time, since errors repeat from frame to frame,
@@ -44,7 +44,7 @@ class Belief:
         rotation, translation, covariance = poses
         toward = rotation.swapaxes(-1, -2)
         place = -(toward @ translation[..., None])[..., 0]  # the camera's, in the thing's own axes
-        moves = np.concatenate([toward, toward @ crossed(translation)], axis=-1)
+        moves = np.concatenate([toward, toward @ cross_matrices(translation)], axis=-1)
         spread = moves @ covariance @ moves.swapaxes(-1, -2)
         weight = np.maximum(-EVIDENCE / 2 * (costs - costs.min(axis=1, keepdims=True)), IMPOSSIBLE)
         believed = np.argmax(weight, axis=1)
@@ -83,7 +83,7 @@ def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:
     Each is (rotation, translation, covariance). Returned with the weight, which
     is none if the two are the same as far as anybody can tell.
     """
-    leap = np.concatenate([other[1] - one[1], angles_of(other[0] @ one[0].T)])
+    leap = np.concatenate([other[1] - one[1], rotation_vector(other[0] @ one[0].T)])
     if leap[3:] @ leap[3:] < SAME * np.trace(one[2][3:, 3:]):
         return one[2], 0.0
     return (1 - weight) * one[2] + weight * (other[2] + np.outer(leap, leap)), float(weight)

@@ -11,7 +11,7 @@ from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.recent import Recent
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import NEAR_M, crossed, guesses, refine
+from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matrices, refine
 from aruco_ar.tags.tag import SIDE_M, Tag, square
 from aruco_ar.tracking.area import Area
 from aruco_ar.walls.wall import Wall
@@ -74,7 +74,7 @@ class CameraPose:
         """The pose of what is at ``rotation``, ``translation`` in the optical frame, such as the robot."""
         arm = self.rotation @ translation
         moves = np.eye(6)
-        moves[:3, 3:] = -crossed(arm)  # the farther away it is, the more a turn of the camera moves it
+        moves[:3, 3:] = -cross_matrices(arm)  # the farther away it is, the more a turn of the camera moves it
         return CameraPose(self.rotation @ rotation, self.translation + arm, moves @ self.covariance @ moves.T,
                           self.ids)
 
@@ -171,7 +171,7 @@ class PoseEstimator:
         good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
         good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise: not seen from behind
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        starts = [guesses(points, ray) if fine else None
+        starts = [approximate_poses(points, ray) if fine else None
                   for points, ray, fine in zip(square(sizes), rays, good)]
         begun = [(number, start) for number, start in enumerate(starts) if start is not None]
         if not begun:
@@ -179,7 +179,8 @@ class PoseEstimator:
         keep = [number for number, _ in begun]
         rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
         deviation = corner_deviation(quads)
-        weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
+        _, slopes = lens.project_rays(rays.reshape(-1, 2))
+        weights = slopes.reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
             np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
             np.concatenate([rotations for _, (rotations, _) in begun]),
@@ -224,7 +225,7 @@ def _seen_from_the_wall(rotation: Floats, translation: Floats, covariance: Float
     """The camera's pose in wall coordinates from the wall's in the camera's, each with its covariance."""
     moves = np.zeros((6, 6))
     moves[:3, :3] = moves[3:, 3:] = -rotation.T
-    moves[:3, 3:] = -rotation.T @ crossed(translation)
+    moves[:3, 3:] = -rotation.T @ cross_matrices(translation)
     return rotation.T, -rotation.T @ translation, moves @ covariance @ moves.T
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Integers, Pose
-from aruco_ar.geometry.plane_pose import crossed, turned
+from aruco_ar.geometry.plane_pose import cross_matrices, rotation_matrices
 from aruco_ar.tags.tag import Tag
 from aruco_ar.walls.places import Places
 
@@ -104,10 +104,10 @@ def poses_of_tags(view: View, places: Places) -> dict[int, tuple[Pose, Pose, flo
         turn = view.rotation[which]
         off = spread @ view.own[which]
         arms = (center + off[:, :3]) @ turn.T
-        own_turn = turned(off[:, 3:])
+        own_turn = rotation_matrices(off[:, 3:])
         moves = np.zeros((len(arms), 6, view.covariance.shape[1]))
         moves[:, :, :6] = np.eye(6)
-        moves[:, :3, 3:6] = -crossed(arms)
+        moves[:, :3, 3:6] = -cross_matrices(arms)
         moves[:, :3, 6:], moves[:, 3:, 6:] = turn @ spread[:, :3], turn @ spread[:, 3:]
         covariance = moves @ view.covariance[which] @ moves.swapaxes(1, 2)
         for number, tag_id in enumerate(view.ids):
@@ -127,7 +127,7 @@ def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats
     arms, normals = (translation - translation.mean(axis=0)) @ axes, rotation[..., 2] @ axes
     seen = np.concatenate([arms[:, 2:], normals[:, :2]], axis=1)[..., None]
     moves = np.zeros((len(seen), 3, 6))
-    moves[:, 0, :3], moves[:, 1:, 3:] = axes[:, 2], -axes[:, :2].T @ crossed(rotation[..., 2])
+    moves[:, 0, :3], moves[:, 1:, 3:] = axes[:, 2], -axes[:, :2].T @ cross_matrices(rotation[..., 2])
     spread = moves @ covariance @ moves.swapaxes(1, 2) + bulge
     model = np.tile(np.eye(3), (len(seen), 1, 1))  # how a plane's height and normal show in those numbers
     model[:, 0, 1:] = -arms[:, :2]
@@ -149,9 +149,9 @@ def off_plane(one: Pose, others: Pose) -> tuple[Floats, Floats]:
     off = np.concatenate([(between @ rotation)[:, 2:], (normals @ rotation)[:, :2]], axis=1)
     # By the turns: of the one its plane turns about its center, of the other its normal.
     moves, other_moves = np.zeros((2, len(off), 3, 6))
-    other_moves[:, 0, :3], other_moves[:, 1:, 3:] = toward[2], -toward[:2] @ crossed(normals)
+    other_moves[:, 0, :3], other_moves[:, 1:, 3:] = toward[2], -toward[:2] @ cross_matrices(normals)
     moves[:] = -other_moves
-    moves[:, 0, 3:] = toward[2] @ crossed(between)
+    moves[:, 0, 3:] = toward[2] @ cross_matrices(between)
     return off, (moves @ covariance @ moves.swapaxes(1, 2)
                  + other_moves @ other_covariance @ other_moves.swapaxes(1, 2) + BULGE)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Pose
 from aruco_ar.base.recent import Recent
-from aruco_ar.geometry.plane_pose import NEAR_M, guesses, refine
+from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, refine
 from aruco_ar.tags.edges import side_of
 from aruco_ar.walls.places import Places
 from aruco_ar.walls.wall import Wall
@@ -123,7 +123,7 @@ class WallView:
             first = sight.poses[0][some[0]] @ rotation[0].T
             guess = first, sight.poses[1][some[0]] - first @ center[0]
         else:
-            guess = guesses(points.reshape(-1, 3), sight.rays[some].reshape(-1, 2))
+            guess = approximate_poses(points.reshape(-1, 3), sight.rays[some].reshape(-1, 2))
         if guess is None:
             return None
         weights = sight.weights[some].reshape(-1, 2, 2)
