@@ -102,12 +102,12 @@ def test_the_text_on_the_sheet(tmp_path):
 
 @pytest.mark.parametrize('arguments, words', [
     (['--ids', '249-250'], 'id 250 is not in DICT_6X6_250'),
-    (['--ids', 'one'], '"one" is no list of ids'),
+    (['--ids', 'one'], '"one" is not a list of ids'),
     (['--ids', '4-1'], 'smaller number first'),
     (['--size', '7'], 'from 8 to 10000'),
     (['--size', '7', '--format', 'svg'], 'from 8 to 10000'),
     (['--size', '70000'], 'from 8 to 10000'),
-    (['--ids', '1-'], '"1-" is no list of ids'),
+    (['--ids', '1-'], '"1-" is not a list of ids'),
     (['--ids', '1-1000000000'], 'id 250 is not in'),
     (['--sheet', 'sheet.png'], 'name of a PDF file'),
     (['--sheet', ''], 'name of a PDF file'),

@@ -9,7 +9,7 @@
 #include "frame.h"
 #include "cells.h"
 
-#define PROFILES 12        /* profiles along each edge */
+#define PROFILES 12       /* profiles along each edge */
 #define FIRST 0.08f       /* the positions of the first and the last profile along the edge, 0 to 1: a rounded */
 #define LAST 0.92f        /* corner is left out */
 #define SAMPLES 15        /* samples of each profile */
@@ -25,8 +25,8 @@
 #define MAX_FINE_PX 5.0f
 #define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
 #define MAX_BENT 0.35f    /* of the reach: half of an edge's profiles must be off its line by less */
-#define MARGIN_LIGHT 0.9f /* of the contrast: samples at least as light are the margin, which may end in a profile */
-#define STEADY 0.5f       /* of an edge's contrast: with a narrow margin, most of its profiles must have more */
+#define MARGIN_LIGHT 0.9f /* of the contrast: samples at least as light are the margin */
+#define STEADY 0.5f       /* of an edge's contrast: most profiles must have more, with a narrow margin */
 
 #define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
 const int profile_count = PROFILES;

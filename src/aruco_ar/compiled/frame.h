@@ -4,7 +4,7 @@
 #include <string.h>
 
 #define MIN_CONTRAST 12   /* gray levels between black and white, or it is noise */
-#define MAX_BEYOND 0.25f  /* of the contrast: a profile is clipped where it is darker or lighter than its ends by more */
+#define MAX_BEYOND 0.25f  /* of the contrast: where a profile is darker or lighter than its ends, it is clipped */
 
 typedef struct { float x, y; } Point;
 typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;
