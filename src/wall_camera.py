@@ -69,19 +69,19 @@ class Settings:
     wall: str = text('config/wall.yaml', 'the path of a YAML file, which may be within the package',
                      'the wall and its tags', live=False)
     path: str = text('none', 'none, or the path of a YAML file',
-                     'where to drive, until the first command comes', live=False)
+                     'the path that the robot drives until the first command', live=False)
     rate: float = number(30.0, 0.1, 1000, 'frames a second', live=False)
-    seed: float = number(0.0, 0, 2**31, 'of the noise', live=False)
-    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3', 'the lens',
-                                         coefficients, list, live=False)
+    seed: float = number(0.0, 0, 2**31, 'the seed of the random noise', live=False)
+    distortion: Tuple[float, ...] = text((0.0,) * 5, 'five numbers: k1, k2, p1, p2, k3',
+                                         'distortion of the lens', coefficients, list, live=False)
     noise: float = number(2.0, 0, 100, 'standard deviation of the noise, gray levels')
     blur: float = number(0.0, 0, 20, 'standard deviation of the blur, pixels')
     light: float = number(0.3, 0, 1, "how much darker the wall's right end is than its left")
-    exposure: float = number(1.0, 0, 20, 'how many times as light all is; above 1, white is cut off')
-    swing: float = number(0.0, 0, 4, 'stops by which the exposure goes up and down within 4 seconds')
-    hand: float = number(0.0, 0, 10, 'how unsteady a hand holds the camera, 1 is usual; TF is without')
-    shutter: float = number(0.0, 0, 100, "milliseconds in which a frame's rows are read, one after the other")
-    jpeg: float = number(0.0, 0, 100, 'the quality by which each frame is compressed; 0 for none')
+    exposure: float = number(1.0, 0, 20, 'factor of the brightness; above 1, white is clipped')
+    swing: float = number(0.0, 0, 4, 'stops by which the exposure rises and falls in 4 seconds')
+    hand: float = number(0.0, 0, 10, 'strength of the motion of a hand-held camera, usually 1; TF omits it')
+    shutter: float = number(0.0, 0, 100, "milliseconds in which a frame's rows are read, one by one")
+    jpeg: float = number(0.0, 0, 100, 'JPEG quality of the compression of each frame; 0 for none')
 
 
 class Driver:
@@ -92,7 +92,7 @@ class Driver:
         self._pose = path.start if path else START
         self._speed = 0.0, 0.0
         self._commanded = None
-        self._began = self._moved = rospy.Time.now()
+        self._started = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
     @guarded
@@ -110,7 +110,7 @@ class Driver:
         seconds = max(0.0, (stamp - self._moved).to_sec())  # 0 if the clock was set back
         self._moved = stamp
         if self._path and self._commanded is None:
-            self._pose, linear, angular = self._path.at((stamp - self._began).to_sec())
+            self._pose, linear, angular = self._path.at((stamp - self._started).to_sec())
             return self._pose, linear, angular
         if self._commanded is None or abs((stamp - self._commanded).to_sec()) > COMMAND_S:
             self._speed = 0.0, 0.0

@@ -31,10 +31,10 @@ class Layout:
     """The places of tags, and the four tags that span the area.
 
     ``ids``: those four, in the order of the area's corners, beginning with the
-    picture's top left. The tags' own tops say which side is up. If they
-    disagree, the frame does in which the tags were first seen. ``places``:
-    {id: (4, 2) float64} of all tags. ``ratio``: the area's width divided by its
-    height on the wall.
+    picture's top left. The tags' own tops decide which side is up. If they
+    disagree, the first frame with these tags decides. ``places``: {id: (4, 2)
+    float64} of all tags. ``ratio``: the area's width divided by its height on
+    the wall.
     """
 
     def __init__(self, tags: Sequence[Tag], corners: Floats, first: int | None = None) -> None:
