@@ -22,7 +22,7 @@ from .flatness import Flatness
 from .observations import SeenTags, WallFit, height_deviation, off_others, off_plane, poses_of_tags, squared
 
 MIN_SIGHTINGS = 3        # tags must be seen in one plane this many times to be learned
-FORGET_S = 0.5           # a place is forgotten after the tag was seen elsewhere so long, and as many times
+FORGET_S = 0.5           # a tag seen elsewhere for this time, and MIN_SIGHTINGS times, loses its place
 LEARN_PX = 2.0           # places are learned only if a tag has moved this far in the frame since the last time
 LEARN_ALWAYS = 3         # but this many times in any case
 # A tag is in its place if the root mean square error of its corners is less than this: some standard

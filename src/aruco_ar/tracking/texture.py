@@ -84,7 +84,7 @@ class Texture:
         off = self._to_plane(found) - self._places
         stays = (likeness > CONFIRMING_LIKENESS) & (np.linalg.norm(off * self._inner, axis=1) < STAYS_PX)
         self._confirmed += stays
-        # A single frame, and so the template's first one, is only as exact as tags are in one frame.
+        # The mean includes the places by the template's own frame, which are no more exact than the others.
         self._places += np.where(stays, 1 / np.minimum(self._confirmed + 1, MEAN_OF), 0)[:, None] * off
         kept = stays | ~in_sight
         self._points, self._places = self._points[kept], self._places[kept]
