@@ -187,7 +187,7 @@ def test_what_is_less_like_a_tag_than_asked_for_is_none(search):
     ({'search': None}, 'no search "None"'),
     ({'correction': 1.5}, '^The correction cannot be 1.5; give a number from 0 to 1.$'),
     ({'likeness': 'much'}, 'likeness cannot be much; give a number from 0 to 1'),
-    ({'likeness': float('nan')}, 'likeness of nan'),
+    ({'likeness': float('nan')}, 'likeness cannot be nan'),
     ({'min_side': -1}, '^The shortest side of tags cannot be -1; give pixels, 0 or more.$'),
 ])
 def test_what_cannot_be_searched_for_is_named(wrong, sentence):
