@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Exercise 5.1: generate tags, as pictures or as pages to print.
 
-Needs no roscore. Without arguments it writes what the course asks for: ids 1
-to 4 of DICT_6X6_250, 700 x 700 pixels, as image_1.jpg to image_4.jpg in Tags/.
+This program needs no roscore. Without arguments, it writes the tags that the
+course asks for: ids 1 to 4 of DICT_6X6_250, 700 x 700 pixels, as image_1.jpg to
+image_4.jpg in Tags/.
 """
 import argparse
 import os
@@ -16,30 +17,30 @@ from aruco_ar.base.progress import progress
 from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
-MAX_ID = 10000  # above those of every dictionary
+MAX_ID = 10000  # no dictionary has an id above this
 
 
 def read_ids(text):
-    """Ids from text such as "1-4" or "1,4,7-9"."""
+    """The ids in a text such as "1-4" or "1,4,7-9"."""
     ids: list[int] = []
     try:
         for part in text.split(','):
             first, dash, last = part.partition('-')
             ids.extend(range(int(first), min(int(last if dash else first), MAX_ID) + 1))
     except ValueError:
-        raise argparse.ArgumentTypeError('"%s" is no list of ids; write for example 1-4 or 1,4,7'
+        raise argparse.ArgumentTypeError('"%s" is not a list of ids; write for example 1-4 or 1,4,7'
                                          % text) from None
     if not ids:
-        raise argparse.ArgumentTypeError('"%s" holds no id; write the smaller number first' % text)
+        raise argparse.ArgumentTypeError('"%s" contains no id; write the smaller number first' % text)
     return list(dict.fromkeys(ids))
 
 
 def draw(form, args, tag_id):
-    """The bytes of one tag's file."""
+    """The bytes of the file of one tag. ``form``: jpg, png or svg."""
     if form == 'svg':
         return tag_svg(args.dictionary, tag_id, args.size, args.border, args.quiet).encode()
     image = draw_tag(args.dictionary, tag_id, args.size, args.border, args.quiet)
-    # At JPEG's default quality a tag's edges get faint echoes.
+    # With JPEG's default quality, faint gray lines would appear along a tag's edges.
     return cv2.imencode('.' + form, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
 
 
@@ -69,7 +70,7 @@ def parse(argv):
 
 
 def generate(args):
-    """Draw everything, then write: (path, bytes) of each file, nothing if one is impossible."""
+    """(path, bytes) of each file. All are drawn before any is written, in case one of them is impossible."""
     if args.sheet:
         return [(args.sheet, tag_sheet(args.dictionary, args.ids, args.side, args.page,
                                        args.border, args.quiet))]
@@ -79,7 +80,7 @@ def generate(args):
 
 
 def main(argv):
-    # roslaunch adds arguments of its own, such as __name:=...
+    # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
     args = parse([arg for arg in argv if ':=' not in arg])
     try:
         files = generate(args)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Exercise 5.2: detect the tags.
 
-A tag is a black square with a pattern of light cells that holds a number, its
-id. For each tag the detector gives the id and four corners, clockwise from the
-tag's own top left.
+A tag is a black square. Light cells inside of it make a pattern that stands for
+a number, its id. For each tag, the detector returns the id and four corners,
+clockwise from the tag's own top left.
 """
 import aruco_node
 import cv2
@@ -14,24 +14,25 @@ from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
-    # The dictionary says which patterns are tags, and which id each of them has. The other
-    # settings are the node's parameters too: rosrun unit5 exercise5_2.py --help explains them.
+    # The dictionary lists the patterns of all tags and their ids. These settings are parameters of
+    # the node: rosrun unit5 exercise5_2.py --help explains them.
     settings = scene.settings
     detector = Detector(settings.dictionary, settings.ids, settings.search,
                         settings.correction, settings.likeness, settings.min_side)
 
-    # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which looks for dark quadrilaterals
-    # and reads the cells inside. Then it moves the corners onto the edges of the tag, to a small
-    # fraction of a pixel.
+    # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which searches for dark quadrilaterals
+    # and reads the cells inside. Then the detector moves the corners onto the edges of the tag, to a
+    # small fraction of a pixel.
     tags = detector.detect(scene.frame)
 
-    # OpenCV draws between pixels if it is given fixed-point numbers, in steps of 1 / 2**SHIFT pixel.
+    # Corners are fractions of a pixel, but OpenCV's drawing functions take whole numbers. With the
+    # argument SHIFT, the unit of these numbers is 1 / 2**SHIFT pixel.
     image = scene.image
     for tag in tags:
         corners = fixed_point(tag.corners)
         cv2.polylines(image, [corners], True, GREEN, 2, cv2.LINE_AA, SHIFT)
         cv2.circle(image, corners[0].tolist(), 4 << SHIFT, RED, -1, cv2.LINE_AA, SHIFT)
-    for tag in tags:  # after all outlines, so that no line crosses a number
+    for tag in tags:  # after all outlines, so that no outline crosses an id
         write_text(image, str(tag.id), tag.center)
     return Result([image], tags)
 

@@ -2,8 +2,8 @@
 """Exercise 5.3: extract the centers of the tags.
 
 The centers will be the corners of the area that we paint into. The polygon
-through them depends on their order. In the order in which the tags were found
-it usually crosses itself.
+through them depends on their order. If we take them in the order in which the
+tags were found, the polygon usually crosses itself.
 """
 import aruco_node
 import cv2
@@ -12,11 +12,11 @@ from aruco_ar.painting.marks import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
 
 
 def extract_centers(scene):
-    """Mark the centers, and fill the polygon through them as they come."""
+    """Mark the centers, and fill the polygon through them, in the order in which they were found."""
     tags = find_tags(scene)  # exercise 5.2
 
-    # A tag's center is where its diagonals cross. A camera's view keeps straight lines straight, so
-    # that is the center of the real tag, too. The mean of the corners is not, if the tag is slanted.
+    # A tag's center is where its diagonals cross. A camera keeps straight lines straight. So this
+    # point shows the center of the real tag. The mean of the corners does not, if the tag is slanted.
     centers = [tag.center for tag in tags]
 
     image = scene.image

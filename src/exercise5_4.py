@@ -10,18 +10,18 @@ from aruco_ar.exercise import Exercise, Result, find_tags
 
 
 def order_centers(scene):
-    """Fill the quadrilateral through four centers, put in order."""
+    """Put four centers in order, and fill the quadrilateral through them."""
     tags = find_tags(scene)            # exercise 5.2
-    centers = find_four_centers(tags)  # exercise 5.3; of more than four tags, those farthest apart
+    centers = find_four_centers(tags)  # exercise 5.3; of more than four, those with the largest area
     if centers is None:
         return Result([scene.image], tags)
 
     # The sum x + y is least at the top left and greatest at the bottom right. The difference y - x
-    # is least at the top right and greatest at the bottom left. This is the course's rule. Our
-    # function also knows what to do where it fails, as for a square that stands on its corner.
+    # is least at the top right and greatest at the bottom left. This is the course's rule. It fails
+    # for a square that stands on its corner. Our function handles that case, too.
     corners = order_coordinates(centers)
 
-    # Draw as exercise 5.3 does.
+    # Draw the polygon and the centers as in exercise 5.3.
     image = mark_centers(fill_polygon(scene.image, corners), corners)
     return Result([image], tags)
 

@@ -11,17 +11,19 @@ from aruco_ar.exercise import TRACKER, Exercise, Result
 
 
 def subtract_area(scene):
-    """The mask of the area, and the frame without the area."""
+    """Make the mask of the area, and subtract it from the frame."""
     # The tracker finds the tags (5.2), takes their centers (5.3) and puts them in order (5.4). It
-    # also remembers where on the wall each tag is. So it still knows the area while tags are covered.
+    # also remembers the place of each tag on the wall. So it knows the area even while tags are
+    # covered.
     tracker = scene.tracker
     area = tracker.update(scene.frame, scene.stamp)
 
-    # White in the area, gray on its rim, where a pixel is only partly in it, and black elsewhere.
+    # The mask is white in the area and black elsewhere. On the area's rim, where a pixel is only
+    # partly in the area, it is gray.
     mask = area_mask(scene.frame, area)
 
-    # Pixel by pixel, white is 255. So a frame minus white is black, and a frame minus black is the
-    # frame as it was: subtracting the mask cuts the area out.
+    # White is 255, the largest value, and no result is below 0. So a pixel minus white is black. Black
+    # is 0, so a pixel minus black is unchanged. Subtracting the mask therefore cuts the area out.
     image = cv2.subtract(scene.frame, mask)
     return Result([mask, image], tracker.tags, area)
 

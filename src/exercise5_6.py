@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Exercise 5.6: paint a picture into the area between the tags.
 
-The picture is warped, so that its corners fall on the corners of the area.
-Then it takes the place of what exercise 5.5 subtracted.
+The picture is warped, so that its corners are at the corners of the area. Then
+it replaces what exercise 5.5 subtracted.
 """
 import aruco_node
 import cv2
@@ -14,32 +14,35 @@ from aruco_ar.painting.paint import put_in, warp
 
 
 def paint_picture(scene):
-    """The frame with the picture in the area. Where no area is known, it is the frame itself."""
-    # Find the area: 5.2, 5.3 and 5.4 in one, see exercise 5.5.
+    """Paint the picture into the area of the frame. Without an area, the frame stays as it is."""
+    # Find the area. The tracker does 5.2, 5.3 and 5.4 in one step: see exercise 5.5.
     tracker, image, settings = scene.tracker, scene.image, scene.settings
     area = tracker.update(scene.frame, scene.stamp)
     if area is None or scene.picture is None:
         return Result([image], tracker.tags, area)
 
-    # A picture of another shape than the area is stretched, or it loses a part of one of the two.
+    # The picture and the area may have different proportions. Depending on the setting, the picture
+    # is stretched, its edges are cut off, or a part of the area is left free.
     picture, place = fit_picture(scene.picture, area, settings.fit)
 
-    # From here on, we work on a window: the part of the image that the area touches. It is not a
-    # copy. What we paint into the window is in the image.
+    # From here on, we work on a window: the part of the image that the area touches. The window is
+    # not a copy. What we paint into it appears in the image.
     window, place = place.window(image)
 
-    # The homography maps each pixel of the picture to its place: corners to corners, lines to lines.
+    # The homography maps each pixel of the picture to its place in the window. It maps the corners
+    # of the picture to the corners of the area, and straight lines to straight lines.
     height, width = picture.shape[:2]
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     homography = cv2.getPerspectiveTransform(corners, place.corners)
 
-    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black.
+    # Warp the picture by the homography. Our function does the same as cv2.warpPerspective, but only
+    # where the mask of 5.5 is not black.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask)
 
-    # Subtract the mask from the window, as in 5.5, and add the picture where there is now a hole:
-    # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). A picture that lets the frame
-    # shine through is mixed with it instead.
+    # Subtract the mask from the window, as in 5.5, and add the picture where the window is now black:
+    # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). If the picture is transparent, it is
+    # mixed with the window instead.
     put_in(window, warped, mask, settings.opacity)
     return Result([image], tracker.tags, area)
 

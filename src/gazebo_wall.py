@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""The simulated camera's wall for Gazebo: a model, and a world that shows it.
+"""Make the simulated camera's wall for Gazebo: a model, and a world that contains it.
 
-Needs neither a roscore nor Gazebo. Without arguments it makes anew, from
-config/wall.yaml, what is in the package's gazebo/ and wall_gazebo.launch shows.
+This program needs neither a roscore nor Gazebo. Without arguments, it reads
+config/wall.yaml and writes the files in the package's gazebo/, which
+wall_gazebo.launch shows.
 """
 import argparse
 import os
@@ -24,7 +25,7 @@ def parse(argv):
 
 
 def main(argv):
-    # roslaunch adds arguments of its own, such as __name:=...
+    # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
     args = parse([arg for arg in argv if ':=' not in arg])
     try:
         files = wall_files(load_wall(args.wall or os.path.join(package_folder(), 'config', 'wall.yaml')))

@@ -102,7 +102,7 @@ class TagPoses(CameraNode):
             poses = sorted(estimator.update(tags, lens, scene.stamp), key=lambda pose: pose.id)
             camera = estimator.camera()
             on_wall = None if area is None else estimator.area(area, lens)
-            misfit = self._watch.look(poses, camera, scene.stamp)
+            misfit = self._watch.check(poses, camera, scene.stamp)
             if misfit:
                 faults[misfit] = misfit
         self._made = poses, on_wall, camera, lens, faults

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A stand-in for the ROSbot and its camera: drives before a wall with tags, and shows it."""
+"""A simulated ROSbot with a camera, which drives in front of a wall with tags and publishes what it sees."""
 import os
 import threading
 import time
@@ -37,19 +37,18 @@ from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.tolerant import tolerant
 from geometry_msgs.msg import Twist
 
-MAX_LATE_S = 5.0  # no rendering takes as long
-COMMAND_S = 0.5  # a robot that hears no command for this long stops
+MAX_LATE_S = 5.0  # rendering never takes this long; if the time is later than this, the clock was set
+COMMAND_S = 0.5   # without a command for this long, the robot stops
 START = Pose(-2.2, 0.0, 0.0)
-SWING_S = 4.0    # in which the exposure goes up and down
-LONG_S = 3600.0  # seconds since 1970 would have no fractions left
-
+SWING_S = 4.0     # the period in which the exposure goes up and down
+LOOP_S = 3600.0   # the motion of the hand repeats after this time: seconds since 1970 would be too large
 
 MANUAL_TOPICS = [
-    (CAMERA, 'sensor_msgs/Image', 'what the camera sees: rgb8'),
-    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'the same as JPEG'),
+    (CAMERA, 'sensor_msgs/Image', 'the frames of the camera: rgb8'),
+    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'the same frames as JPEG'),
     ('camera/rgb/camera_info', 'sensor_msgs/CameraInfo', "the camera's calibration"),
-    ('odom', 'nav_msgs/Odometry', 'where the robot is: true'),
-    ('/tf', 'tf2_msgs/TFMessage', 'the same; odom -> base_link'),
+    ('odom', 'nav_msgs/Odometry', "the robot's true pose"),
+    ('/tf', 'tf2_msgs/TFMessage', 'the same pose: odom -> base_link'),
     ('/tf_static', 'tf2_msgs/TFMessage', 'base_link -> camera_rgb_optical_frame, odom -> wall'),
     ('~tags', 'unit5/TagArray', 'true corners of all tags before the camera'),
     ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
@@ -94,32 +93,32 @@ class Settings:
 
 
 class Driver:
-    """Where the robot is: along the path, until the first /cmd_vel takes over."""
+    """The motion of the robot: along the path, until the first /cmd_vel takes over."""
 
     def __init__(self, path):
         self._path = path
         self._pose = path.start if path else START
         self._speed = 0.0, 0.0
         self._commanded = None
-        self._began = self._moved = rospy.Time.now()
+        self._started = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
     @guarded
     def _on_command(self, command):
         speed = np.array([command.linear.x, command.angular.z])
         if not np.all(np.isfinite(speed)):
-            rospy.logwarn_once('A /cmd_vel that is not a number was passed over.')
+            rospy.logwarn_once('A /cmd_vel was ignored, since its speeds are not finite numbers.')
             return
         limit = [MAX_LINEAR, MAX_ANGULAR]
         self._speed = tuple(np.clip(speed, np.negative(limit), limit))
         self._commanded = rospy.Time.now()
 
     def now(self, stamp):
-        """(Pose, linear, angular) at that time."""
-        seconds = max(0.0, (stamp - self._moved).to_sec())  # 0 where the clock was set back
+        """(Pose, linear m/s, angular rad/s) of the robot at that time."""
+        seconds = max(0.0, (stamp - self._moved).to_sec())  # 0 if the clock was set back
         self._moved = stamp
         if self._path and self._commanded is None:
-            self._pose, linear, angular = self._path.at((stamp - self._began).to_sec())
+            self._pose, linear, angular = self._path.at((stamp - self._started).to_sec())
             return self._pose, linear, angular
         if self._commanded is None or abs((stamp - self._commanded).to_sec()) > COMMAND_S:
             self._speed = 0.0, 0.0
@@ -128,7 +127,7 @@ class Driver:
 
 
 class WallCamera:
-    """Publishes what the robot sees, where it is, and the truth about both."""
+    """Publishes the camera's frames, the robot's pose, and the true positions of the tags and of the area."""
 
     def __init__(self):
         self._settings = read(Settings, parameter)
@@ -138,12 +137,12 @@ class WallCamera:
         path = self._settings.path
         self._driver = Driver(load_path(path) if path != 'none' else None)
         Reconfigurer(self._settings, self._reconfigure)
-        self._diagnostics, self._late = Diagnostics(self._report), 0
-        self._shown: deque[float] = deque()  # when frames were, monotonic
-        self._watched = None  # since when, monotonic
+        self._diagnostics, self._left_out = Diagnostics(self._report), 0
+        self._frame_times: deque[float] = deque()  # monotonic seconds, when frames were published
+        self._subscribed_since = None  # monotonic seconds, or None while nobody subscribes to the frames
 
         self._image = ImagePublisher(CAMERA, encoding='rgb8')
-        self._beside = self._image.name[:self._image.name.rindex('/') + 1]  # also where that is remapped
+        self._namespace = self._image.name[:self._image.name.rindex('/') + 1]  # even if the topic is remapped
         self._publishers = {}
         self._transforms = tf2_ros.TransformBroadcaster()
         self._fixed = tf2_ros.StaticTransformBroadcaster()
@@ -157,33 +156,33 @@ class WallCamera:
         self._renderer, self._settings = self._make_renderer(settings), settings
 
     def _report(self):
-        """How the camera is doing: see Diagnostics."""
-        now, watched = time.monotonic(), self._watched  # which another thread changes
-        while self._shown and now - self._shown[0] > WINDOW_S:
-            self._shown.popleft()
-        rate = len(self._shown) / WINDOW_S
-        values = {'frames a second': '%.1f' % rate, 'frames left out': self._late}
-        if watched and now - watched > WINDOW_S and rate < 0.9 * self._settings.rate:
+        """The state of the camera: see Diagnostics."""
+        now, subscribed_since = time.monotonic(), self._subscribed_since  # a copy: another thread changes it
+        while self._frame_times and now - self._frame_times[0] > WINDOW_S:
+            self._frame_times.popleft()
+        rate = len(self._frame_times) / WINDOW_S
+        values = {'frames a second': '%.1f' % rate, 'frames left out': self._left_out}
+        if subscribed_since and now - subscribed_since > WINDOW_S and rate < 0.9 * self._settings.rate:
             return WARN, 'Slow: %.1f frames a second, not %g.' % (rate, self._settings.rate), values
         return OK, '%.1f frames a second' % rate, values
 
     def _diagnose(self):
-        """Say how it is doing, also while a simulated clock stands still, and with it all else."""
+        """Report the state regularly, even while a simulated clock stands still and no frames are due."""
         while not rospy.is_shutdown():
             self._diagnostics.update()
             time.sleep(PERIOD_S)
 
     def spin(self):
-        """Publish until shutdown, each frame stamped with the very time at which it is due."""
+        """Publish frames until shutdown. The stamp of a frame is the exact time at which it is due."""
         threading.Thread(target=self._diagnose, daemon=True).start()
         rate = self._settings.rate
         start, count = rospy.Time.now(), 0
         while not rospy.is_shutdown():
-            late = (rospy.Time.now() - start).to_sec() * rate
-            if not count - 1 <= late <= count + MAX_LATE_S * rate:  # the clock was set
-                start, count, late = rospy.Time.now(), 0, 0
-            self._late += max(int(late) - count - 1, 0)  # what cannot be rendered in time is left out
-            count = max(count + 1, int(late))
+            due = (rospy.Time.now() - start).to_sec() * rate  # the number of frames that are due by now
+            if not count - 1 <= due <= count + MAX_LATE_S * rate:  # the clock was set
+                start, count, due = rospy.Time.now(), 0, 0
+            self._left_out += max(int(due) - count - 1, 0)  # frames that cannot be rendered in time
+            count = max(count + 1, int(due))
             stamp = start + rospy.Duration(count / rate)
             try:
                 rospy.sleep(stamp - rospy.Time.now())
@@ -195,25 +194,25 @@ class WallCamera:
 
     @guarded
     def _publish(self, stamp):
-        settings, seconds = self._settings, stamp.to_sec() % LONG_S
+        settings, seconds = self._settings, stamp.to_sec() % LOOP_S
         pose, linear, angular = self._driver.now(stamp)
         first, last = (hand_held(wall_to_camera(drive(pose, linear, angular, passed)), seconds + passed,
                                  settings.hand) for passed in (0, settings.shutter / 1000))
         header, messages = observe(self._wall, self._camera, pose, linear, angular, stamp, first, last)
         for topic, message in messages.items():
             if topic not in self._publishers:
-                name = self._beside + topic if topic == 'camera_info' else topic
+                name = self._namespace + topic if topic == 'camera_info' else topic
                 self._publishers[topic] = rospy.Publisher(name, type(message), queue_size=1)
             self._publishers[topic].publish(message)
         self._transforms.sendTransform(robot_transform(pose, stamp))
         if not self._image.has_listeners():
-            self._watched = None
+            self._subscribed_since = None
         else:
-            self._watched = self._watched or time.monotonic()
+            self._subscribed_since = self._subscribed_since or time.monotonic()
             exposure = settings.exposure * 2**(settings.swing * np.sin(2 * np.pi * seconds / SWING_S))
             self._image.publish(self._renderer.render(*first, exposure=exposure,
                                                       last=last if settings.shutter else None), header)
-            self._shown.append(time.monotonic())
+            self._frame_times.append(time.monotonic())
 
 
 if __name__ == '__main__':

@@ -1,7 +1,7 @@
 """Tags seen on simulated drives, with corners computed rather than detected, and how far poses are off."""
 import numpy as np
 from aruco_ar import Tag
-from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Camera, wall_to_camera
 from aruco_ar.tags.tag import square
 from drives import LIVELY
@@ -55,4 +55,4 @@ def drive(estimator, random, places=lambda number: {}, ids=AREA, count=60, first
 def on_wall(tag_id, shift=(0, 0, 0), turn=(0, 0, 0)):
     """The pose on the wall of a tag that was moved and turned about its center."""
     tag = next(tag for tag in TAGS_WALL.tags if tag.id == tag_id)
-    return turned(np.array([turn]))[0], np.array([tag.x, tag.y, 0]) + shift
+    return rotation_matrices(np.array([turn]))[0], np.array([tag.x, tag.y, 0]) + shift

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from aruco_ar import Detector, Lens, PoseEstimator, get_dictionary
 from aruco_ar.base.progress import progress, tell
-from aruco_ar.geometry.plane_pose import angles_of
+from aruco_ar.geometry.plane_pose import rotation_vector
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.tags.tag import square
@@ -52,7 +52,7 @@ def true_pose(tag, rotation, translation):
 
 def error_of(rotation, translation, truth):
     """(6,): how far off a pose is, meters and radians, as its covariance has it."""
-    return np.concatenate([translation - truth[1], angles_of(rotation @ truth[0].T)])
+    return np.concatenate([translation - truth[1], rotation_vector(rotation @ truth[0].T)])
 
 
 class Others:

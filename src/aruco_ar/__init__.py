@@ -1,10 +1,11 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
-A frame goes one way: frame -> tags (Detector) -> area (find_area) -> picture
-(overlay). A Tracker finds the area in a sequence of frames. What connects this
-to ROS is in ``aruco_node``.
+Each frame takes the same way: the Detector finds its tags, find_area finds the
+area between them, and overlay paints the picture into the area. A Tracker
+finds the area in a sequence of frames. The package ``aruco_node`` connects
+this one to ROS.
 """
-from .base import required  # noqa: F401  before what is too old fails in its own way
+from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
 from .base.errors import InputError
 from .geometry.ordering import largest_quadrilateral, order_coordinates
 from .painting.marks import fill_polygon, mark_centers, mark_tags

@@ -1,4 +1,4 @@
-"""An exercise: what is made of each frame, whether a camera's node or a bag brings it."""
+"""What an exercise is: a function of a frame, called by a camera's node or for the frames of a bag."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ from .tracking.area import Area
 from .tracking.tracker import Tracker
 
 TRACKER, PICTURE = 'tracker', 'picture'  # what an exercise may need
-# After a change of these parameters the tracker starts anew.
-STARTS = 'dictionary', 'ids', 'upright', 'search', 'correction', 'likeness', 'min_side'
+# A change of one of these parameters makes a new tracker.
+TRACKER_PARAMETERS = 'dictionary', 'ids', 'upright', 'search', 'correction', 'likeness', 'min_side'
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class Scene:
 
     ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to paint on, of the same size. It is
     the frame itself, or a copy of it into which other areas have been painted already. ``stamp``: the frame's
-    time, seconds. ``settings``: the node's parameters. ``tracker``: the Tracker that follows the area.
-    ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA uint8, None until there is one. Both are None for an exercise
-    that does not need them.
+    time, seconds. ``settings``: the node's parameters. ``tracker``: the Tracker of the area. ``picture``:
+    (h, w, 3) BGR or (h, w, 4) BGRA uint8; it is None until the first picture has arrived. The tracker and the
+    picture are None for an exercise that does not need them.
     """
 
     frame: Image
@@ -36,7 +36,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Result:
-    """What an exercise makes of a frame: an image for each topic, the tags in sight, and the Area, if known."""
+    """The result for one frame: an image for each topic, the tags in sight, and the Area, if it is known."""
 
     images: Sequence[Image]
     tags: Sequence[Tag]
@@ -47,7 +47,7 @@ class Result:
 class Exercise:
     """An exercise by the name of its node. ``step`` turns a Scene into a Result.
 
-    ``needs``: TRACKER to ask where the area is, PICTURE to paint one. ``topics``: the names of its images.
+    ``needs``: TRACKER if it asks where the area is, PICTURE if it paints one. ``topics``: its images' names.
     """
 
     name: str
@@ -70,47 +70,49 @@ def new_tracker(settings: Any) -> Tracker:
 
 
 class Source(Protocol):
-    """Where a picture comes from, such as a Still or a Clip."""
+    """The source of a picture, such as a Still or a Clip."""
 
     def at(self, stamp: float) -> Image | None:
-        """The picture that is shown at a time, seconds."""
+        """The picture to show at a time, seconds; None if there is none yet."""
 
 
 class Stage:
-    """What is kept from frame to frame, for one area: settings, Tracker, and where its picture comes from."""
+    """What is kept from frame to frame for one area: the settings, the Tracker, and the picture's Source."""
 
     def __init__(self, needs: Sequence[str], settings: Any, open_source: Callable[[str], Source],
-                 before: Stage | None = None) -> None:
-        """``needs``: see Exercise. ``open_source`` opens what the parameter ``picture`` names.
+                 previous: Stage | None = None) -> None:
+        """Make a Stage for ``settings``, the node's parameters.
 
-        ``before``: the Stage whose settings were changed to these. It hands on what they leave as it was.
-        Raises InputError.
+        ``needs``: see Exercise. ``open_source``: a function that opens the Source that the parameter
+        ``picture`` names. ``previous``: the Stage with the settings before the change. Its tracker and its
+        source are kept if their own parameters are unchanged. Raises InputError.
         """
         self.settings = settings
         self._needs, self._open_source = needs, open_source
         self.tracker: Tracker | None = None
         self.source: Source | None = None
         if TRACKER in needs:
-            self.tracker = before.tracker if before and self._agrees(before, STARTS) else new_tracker(settings)
+            self.tracker = previous.tracker if previous and self._has_same(previous, TRACKER_PARAMETERS) else \
+                new_tracker(settings)
         if PICTURE in needs:
-            self.source = before.source if before and self._agrees(before, [PICTURE]) else \
+            self.source = previous.source if previous and self._has_same(previous, [PICTURE]) else \
                 open_source(settings.picture)
 
-    def _agrees(self, other: Stage, names: Sequence[str]) -> bool:
-        return all(getattr(self.settings, name) == getattr(other.settings, name) for name in names)
+    def _has_same(self, other: Stage, parameters: Sequence[str]) -> bool:
+        return all(getattr(self.settings, name) == getattr(other.settings, name) for name in parameters)
 
     def scene(self, frame: Image, image: Image, stamp: float) -> Scene:
-        """The Scene of a frame: see there."""
+        """The Scene of a frame; the arguments are those of Scene."""
         if self.tracker is not None:
             self.tracker.hold = self.settings.hold
         picture = None if self.source is None else self.source.at(stamp)
         return Scene(frame, image, stamp, self.settings, self.tracker, picture)
 
     def changed(self, settings: Any) -> Stage:
-        """The Stage from a change of settings on. Raises InputError, and then this one stays as it is."""
+        """A new Stage with changed settings. Raises InputError; this Stage is unchanged in either case."""
         return Stage(self._needs, settings, self._open_source, self)
 
     def reset(self) -> None:
-        """Forget what was learned from frames."""
+        """Forget all that the tracker has learned from frames."""
         if self.tracker is not None:
             self.tracker.reset()

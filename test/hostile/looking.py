@@ -149,7 +149,7 @@ class Looking:
             sides = on_wall.width, on_wall.height
             if not (np.isfinite(on_wall.points).all() and np.isfinite(sides).all() and min(sides) > 0):
                 yield 'an area of %g x %g m' % sides
-        self._watch.look(poses, camera, picture.stamp)
+        self._watch.check(poses, camera, picture.stamp)
         yield from _faults_of_messages(tags, poses, camera, on_wall, lens)
         images.append(mark_poses(frame, tags, poses, lens, area))
         for image in images:

@@ -4,7 +4,7 @@ import numpy as np
 from aruco_ar import Area, CameraPose, Lens, PoseEstimator, Tag, find_area, order_coordinates
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import angles_of, turned
+from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.painting.fit import fit_picture
 from aruco_ar.tags.tag import square
 from aruco_node.messages import pose_messages
@@ -39,7 +39,7 @@ def scattered_tags(draw):
             for number, center in enumerate(centers)]
 
 
-rotations = numbers(-1.7, 1.7, 3).map(lambda angles: turned(angles[None])[0])
+rotations = numbers(-1.7, 1.7, 3).map(lambda angles: rotation_matrices(angles[None])[0])
 shifts = numbers(-2, 2, 3)
 
 
@@ -119,13 +119,13 @@ def test_paint_stays_within_the_area(corners, seed, way):
 @same_each_time
 def test_the_pose_of_a_tag_seen_without_noise_is_its_pose(slant, axis, roll, aside, far):
     lens = Lens(640, 480, np.array([[550.0, 0, 320], [0, 550, 240], [0, 0, 1]]), np.array([]))
-    rotation = turned(np.array([[slant * np.cos(axis), slant * np.sin(axis), 0]]))[0] @ \
-        turned(np.array([[0, 0, roll]]))[0] @ np.diag([1.0, -1, -1])
+    rotation = rotation_matrices(np.array([[slant * np.cos(axis), slant * np.sin(axis), 0]]))[0] @ \
+        rotation_matrices(np.array([[0, 0, roll]]))[0] @ np.diag([1.0, -1, -1])
     place = np.array([aside * far, -aside * far / 2, far])
     pixels = lens.project(square([0.18])[0] @ rotation.T + place)
     pose, = PoseEstimator(0.18).update([Tag(1, pixels)], lens, 0.0)
     np.testing.assert_allclose(pose.translation, place, atol=1e-4)
-    assert np.linalg.norm(angles_of(pose.rotation @ rotation.T)) < 1e-3
+    assert np.linalg.norm(rotation_vector(pose.rotation @ rotation.T)) < 1e-3
 
 
 @given(numbers(-1, 1, 24), st.floats(-3, 1), st.floats(0, 4))
@@ -136,7 +136,8 @@ def test_every_covariance_is_one(deviations, size, far):
     tags = []
     for number, (off, x) in enumerate(zip(deviations.reshape(3, 4, 2), (-1, 0, 1))):
         place = np.array([1.5 * x, 0.2, 3 + far * 10]) * size
-        pixels = lens.project(square([size])[0] @ turned(np.array([[np.pi - 0.4, 0.3, 0]]))[0].T + place)
+        rotation = rotation_matrices(np.array([[np.pi - 0.4, 0.3, 0]]))[0]
+        pixels = lens.project(square([size])[0] @ rotation.T + place)
         tags.append(Tag(number, pixels + 0.3 * off))
     estimator = PoseEstimator(size)
     for frame in range(5):
@@ -165,7 +166,7 @@ def test_to_carry_twice_is_to_carry_once(rotation, place, turn, shift, other_tur
 def test_what_is_carried_is_off_as_its_place_moves_with_the_camera(rotation, place, shift, root):
     """By the slopes of its place by small moves and turns of the camera."""
     def carried(change):
-        pose = CameraPose(turned(change[None, 3:])[0] @ rotation, place + change[:3], np.eye(6), ())
+        pose = CameraPose(rotation_matrices(change[None, 3:])[0] @ rotation, place + change[:3], np.eye(6), ())
         return pose.carry(np.eye(3), shift).translation
     step, root = 1e-6, root.reshape(6, 6)
     slopes = np.array([carried(change) - carried(-change) for change in step * np.eye(6)]).T / (2 * step)

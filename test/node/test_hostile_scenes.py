@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from aruco_ar import Detector, Lens, PoseEstimator, Tag, Tracker, detector, draw_tag
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.tags.tag import square
 from hostile.looking import Looking, watch
 from hostile.scenes import NAMES, canvas_of, put, turned_square
@@ -41,7 +41,7 @@ def test_a_sequence_that_once_gave_a_covariance_that_was_none():
 
 def grid(count, first=0, side=0.05):
     """So many tags in rows on a wall that is seen at a slant."""
-    rotation, rows = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0], int(np.ceil(count**0.5))
+    rotation, rows = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], int(np.ceil(count**0.5))
     places = [np.array([(n % rows - rows / 2) * 0.1, (n // rows - rows / 2) * 0.08, 0]) for n in range(count)]
     return [Tag(first + number, np.float32(PINHOLE.project((square([side])[0] + place) @ rotation.T
                                                            + [0, 0, 0.3 + 0.12 * rows])))
@@ -60,7 +60,7 @@ def test_ids_that_are_ever_new_do_not_fill_the_memory():
 def test_a_wall_without_an_end_does_not_fill_the_memory():
     """Past a row of tags, ten of them in sight: those that were left behind long ago are forgotten."""
     estimator, sizes = PoseEstimator(0.05), []
-    rotation = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0]
+    rotation = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0]
     for first in range(0, 160, 4):
         for number in range(4):
             tags = [Tag(tag_id, np.float32(PINHOLE.project(
@@ -129,7 +129,8 @@ def test_a_covariance_of_numbers_of_very_different_sizes_is_one():
     random, lens = np.random.RandomState(3), Lens(320, 240, matrix, np.zeros(0))
     places = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.0015
     for _ in range(25):
-        estimator, rotation = PoseEstimator(0.001), turned(random.normal(0, 0.4, (1, 3)) + [np.pi, 0, 0])[0]
+        rotation = rotation_matrices(random.normal(0, 0.4, (1, 3)) + [np.pi, 0, 0])[0]
+        estimator = PoseEstimator(0.001)
         far = 0.36 * random.uniform(0.5, 2)
         for number in range(4):
             tags = [Tag(tag_id, lens.project((square([0.001])[0] + place) @ rotation.T + [0, 0, far])
@@ -143,8 +144,8 @@ def test_a_covariance_of_numbers_of_very_different_sizes_is_one():
 @pytest.mark.parametrize('slant', [0.2, 0.375, 0.5, 0.8])
 def test_a_tag_that_leans_exactly_about_its_own_edge_has_a_pose(slant):
     for turn in np.arange(0, 6.28, 0.25):
-        lean = turned(np.array([[slant * np.cos(turn), slant * np.sin(turn), 0]]))[0]
-        truth = lean @ turned(np.array([[0, 0, turn]]))[0] @ FACING, np.array([0, 0, 0.5])
+        lean = rotation_matrices(np.array([[slant * np.cos(turn), slant * np.sin(turn), 0]]))[0]
+        truth = lean @ rotation_matrices(np.array([[0, 0, turn]]))[0] @ FACING, np.array([0, 0, 0.5])
         tag = Tag(1, PINHOLE.project(square([0.18])[0] @ truth[0].T + truth[1]))
         pose, = PoseEstimator(0.18).update([tag], PINHOLE, 0.0)
         assert off(pose, truth)[0] < 1e-4 and off(pose, truth)[1] < 0.01

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 from aruco_ar import Lens, PoseEstimator
-from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Pose, wall_to_camera
 from posing import PINHOLE, off, surprise, tag_at
 
@@ -16,7 +16,7 @@ FACING = np.diag([1.0, -1.0, -1.0])  # of a camera that looks straight at the wa
 
 def seen(estimator, places, place, turn, number, random, lens=LARGE, bias=None):
     """The poses, their truth, and the true pose (R, t) on the wall of the camera that looks on from a place."""
-    rotation = turned(np.array([[0, turn, 0]]))[0] @ FACING
+    rotation = rotation_matrices(np.array([[0, turn, 0]]))[0] @ FACING
     truth, tags = {}, []
     for tag_id, center in places.items():
         pose = rotation, rotation @ (np.array(center) - place)

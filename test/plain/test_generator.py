@@ -102,12 +102,12 @@ def test_the_text_on_the_sheet(tmp_path):
 
 @pytest.mark.parametrize('arguments, words', [
     (['--ids', '249-250'], 'id 250 is not in DICT_6X6_250'),
-    (['--ids', 'one'], '"one" is no list of ids'),
+    (['--ids', 'one'], '"one" is not a list of ids'),
     (['--ids', '4-1'], 'smaller number first'),
     (['--size', '7'], 'from 8 to 10000'),
     (['--size', '7', '--format', 'svg'], 'from 8 to 10000'),
     (['--size', '70000'], 'from 8 to 10000'),
-    (['--ids', '1-'], '"1-" is no list of ids'),
+    (['--ids', '1-'], '"1-" is not a list of ids'),
     (['--ids', '1-1000000000'], 'id 250 is not in'),
     (['--sheet', 'sheet.png'], 'name of a PDF file'),
     (['--sheet', ''], 'name of a PDF file'),
@@ -118,7 +118,7 @@ def test_the_text_on_the_sheet(tmp_path):
     (['--quiet', '-1'], 'from 0 to 10'),
     (['--output', '/dev/null/tags'], '/dev/null/tags'),
     (['--sheet', '/dev/null/sheet.pdf'], '/dev/null/sheet.pdf'),
-    (['--sheet', 'sheet.pdf', '--side', '300'], 'do not fit on A4; the largest that do have'),
+    (['--sheet', 'sheet.pdf', '--side', '300'], 'do not fit on A4; the largest possible side is'),
     (['--sheet', 'sheet.pdf', '--side', '-5'], 'from 1 to 1000'),
 ])
 def test_errors_are_sentences_and_leave_nothing_behind(generate, tmp_path, arguments, words):

@@ -36,9 +36,9 @@ def test_rays_are_what_opencv_projects_back(lens, random):
 @pytest.mark.parametrize('lens', LENSES.values(), ids=LENSES)
 def test_how_pixels_move_with_rays(lens, random):
     rays, step = random.uniform(-0.4, 0.4, (20, 2)), 1e-6
-    pixels, slopes = lens.look(rays)
+    pixels, slopes = lens.project_rays(rays)
     for axis in (0, 1):
-        moved, _ = lens.look(rays + step * np.eye(2)[axis])
+        moved, _ = lens.project_rays(rays + step * np.eye(2)[axis])
         np.testing.assert_allclose((moved - pixels) / step, slopes[:, :, axis], rtol=1e-3, atol=0.01)
 
 

@@ -44,15 +44,15 @@ def test_a_picture_larger_than_can_be_warped_is_shrunk(tmp_path):
 def test_a_float_picture_with_alpha_is_refused_not_painted_clear(tmp_path):
     path = str(tmp_path / 'float.tiff')
     cv2.imwrite(path, np.full((8, 8, 4), 1.0, np.float32))
-    with pytest.raises(InputError, match='no picture that can be read'):
+    with pytest.raises(InputError, match='cannot be read as a picture'):
         load_picture(path)
 
 
 def test_missing_broken_and_empty_files_are_named(tmp_path):
     (tmp_path / 'empty.jpg').write_bytes(b'')
     (tmp_path / 'broken.jpg').write_bytes(b'\xff\xd8\xff no picture')
-    for name, words in (('missing.jpg', 'cannot be read: No such file'), ('empty.jpg', 'no picture'),
-                        ('broken.jpg', 'no picture'), ('.', 'is not a file')):
+    for name, words in (('missing.jpg', 'cannot be read: No such file'), ('empty.jpg', 'read as a picture'),
+                        ('broken.jpg', 'cannot be read as a picture'), ('.', 'is not a file')):
         path = str(tmp_path / name)
         with pytest.raises(InputError, match=words) as error:
             load_picture(path)

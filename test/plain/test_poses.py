@@ -3,7 +3,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, InputError, Lens, PoseEstimator, Tag
-from aruco_ar.geometry.plane_pose import angles_of, turned
+from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.poses.belief import Belief
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
@@ -96,7 +96,7 @@ def test_covariances_are_honest(ids, wall, noise, random):
 
 def test_an_ambiguous_pose_says_so(random):
     """Far away and seen from a bit aside, nobody can tell from which side."""
-    truth = turned(np.array([[np.pi + 0.25, 0, 0]]))[0], np.array([0.1, 0, 7.0])
+    truth = rotation_matrices(np.array([[np.pi + 0.25, 0, 0]]))[0], np.array([0.1, 0, 7.0])
     pose, = PoseEstimator(SIDE).update([tag_at(1, truth, random, noise=0)], PINHOLE, 0.0)
     near, = PoseEstimator(SIDE).update([tag_at(1, (truth[0], truth[1] / 7), random, noise=0)], PINHOLE, 0.0)
     assert 0.05 < pose.ambiguity <= 0.5
@@ -106,7 +106,7 @@ def test_an_ambiguous_pose_says_so(random):
 
 
 def test_sizes_override(random):
-    truth = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.1, 0, 1.5])
+    truth = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.1, 0, 1.5])
     tags = [tag_at(1, truth, random, size=0.1), tag_at(2, truth, random, size=0.3)]
     for pose, size in zip(PoseEstimator(0.1, sizes={2: 0.3}).update(tags, PINHOLE, 0.0), (0.1, 0.3)):
         assert pose.size == size
@@ -119,7 +119,7 @@ def test_sizes_override(random):
     Lens(640, 480, Camera().matrix, np.array([0.5, -0.2, 0.001, -0.001, 0.01, 0.8, -0.1, 0.02]))],
     ids=['fisheye', 'rational'])
 def test_other_lenses(lens, random):
-    truth = turned(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.3, -0.2, 1.5])
+    truth = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.3, -0.2, 1.5])
     pose, = PoseEstimator(SIDE).update([tag_at(1, truth, random, lens, noise=0)], lens, 0.0)
     assert off(pose, truth)[0] < 0.005  # the bulge of a fitted tag's edges, which these corners do not have
     assert off(pose, truth)[1] < 0.5
@@ -184,14 +184,14 @@ def test_a_size_that_no_tag_has_is_refused(value):
 
 def test_turns_and_their_angles(random):
     for angles in random.normal(0, 1, (20, 3)):
-        rotation = turned(angles[None])[0]
+        rotation = rotation_matrices(angles[None])[0]
         np.testing.assert_allclose(rotation, cv2.Rodrigues(angles)[0], atol=1e-12)
-        np.testing.assert_allclose(turned(angles_of(rotation)[None])[0], rotation, atol=1e-9)
+        np.testing.assert_allclose(rotation_matrices(rotation_vector(rotation)[None])[0], rotation, atol=1e-9)
 
 
 def test_frames_add_up_and_are_forgotten_after_a_gap():
     """Each says a little for the first pose, the last one nothing."""
-    rotations = turned(np.array([[np.pi + 0.3, 0, 0], [np.pi - 0.3, 0, 0]]))
+    rotations = rotation_matrices(np.array([[np.pi + 0.3, 0, 0], [np.pi - 0.3, 0, 0]]))
     poses = rotations[None], np.array([[[0, 0, 3.0], [0, 0, 3.0]]]), np.eye(6)[None, None].repeat(2, 1) * 1e-4
     belief, told = Belief(), np.array([[0.0, 4.0]])
     first = belief.weigh(['tag'], poses, told, 0.0)[1]

@@ -185,10 +185,10 @@ def test_what_is_less_like_a_tag_than_asked_for_is_none(search):
 @pytest.mark.parametrize('wrong, sentence', [
     ({'search': 'slow'}, '^There is no search "slow"; choose one of fast, normal, thorough.$'),
     ({'search': None}, 'no search "None"'),
-    ({'correction': 1.5}, '^A correction of 1.5 cannot be asked for; give 0 to 1.$'),
-    ({'likeness': 'much'}, 'likeness of much cannot be asked for; give 0 to 1'),
-    ({'likeness': float('nan')}, 'likeness of nan'),
-    ({'min_side': -1}, '^Tags cannot be at least -1 wide; give pixels, 0 or more.$'),
+    ({'correction': 1.5}, '^The correction cannot be 1.5; give a number from 0 to 1.$'),
+    ({'likeness': 'much'}, 'likeness cannot be much; give a number from 0 to 1'),
+    ({'likeness': float('nan')}, 'likeness cannot be nan'),
+    ({'min_side': -1}, '^The shortest side of tags cannot be -1; give pixels, 0 or more.$'),
 ])
 def test_what_cannot_be_searched_for_is_named(wrong, sentence):
     for kind in Detector, Tracker:

@@ -97,7 +97,7 @@ def test_a_truncated_file_plays_as_far_as_it_goes(tmp_path):
 def test_what_is_neither_picture_nor_video_is_named(tmp_path, data):
     path = tmp_path / 'what.mp4'
     path.write_bytes(data)
-    with pytest.raises(InputError, match='no picture that can be read|no video that OpenCV can read') as error:
+    with pytest.raises(InputError, match='cannot be read as a picture|as a video') as error:
         open_source(str(path))
     assert str(path) in str(error.value)
     with pytest.raises(InputError, match='is not a file'):

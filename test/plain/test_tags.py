@@ -32,7 +32,7 @@ def test_every_dictionary_of_opencv_has_a_name():
     (('DICT_6X6_250', -1), 'Tag id -1'),
     (('DICT_6X6_250', 1, 7), '8 cells wide cannot be drawn with a size of 7 px'),
     (('DICT_6X6_250', 1, 100, 0), 'border of 0 cells'),
-    (('DICT_6X6_250', 1, 100, 1, -1), 'quiet zone of -1'),
+    (('DICT_6X6_250', 1, 100, 1, -1), 'white margin of -1'),
 ])
 def test_what_cannot_be_drawn_is_refused(arguments, sentence):
     with pytest.raises(InputError, match=sentence):

@@ -52,12 +52,12 @@ def test_it_knows_the_wall_again_after_a_jerk(painting):
 def test_it_lets_go_when_no_tag_has_been_there_for_long(painting):
     tracker, frames = Tracker(), list(drive(STILL, LEARNED + 30, hidden, wall=painting, noise=2.0))
     assert not np.isnan(follow(tracker, frames)).any()
-    assert tracker.why == "The wall's texture shows it."
+    assert tracker.explanation == "The wall's texture shows it."
     again = frames[LEARNED:]
     for round in range(1, 16):
         follow(tracker, later(again, float(round)))
     assert np.isnan(follow(tracker, later(again, 16.0))).all()
-    assert tracker.why == 'None of its tags has been in sight for 15 s.'
+    assert tracker.explanation == 'None of its tags has been in sight for 15 s.'
 
 
 def test_a_blank_wall_does_not_hold_it():

@@ -119,16 +119,16 @@ def test_exposure_and_compression(wall):
     ('wall: {width: 5}', "lacks the entry 'tags'"),
     ('posters: [{x: 0, y: 0, width: 1, height: 1}]\ntags: []', "'image'"),
     ('wall: {plaster: 11}\ntags: []', '11 is not'),
-    ('tags:\n- {id: 1, x: 0, y: 0, side: 1}\n- {id: 1, x: 0, y: 0, side: 1}', 'each id once'),
+    ('tags:\n- {id: 1, x: 0, y: 0, side: 1}\n- {id: 1, x: 0, y: 0, side: 1}', 'each id only once'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags:\n- {id: 1, x: 0}', "'y'"),
-    ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not from'),
+    ('wall: {width: .nan, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'nan is not'),
     ('wall: {width: 1, height: 1, color: [1, 1, 999]}\ndictionary: DICT_4X4_50\ntags: []', '999 is not'),
     ('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\nquiet: -1\ntags: []',
      '-1 is not'),
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-      'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}'), '4.7 is no id'),
+      'tags:\n- {id: 4.7, x: 0, y: 0, side: 1}'), '4.7 is not an id'),
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
-      'tags:\n- {id: true, x: 0, y: 0, side: 1}'), 'True is no id'),
+      'tags:\n- {id: true, x: 0, y: 0, side: 1}'), 'True is not an id'),
     ('wall: {width: 1, height: 1, color: [1, 1]}\ndictionary: DICT_4X4_50\ntags: []', 'wrong form'),
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
       'tags:\n- {id: 1, x: 0, y: 0, side: 1}\narea: [1]'), 'four different'),

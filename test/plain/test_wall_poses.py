@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from aruco_ar import Area, CameraPose, PoseEstimator, Tag
-from aruco_ar.geometry.plane_pose import turned
+from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
@@ -129,13 +129,13 @@ def test_an_area_without_a_wall_has_no_pose(random):
 
 
 def test_what_the_camera_carries_is_where_and_as_unsure_as_that_makes_it(random):
-    rotation, place = turned(np.array([[0.3, -0.8, 0.2]]))[0], np.array([0.5, 0.4, 2.0])
+    rotation, place = rotation_matrices(np.array([[0.3, -0.8, 0.2]]))[0], np.array([0.5, 0.4, 2.0])
     spread = np.diag([1e-3, 2e-3, 1e-3, 4e-3, 2e-3, 3e-3])
-    arm_turn, arm = turned(np.array([[0.1, 1.2, -0.3]]))[0], np.array([0.2, 0.35, -1.0])
+    arm_turn, arm = rotation_matrices(np.array([[0.1, 1.2, -0.3]]))[0], np.array([0.2, 0.35, -1.0])
     carried = CameraPose(rotation, place, spread @ spread, (1, 2)).carry(arm_turn, arm)
     np.testing.assert_allclose(carried.rotation, rotation @ arm_turn)
     np.testing.assert_allclose(carried.translation, rotation @ arm + place)
     off = random.normal(size=(20000, 6)) @ spread
-    moved = np.einsum('nij,j->ni', turned(off[:, 3:]) @ rotation, arm) + place + off[:, :3]
+    moved = np.einsum('nij,j->ni', rotation_matrices(off[:, 3:]) @ rotation, arm) + place + off[:, :3]
     found = np.cov(np.hstack([moved, off[:, 3:]]).T)  # a turn of the camera is one of what it carries
     np.testing.assert_allclose(found, carried.covariance, atol=0.05 * carried.covariance.max())

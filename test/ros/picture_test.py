@@ -175,7 +175,7 @@ class Picture(unittest.TestCase):
                 ('two\nlines.jpg', lambda path: Path(path).write_text('text'),
                  'must be the full path of a picture'),
                 ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'),
-                 'no picture that can be read'))):
+                 'cannot be read as a picture'))):
             path = self.file(name, write)
             client.update_configuration({'picture': path})
             self.node.wait_for(path.replace('\n', '\\n'), words, 'Nothing is changed')

@@ -107,15 +107,16 @@ class WorkerFault(NodeTest):
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
     def test_the_poses_come_again_after_their_calibration_failed(self):
-        info, look = 'aruco_node.nodes.calibration:Calibration.lens', 'aruco_ar.poses.wall_watch:WallWatch.look'
+        info = 'aruco_node.nodes.calibration:Calibration.lens'
+        check = 'aruco_ar.poses.wall_watch:WallWatch.check'
         self.calibrate()
         self.publisher, self.connections = self.camera()
-        self.start_failing('tag_poses', [info, look])
+        self.start_failing('tag_poses', [info, check])
         self.inboxes = {'poses': self.listen('/tag_poses/poses', TagPoseArray)}
         self.attend(self.inboxes)
         self.see(scene(), 'poses')  # the frames before it are answered, too
         self.show_always()
-        self.assert_said({info: lambda: None, look: lambda: None})
+        self.assert_said({info: lambda: None, check: lambda: None})
         self.assertEqual(sorted(tag.id for tag in self.newest('poses').tags), [1, 2, 3, 4])
 
     def test_the_simulated_camera_publishes_again(self):

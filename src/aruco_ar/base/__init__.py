@@ -1,1 +1,1 @@
-"""What every room uses: types of arrays, errors, files, versions."""
+"""Basics that all other folders use: array types, errors, files, versions."""

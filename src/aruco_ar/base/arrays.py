@@ -1,7 +1,7 @@
-"""Names for the types of arrays, for annotations; shapes, dtypes and units are in the docstrings.
+"""Names for the types of arrays, for annotations; the docstrings give shapes, dtypes and units.
 
-Only a type checker looks at them: when the program runs they are mere words, and NumPy may be too old to
-know of types.
+The names are plain strings when the program runs, since NumPy may be too old to have such types. Only a type
+checker evaluates them.
 """
 from __future__ import annotations
 
@@ -13,19 +13,20 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from typing_extensions import TypeAlias
 
-Image: TypeAlias = 'cv2.typing.MatLike'  # what OpenCV takes and gives: frames, pictures, masks; uint8
+Image: TypeAlias = 'cv2.typing.MatLike'  # OpenCV's images: frames, pictures, masks; uint8
 Floats: TypeAlias = 'NDArray[np.floating[Any]]'
 Integers: TypeAlias = 'NDArray[np.integer[Any]]'
 Complexes: TypeAlias = 'NDArray[np.complexfloating[Any, Any]]'
 Booleans: TypeAlias = 'NDArray[np.bool_]'
-Numbers: TypeAlias = 'ArrayLike'         # an array, or a list that becomes one
+Numbers: TypeAlias = 'ArrayLike'         # an array, or a list that can be made into one
 
 Color: TypeAlias = 'tuple[float, float, float]'  # blue, green, red
 
-NO_ARRAY: Any = None  # where OpenCV takes None for one, which its own annotations do not say
+NO_ARRAY: Any = None  # for OpenCV's optional arrays: its annotations do not allow None, though its functions do
 
-# Rotation (3, 3), translation (3,) and covariance (6, 6); of several things, or of both poses of each, with
-# axes before these.
+# Rotation (3, 3), translation (3,) and covariance (6, 6). For several things, or for two poses of each, the
+# arrays have further axes in front of these.
 Pose: TypeAlias = 'tuple[Floats, Floats, Floats]'
 
-View: TypeAlias = 'tuple[Floats, Floats]'  # rotation (3, 3) and translation (3,), meters: from wall to camera
+# Rotation (3, 3) and translation (3,), meters, from wall coordinates to camera coordinates.
+View: TypeAlias = 'tuple[Floats, Floats]'

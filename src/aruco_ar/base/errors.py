@@ -1,17 +1,17 @@
-"""The one exception for what a user, a file or a camera got wrong."""
+"""InputError, the one exception for wrong input from a user, a file or a camera."""
 from __future__ import annotations
 
 MAX_SENTENCE = 500
-DOTS = ' ... '
+ELLIPSIS = ' ... '
 
 
 class InputError(ValueError):
-    """A sentence that names what is wrong and what would be right.
+    """Its message is a sentence that says what is wrong and what would be right.
 
-    ``kind`` is the same for every error of one kind, however its sentence
-    varies (a thousand broken frames are one kind), so that a log can say
-    each kind once. Whatever the sentence repeats of what is wrong, it is one
-    line of at most MAX_SENTENCE characters, all of which can be printed.
+    ``kind`` is the same for all errors of one kind, even if their sentences
+    differ (a thousand broken frames are one kind). So a log can report each
+    kind once. The sentence may quote any input. It is always one line of at
+    most MAX_SENTENCE printable characters.
     """
 
     def __init__(self, sentence: str, kind: str | None = None) -> None:
@@ -21,15 +21,15 @@ class InputError(ValueError):
 
 
 def shorten(text: str, length: int) -> str:
-    """The text in at most that many characters: where it has more, without its middle.
+    """The text in at most ``length`` characters; a longer text loses its middle.
 
-    What cannot be printed becomes what stands for it in Python's source, such as \\\\n.
+    Characters that cannot be printed become escapes as in Python's source, such as \\\\n.
     """
-    text = _cut(text, length)  # first, as what follows makes it longer, and takes time
-    return _cut(''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
-                        for each in text), length)
+    text = _without_middle(text, length)  # cut first: escaping a long text is slow
+    return _without_middle(''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
+                                   for each in text), length)  # and again: escapes have made it longer
 
 
-def _cut(text: str, length: int) -> str:
-    kept = (length - len(DOTS)) // 2
-    return text if len(text) <= length else text[:kept] + DOTS + text[-kept:]
+def _without_middle(text: str, length: int) -> str:
+    kept = (length - len(ELLIPSIS)) // 2
+    return text if len(text) <= length else text[:kept] + ELLIPSIS + text[-kept:]

@@ -1,4 +1,4 @@
-"""Files: where the package's own are, reading and writing them whole or not at all, and YAML."""
+"""Files: the package's own folders, reading files, writing them completely or not at all, and YAML."""
 from __future__ import annotations
 
 import errno
@@ -13,17 +13,17 @@ from yaml.error import MarkedYAMLError
 
 from .errors import InputError
 
-# A wall of a thousand tags has 60 kB.
+# The file of a wall with a thousand tags has 60 kB.
 MAX_YAML_BYTES = 128 * 1024
 
-FULL = errno.ENOSPC, errno.EDQUOT
-NO_NAMELESS = errno.EOPNOTSUPP, errno.EISDIR  # of file systems that have no files without a name
+DISK_FULL = errno.ENOSPC, errno.EDQUOT
+NO_UNNAMED_FILES = errno.EOPNOTSUPP, errno.EISDIR  # from file systems without O_TMPFILE
 
 
 def package_folder() -> str:
-    """Where config/, images/ and Tags/ are: the source folder, or share/unit5 once installed.
+    """The folder that holds config/, images/ and Tags/: the source folder, or share/unit5 once installed.
 
-    Raises InputError in an install space that ROS does not know of, and where only aruco_ar was installed.
+    Raises InputError if ROS does not know the install space, or if aruco_ar was installed alone.
     """
     source = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', '..'))
     if os.path.isfile(os.path.join(source, 'package.xml')):
@@ -31,22 +31,22 @@ def package_folder() -> str:
     try:
         import rospkg  # not needed to run from the source folder
     except ImportError:
-        raise InputError('config/ and images/ of unit5 are not installed with aruco_ar alone; give a file of '
+        raise InputError("aruco_ar is installed alone, without unit5's config/ and images/; give a file of "
                          'your own.') from None
     try:
         return rospkg.RosPack().get_path('unit5')
     except rospkg.ResourceNotFound:
-        raise InputError('ROS does not find the package unit5; source the setup.bash of the install '
+        raise InputError('ROS cannot find the package unit5; source the setup.bash of the install '
                          'space.') from None
 
 
 def in_package(path: str) -> str:
-    """The full path of a file, of a path that may be within the package, or begin with ~."""
+    """The full path of a file. ``path`` may be relative to the package's folder, or begin with ~."""
     return os.path.join(package_folder(), os.path.expanduser(path))
 
 
 def own_folder(name: str) -> str:
-    """The package's folder of that name, to write into, or ./name where that cannot be written."""
+    """A folder of that name to write into: the package's own, or ./name if that is not writable."""
     try:
         folder = os.path.join(package_folder(), name)
     except InputError:
@@ -55,10 +55,10 @@ def own_folder(name: str) -> str:
 
 
 def write_whole(path: str, data: bytes) -> None:
-    """Write bytes to a file that appears only when it is complete.
+    """Write bytes to a file, which appears only when it is complete.
 
-    Makes the folder if there is none. Raises InputError naming the file if it
-    cannot be written.
+    Makes its folder if that is missing. Raises InputError, which names the
+    file, if it cannot be written.
     """
     folder = os.path.dirname(os.path.abspath(path))
     draft = os.path.join(folder, '.unit5-' + os.urandom(8).hex())
@@ -71,18 +71,18 @@ def write_whole(path: str, data: bytes) -> None:
             with suppress(FileNotFoundError):
                 os.unlink(draft)
             raise
-    except (OSError, ValueError) as error:  # ValueError: what can be no path
-        remedy = 'Make room there, or choose' if getattr(error, 'errno', None) in FULL else 'Choose'
+    except (OSError, ValueError) as error:  # ValueError: the text cannot be a path
+        remedy = 'Make room there, or choose' if getattr(error, 'errno', None) in DISK_FULL else 'Choose'
         raise InputError('Cannot write "%s": %s. %s another place to write to.'
                          % (path, _reason(error), remedy)) from None
 
 
 def _write_draft(folder: str, draft: str, data: bytes) -> None:
-    """Write bytes to a file without a name until it is complete: a process that is killed leaves nothing."""
+    """Write bytes to a file without a name until it is complete: a killed process leaves nothing behind."""
     try:
         handle = os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666)
     except OSError as error:
-        if error.errno not in NO_NAMELESS:
+        if error.errno not in NO_UNNAMED_FILES:
             raise
         with open(draft, 'xb') as file:
             file.write(data)
@@ -90,7 +90,7 @@ def _write_draft(folder: str, draft: str, data: bytes) -> None:
     with open(handle, 'wb') as file:
         file.write(data)
         file.flush()
-        # Only with a folder's descriptor does Python follow the link to the file; the path needs none.
+        # Python follows the link in /proc only if a folder's descriptor is given; the path itself needs none.
         os.link('/proc/self/fd/%d' % handle, draft, src_dir_fd=handle)
 
 
@@ -98,19 +98,19 @@ def _write_draft(folder: str, draft: str, data: bytes) -> None:
 def opened(path: str) -> Iterator[IO[bytes]]:
     """A file to read bytes from, for a ``with`` block.
 
-    Raises InputError naming the file if it cannot be read, be it later on, in
-    the block. A pipe or a device, from which reading may never end, is not even
-    opened.
+    Raises InputError, which names the file, if it cannot be opened, or cannot
+    be read within the block. A pipe or a device is not even opened, since
+    reading from it may never end.
     """
     try:
         _check_is_file(path, os.stat(path))
-        # Not waiting, should it have become a pipe since.
+        # O_NONBLOCK: the file may have been replaced by a pipe in the meantime.
         with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as file:
             _check_is_file(path, os.fstat(file.fileno()))
             yield file
     except InputError:
         raise
-    except (OSError, ValueError) as error:  # ValueError: what can be no path
+    except (OSError, ValueError) as error:  # ValueError: the text cannot be a path
         raise InputError('The file "%s" cannot be read: %s. Check its path and its permissions.'
                          % (path, _reason(error))) from None
 
@@ -118,11 +118,11 @@ def opened(path: str) -> Iterator[IO[bytes]]:
 def read_whole(path: str, limit: int) -> bytes:
     """The bytes of a file.
 
-    Raises InputError naming it if it cannot be read or is larger than that many bytes.
+    Raises InputError, which names the file, if it cannot be read or is larger than ``limit`` bytes.
     """
     with opened(path) as file:
         if os.fstat(file.fileno()).st_size <= limit:
-            data = file.read(limit + 1)  # some, as those in /proc, hold more than they say
+            data = file.read(limit + 1)  # some files, such as those in /proc, are longer than their size says
             if len(data) <= limit:
                 return data
     raise InputError('The file "%s" is too large; give one of at most %d kB.' % (path, limit // 1024))
@@ -138,16 +138,16 @@ def _reason(error: Exception) -> object:
 
 
 class _PlainLoader(yaml.SafeLoader):
-    """YAML in which all that there is is written out, and once.
+    """A YAML loader that refuses aliases and duplicate entries.
 
-    Aliases could make a short file an endless one, and of an entry that is
-    there twice, YAML would drop the first without a word.
+    With aliases, a short file could expand to an endless one. Of duplicate
+    entries, PyYAML would silently drop the first.
     """
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):
             event = self.peek_event()  # type: ignore[no-untyped-call]  # of PyYAML
-            raise MarkedYAMLError(problem='write out what the alias *%s stands for' % event.anchor,
+            raise MarkedYAMLError(problem='aliases are not allowed; write out the value of *%s' % event.anchor,
                                   problem_mark=event.start_mark)
         return super().compose_node(parent, index)
 
@@ -155,22 +155,22 @@ class _PlainLoader(yaml.SafeLoader):
         mapping = super().construct_mapping(node, deep)
         if len(mapping) < len(node.value):
             (name, _), = Counter(key.value for key, _ in node.value).most_common(1)
-            raise MarkedYAMLError(problem='the entry "%s" is there twice' % name, problem_mark=node.start_mark)
+            raise MarkedYAMLError(problem='the entry "%s" appears twice' % name, problem_mark=node.start_mark)
         return mapping
 
 
 @contextmanager
 def yaml_entries(path: str) -> Iterator[Any]:
-    """What a YAML file holds, for a ``with`` block that takes its entries from it.
+    """The content of a YAML file, for a ``with`` block that reads its entries.
 
-    Raises InputError naming the file if it cannot be read, is larger than
-    MAX_YAML_BYTES, is not YAML, or if the block finds an entry missing or of
-    the wrong form.
+    Raises InputError, which names the file, if it cannot be read, is larger
+    than MAX_YAML_BYTES, or is not YAML. The same error is raised if the block
+    finds that an entry is missing or has the wrong form.
     """
     text = read_whole(path, MAX_YAML_BYTES)
     try:
         data = yaml.load(text, _PlainLoader)
-    except Exception as error:  # PyYAML raises whatever the values that it makes raise
+    except Exception as error:  # PyYAML passes on any error of the constructors of its values
         raise InputError('The file "%s" is not YAML: %s.'
                          % (path, ' '.join(str(error).split()))) from None
     try:
@@ -183,10 +183,10 @@ def yaml_entries(path: str) -> Iterator[Any]:
 
 
 def within(value: Any, low: float, high: float) -> float:
-    """The number as a float. Raises ValueError, which yaml_entries explains, if it is none or out of bounds."""
-    if isinstance(value, bool):  # as YAML takes on, off, yes and no
-        raise ValueError('%s is no number' % value)
+    """The value as a float. Raises ValueError, which yaml_entries explains, if it is not from low to high."""
+    if isinstance(value, bool):  # YAML reads on, off, yes and no as booleans
+        raise ValueError('%s is not a number' % value)
     number = float(value)
     if not low <= number <= high:
-        raise ValueError('%s is not from %g to %g' % (value, low, high))
+        raise ValueError('%s is not between %g and %g' % (value, low, high))
     return number

@@ -1,4 +1,4 @@
-"""Pixels: mixing images."""
+"""Mixing images pixel by pixel."""
 from __future__ import annotations
 
 import cv2
@@ -7,7 +7,7 @@ from .arrays import Image
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:
-    """The picture where ``cover`` is white, the frame where it is black, their mixture between.
+    """The picture where ``cover`` is white, the frame where it is black, and a mixture where it is gray.
 
     All three are (h, w, 3) uint8, and so is the result.
     """

@@ -1,13 +1,13 @@
-"""What must not be missing or too old: said in a sentence, before anything runs.
+"""The lowest versions of Python and of the libraries, checked before anything else runs.
 
-It has to be read by any Python 3.
+Every Python 3 must be able to parse this file.
 """
 import importlib
 import importlib.util
 import re
 import sys
 
-# Of each module: how it is called, the lowest version that the tests pass with, and what pip is told.
+# For each module: its name in messages, the lowest version that passes the tests, and pip's requirement.
 LOWEST = {
     'python': ('Python', (3, 8), ''),
     'numpy': ('NumPy', (1, 23), 'numpy>=1.23,<2'),
@@ -19,13 +19,13 @@ LOWEST = {
 
 
 class TooOld(ImportError):
-    """A sentence that says what is missing or too old, and what to do."""
+    """Its message is a sentence that says what is missing or too old, and what to do."""
 
-    is_whole = True  # nobody needs a traceback to understand it
+    is_whole = True  # the message is enough; no traceback is needed
 
 
 def need(module: str) -> None:
-    """Raises TooOld if the module, one of LOWEST, is missing or too old for this package."""
+    """Raise TooOld if the module, one of LOWEST, is missing or too old for this package."""
     name, lowest, package = LOWEST[module]
     if module == 'python':
         found = '.'.join(map(str, sys.version_info[:3]))
@@ -44,11 +44,11 @@ def need(module: str) -> None:
 
 
 def _numbers(version: str) -> 'tuple[int, ...]':
-    """(4, 10, 0) of "4.10.0-dev", and () of what is no version."""
+    """The numbers of a version: (4, 10, 0) for "4.10.0-dev", () for a text that is no version."""
     return tuple(int(number) for number in re.split(r'[^\d.]', version)[0].split('.') if number)
 
 
-if __name__ == '__main__':  # script/setup asks about what the system has
+if __name__ == '__main__':  # script/setup checks the system's libraries this way
     try:
         for each in sys.argv[1:]:
             need(each)

@@ -1,7 +1,7 @@
-"""What is written in C: as catkin has built it, or else compiled when it is first imported.
+"""The parts written in C. catkin builds them; without catkin, they are compiled at the first import.
 
-C called by ctypes, since one library then serves every Python. Numba would take 0.3 s to import and 110 MB more
-in each node; what Cython builds is for one Python alone, and no easier to read.
+They are called by ctypes, so that one library serves every version of Python. Numba would take 0.3 s to import
+and 110 MB more in each node. Cython's output works with one version of Python only, and is no easier to read.
 """
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ FLAGS = ['-O3', '-shared', '-fPIC']
 
 
 def library(name: str) -> ctypes.CDLL:
-    """What NAME.c beside this file says. Raises TooOld where it is not built and there is no compiler.
+    """The library of NAME.c in this folder. Raises TooOld if it is not built and there is no compiler.
 
-    catkin builds libunit5_NAME.so, which is found by the workspace's environment. Without, as in a wheel, it is
-    compiled once, and kept as Python keeps what it compiles: in ``__pycache__``, if that can be written.
+    catkin builds libunit5_NAME.so, which is found through the workspace's environment. Otherwise, as in a
+    wheel, it is compiled once. It is kept in ``__pycache__``, if that is writable.
     """
     try:
         return ctypes.CDLL('libunit5_%s.so' % name)
@@ -46,11 +46,11 @@ def library(name: str) -> ctypes.CDLL:
         found = ctypes.CDLL(built)  # stays loaded when the file is gone
         try:
             os.makedirs(os.path.dirname(kept), exist_ok=True)
-            ours = '%s.%d' % (kept, os.getpid())  # others may be at it, too
-            shutil.copy(built, ours)
-            os.replace(ours, kept)
+            draft = '%s.%d' % (kept, os.getpid())  # other processes may do the same at this moment
+            shutil.copy(built, draft)
+            os.replace(draft, kept)
         except OSError:
-            pass  # the next one compiles it again
+            pass  # not writable, so the next process compiles it again
     return found
 
 
@@ -63,4 +63,4 @@ def _compile(source: str, built: str) -> None:
                      'in the folder of unit5, or: sudo apt install build-essential'
                      % (COMPILER, source)) from None
     except subprocess.CalledProcessError as error:
-        raise TooOld('The C compiler "%s" does not build %s: %s' % (COMPILER, source, error.stderr)) from None
+        raise TooOld('The C compiler "%s" cannot build %s: %s' % (COMPILER, source, error.stderr)) from None

@@ -1,52 +1,55 @@
 /* Fitting a tag to the edges between its own cells.
 
-   Where the paper ends close to the tag, its outer edges say little: blurred,
-   a narrow rim is no longer white, and what is beyond shines into it. The edges
-   between dark and light cells are a whole cell away from each other, and all
-   that is around them is known, so also what blur does to them. */
+   With a narrow margin, the tag's outer edges are unreliable: blur darkens the
+   margin, and what is beyond it shines in. The edges between dark and light
+   cells are better. They are at least a cell apart, and since all cells around
+   them are known, the effect of blur can be computed.
 
-#define PROFILE 9        /* places at which a profile between the middles of two cells is looked at */
-#define UNKNOWNS 9       /* eight numbers of four corners, and how far light outshines dark */
-#define STEPS 6          /* by which a tag is fitted */
-#define BLUR 0.15f       /* cells, before anything is known about it */
+   A profile is a row of samples from the middle of one cell to the middle of
+   the next one. */
+
+#define PROFILE 9        /* samples of a profile */
+#define UNKNOWNS 9       /* the eight coordinates of the corners, and the blooming of light cells into dark ones */
+#define STEPS 6          /* of the fit */
+#define BLUR 0.15f       /* cells: the first estimate of the blur's standard deviation */
 #define MIN_BLUR 0.05f
 #define MAX_BLUR 0.6f
 #define MIN_SLOPE 0.05f  /* of the contrast, in the middle of a profile */
-/* Of the way between the middles of two cells: farther off is none of their edge; so far off may edges be on
-   average; and so far when all is fitted. */
+/* Distances from the expected edge, relative to a profile's length: an edge farther off is another one; the
+   largest mean while fitting; the largest mean after the last step. */
 #define MAX_OFF 0.4f
-#define MAX_UNEVEN 0.2f
-#define MAX_LEFT 0.03f
-#define MIN_SEEN 0.9f    /* of all edges between cells: fewer are seen where something is before the tag */
+#define MAX_MEAN_OFF 0.2f
+#define MAX_FINAL_OFF 0.03f
+#define MIN_SEEN 0.9f    /* of all edges between cells: if fewer are found, something covers the tag */
 #define MIN_EDGES 8
-#define MAX_MOVED 1.5f   /* cells, of a corner */
-#define RIDGE 1e-3       /* keeps what little is known about a tag's cells from meaning too much */
+#define MAX_MOVED 1.5f   /* cells: a corner is not moved farther */
+#define RIDGE 1e-3       /* added to the diagonal, so that poorly determined unknowns stay small */
 
-/* A profile between the middles of two cells: how many of its places beyond its middle it crosses from dark to
-   light or back; also by how much it grows from end to end, and in its middle. */
+/* How far beyond a profile's middle it crosses from dark to light, or back, in samples. Also its contrast, which
+   is the difference between its ends, and the slope in its middle. */
 static float crossing(const float gray[PROFILE], float *contrast, float *slope)
 {
     float begin = (gray[0] + gray[1]) / 2, share = 0;
     *contrast = (gray[PROFILE - 1] + gray[PROFILE - 2]) / 2 - begin;
     *slope = gray[PROFILE / 2 + 1] - gray[PROFILE / 2 - 1];
     float scale = fabsf(*contrast) > 1e-6f ? 1 / *contrast : 0;
-    for (int place = 0; place < PROFILE; place++)
-        share += larger(-MAX_BEYOND, smaller((gray[place] - begin) * scale, 1 + MAX_BEYOND));
+    for (int sample = 0; sample < PROFILE; sample++)
+        share += larger(-MAX_BEYOND, smaller((gray[sample] - begin) * scale, 1 + MAX_BEYOND));
     return PROFILE / 2.0f - share;
 }
 
-/* Of a Gaussian of that deviation, the part below. */
+/* The part of a Gaussian with mean 0 and that deviation which is below a value. */
 static float below(float value, float deviation) { return 0.5f + 0.5f * erff(value / deviation * 0.70710678f); }
 
-/* How much of each cell, from the one before the first to the one after the second, is seen at each place of a
-   profile between the middles of two, blurred so much, in cells. */
-static void blurred(float blur, float parts[PROFILE][4])
+/* The weights of four cells in each sample of a profile: of the two cells, the one before them, and the one
+   after them. ``blur``: its standard deviation, cells. */
+static void blurred(float blur, float weights[PROFILE][4])
 {
-    for (int place = 0; place < PROFILE; place++) {
-        float at = place / (PROFILE - 1.0f), before = 0;
+    for (int sample = 0; sample < PROFILE; sample++) {
+        float at = sample / (PROFILE - 1.0f), before = 0;
         for (int cell = 0; cell < 4; cell++) {
             float until = cell == 3 ? 1 : below(cell - 0.5f - at, blur);
-            parts[place][cell] = until - before;
+            weights[sample][cell] = until - before;
             before = until;
         }
     }
@@ -55,11 +58,12 @@ static void blurred(float blur, float parts[PROFILE][4])
 static float shade(const uint8_t *wanted, int cells, int row, int column)
 {
     int inside = row >= 0 && column >= 0 && row < cells && column < cells;
-    return inside ? wanted[row * cells + column] / 255.0f : 0.5f;  /* nobody knows what is around a tag */
+    return inside ? wanted[row * cells + column] / 255.0f : 0.5f;  /* what is around a tag is unknown */
 }
 
-/* The profile that a tag's cells give, from that cell to the next to the right or below. */
-static void expected(const uint8_t *wanted, int cells, int row, int column, int down, float parts[PROFILE][4],
+/* The profile that is expected from a cell to the next one, to the right or below. ``beside``: the weight of the
+   cells on each side of the profile. */
+static void expected(const uint8_t *wanted, int cells, int row, int column, int down, float weights[PROFILE][4],
                      float beside, float gray[PROFILE])
 {
     float along[4];
@@ -68,12 +72,12 @@ static void expected(const uint8_t *wanted, int cells, int row, int column, int 
         along[cell] = (1 - 2 * beside) * shade(wanted, cells, y, x)
             + beside * (shade(wanted, cells, y - !down, x - down) + shade(wanted, cells, y + !down, x + down));
     }
-    for (int place = 0; place < PROFILE; place++)
-        gray[place] = parts[place][0] * along[0] + parts[place][1] * along[1] + parts[place][2] * along[2]
-            + parts[place][3] * along[3];
+    for (int sample = 0; sample < PROFILE; sample++)
+        gray[sample] = weights[sample][0] * along[0] + weights[sample][1] * along[1] + weights[sample][2] * along[2]
+            + weights[sample][3] * along[3];
 }
 
-/* Solve eight equations, the matrix being symmetric and positive: by Cholesky's method, in place. */
+/* Solve the equations, whose matrix is symmetric and positive definite, by Cholesky's method, in sample. */
 static void solve(double matrix[UNKNOWNS][UNKNOWNS], double vector[UNKNOWNS])
 {
     for (int i = 0; i < UNKNOWNS; i++)
@@ -95,8 +99,8 @@ static void solve(double matrix[UNKNOWNS][UNKNOWNS], double vector[UNKNOWNS])
     }
 }
 
-/* The place in a quadrilateral of (x, y) of the unit square, by their homography; see homography_to. */
-static Point place_in(const Point quad[4], float x, float y)
+/* Where the homography from the unit square to a quadrilateral maps (x, y); see homography_to. */
+static Point map_into(const Point quad[4], float x, float y)
 {
     Point one = minus(quad[1], quad[2]), other = minus(quad[3], quad[2]);
     Point rest = minus(minus(quad[0], quad[1]), minus(quad[3], quad[2]));
@@ -111,8 +115,8 @@ static Point place_in(const Point quad[4], float x, float y)
                     + quad[0].y) / depth};
 }
 
-/* Fit a quadrilateral to the edges between dark and light cells within a tag, which need no rim; 0 where too
-   many of them are not seen. */
+/* Fit a quadrilateral to the edges between dark and light cells within a tag. Returns 0 if too many edges are
+   not found. */
 static int fit_cells(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4])
 {
     float blur[2] = {BLUR, BLUR};  /* in cells, to the right and down */
@@ -122,8 +126,8 @@ static int fit_cells(const Frame *frame, const Point quad[4], int cells, const u
         int edges = 0, found = 0;
         float sum_off = 0, next_blur[2];
         for (int down = 0; down < 2; down++) {
-            float parts[PROFILE][4], beside = below(-0.5f, blur[!down]), slopes[2] = {0}, contrasts[2] = {0};
-            blurred(blur[down], parts);
+            float weights[PROFILE][4], beside = below(-0.5f, blur[!down]), slopes[2] = {0}, contrasts[2] = {0};
+            blurred(blur[down], weights);
             for (int row = 0; row < cells - down; row++)
                 for (int column = 0; column < cells - 1 + down; column++) {
                     int here = wanted[row * cells + column] > 127;
@@ -131,19 +135,19 @@ static int fit_cells(const Frame *frame, const Point quad[4], int cells, const u
                         continue;
                     edges++;
                     float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells, further = 1.0f / cells;
-                    Point first = place_in(fitted, x, y);
-                    Point second = place_in(fitted, x + (down ? 0 : further), y + (down ? further : 0));
+                    Point first = map_into(fitted, x, y);
+                    Point second = map_into(fitted, x + (down ? 0 : further), y + (down ? further : 0));
                     Point across = minus(second, first);
                     float gray[PROFILE], contrast, slope, should_contrast, should_slope;
-                    for (int place = 0; place < PROFILE; place++)
-                        gray[place] = look(frame, plus(first, place / (PROFILE - 1.0f), across));
+                    for (int sample = 0; sample < PROFILE; sample++)
+                        gray[sample] = gray_at(frame, plus(first, sample / (PROFILE - 1.0f), across));
                     float off = crossing(gray, &contrast, &slope), sign = here ? -1 : 1;
                     if (sign * contrast < MIN_CONTRAST)
                         continue;
-                    expected(wanted, cells, row, column, down, parts, beside, gray);
+                    expected(wanted, cells, row, column, down, weights, beside, gray);
                     off -= crossing(gray, &should_contrast, &should_slope);
                     off /= PROFILE - 1;
-                    if (!(fabsf(off) <= MAX_OFF))  /* nor what is no number */
+                    if (!(fabsf(off) <= MAX_OFF))  /* also true for NaN */
                         continue;
                     found++;
                     sum_off += fabsf(off);
@@ -158,20 +162,20 @@ static int fit_cells(const Frame *frame, const Point quad[4], int cells, const u
                     double moves[UNKNOWNS];
                     for (int i = 0; i < 8; i++)
                         moves[i] = shares[i / 2] * (i % 2 ? across.y : across.x) / size;
-                    moves[8] = sign;  /* where light outshines dark, it does so at all edges */
+                    moves[8] = sign;  /* blooming shifts all edges toward the dark cells alike */
                     for (int i = 0; i < UNKNOWNS; i++) {
                         for (int j = 0; j <= i; j++)
                             matrix[i][j] += moves[i] * moves[j];
                         vector[i] += moves[i] * off * size;
                     }
                 }
-            /* The steeper profiles are beside those expected, the less is blurred. */
+            /* If profiles are steeper than expected, there is less blur than assumed. */
             float seen = slopes[0] / larger(contrasts[0], 1e-6f);
             float should = slopes[1] / larger(contrasts[1], 1e-6f);
             float estimate = blur[down] * should / larger(seen, MIN_SLOPE);
             next_blur[down] = larger(MIN_BLUR, smaller(estimate, MAX_BLUR));
         }
-        float most = step < STEPS - 1 ? MAX_UNEVEN : MAX_LEFT;
+        float most = step < STEPS - 1 ? MAX_MEAN_OFF : MAX_FINAL_OFF;
         if (found < MIN_SEEN * edges || found < MIN_EDGES || sum_off > most * found)
             return 0;
         memcpy(blur, next_blur, sizeof blur);

@@ -1,44 +1,45 @@
-/* Fitting tags to the frame: where exactly their edges lie, and whether it is they.
+/* Fitting tags to their edges in the frame, and comparing what is seen with their cells.
 
-   Each edge of a tag, black inside and white outside, is looked at along short
-   lines across it, its profiles. How much of a profile is light says where the
-   edge crosses it, to some hundredths of a pixel and however blurred it is.
+   A tag's edge is black inside and white outside. It is sampled along short
+   lines across it, its profiles. The share of light samples tells where the
+   edge crosses a profile, to some hundredths of a pixel, even if it is blurred.
 
-   In C, since NumPy takes longer to be called a hundred times than all of this
-   takes: it is done for some tags in each frame. See edges.py, which calls it. */
+   This is in C because it would need hundreds of calls of NumPy for each frame.
+   edges.py calls it. */
 #include "frame.h"
 #include "cells.h"
 
-#define SAMPLES 12        /* profiles along each edge */
-#define BEGIN 0.08f       /* of the edge, between which they lie: a corner's rounding stays out */
-#define END 0.92f
-#define PLACES 15         /* at which each profile is looked at */
-#define ENDS (PLACES / 5) /* of these, which say how dark its inner end is and how light its outer */
-/* How far to both sides of an edge a profile reaches, in cells: to find the edge
-   and to place it. The latter not too far, or shading would bend what is
-   straight; and where an edge is off by more than NEAR of that, it is found first. */
-#define FIND 0.95f
-#define PLACE 0.6f
+#define PROFILES 12       /* profiles along each edge */
+#define FIRST 0.08f       /* the positions of the first and the last profile along the edge, 0 to 1: a rounded */
+#define LAST 0.92f        /* corner is left out */
+#define SAMPLES 15        /* samples of each profile */
+#define ENDS (SAMPLES / 5) /* samples at each end of a profile, which tell how dark and how light it is */
+/* How far a profile reaches to both sides of an edge, in cells: COARSE to find an edge,
+   FINE to measure it. With a longer reach, shading would bend a straight edge. If an
+   edge is off by more than NEAR of the fine reach, it is searched with the coarse one. */
+#define COARSE 0.95f
+#define FINE 0.6f
 #define NEAR 0.4f
-#define MIN_FIND_PX 1.8f
-#define MIN_PLACE_PX 1.2f
-#define MAX_PLACE_PX 5.0f
-#define SETTLED_PX 0.5f   /* a quadrilateral that was off by more is placed once more */
-#define MAX_BENT 0.35f    /* of the reach, by which half of an edge's profiles may be off its line */
-#define RIM 0.9f          /* of the contrast: as light as this is the rim, which may end within a profile */
-#define STEADY 0.5f       /* of an edge's contrast, which most of its profiles have where the rim is narrow */
+#define MIN_COARSE_PX 1.8f
+#define MIN_FINE_PX 1.2f
+#define MAX_FINE_PX 5.0f
+#define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
+#define MAX_BENT 0.35f    /* of the reach: half of an edge's profiles must be off its line by less */
+#define MARGIN_LIGHT 0.9f /* of the contrast: samples at least as light are the margin */
+#define STEADY 0.5f       /* of an edge's contrast: most profiles must have more, with a narrow margin */
 
-#define PART(sample) (BEGIN + (END - BEGIN) * (sample) / (SAMPLES - 1))
-const int samples = SAMPLES;
-const float parts[SAMPLES] = {PART(0), PART(1), PART(2), PART(3), PART(4), PART(5),
-                              PART(6), PART(7), PART(8), PART(9), PART(10), PART(11)};
+#define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
+const int profile_count = PROFILES;
+const float profile_positions[PROFILES] = {
+    POSITION(0), POSITION(1), POSITION(2), POSITION(3), POSITION(4), POSITION(5),
+    POSITION(6), POSITION(7), POSITION(8), POSITION(9), POSITION(10), POSITION(11)};
 
-typedef struct { float middle, slope, off[SAMPLES]; } Line;
+typedef struct { float middle, slope, off[PROFILES]; } Line;
 
-/* The number of the rank, from 0, of those sorted. */
+/* The value with that rank, from 0, when they are sorted. */
 static float ranked(const float *values, int count, int rank)
 {
-    float sorted[SAMPLES];
+    float sorted[PROFILES];
     for (int i = 0; i < count; i++) {
         int place = i;
         for (; place > 0 && sorted[place - 1] > values[i]; place--)
@@ -48,7 +49,7 @@ static float ranked(const float *values, int count, int rank)
     return sorted[rank];
 }
 
-static float median(const float *values) { return ranked(values, SAMPLES, SAMPLES / 2); }
+static float median(const float *values) { return ranked(values, PROFILES, PROFILES / 2); }
 
 static float mean(const float *values, int count)
 {
@@ -58,12 +59,13 @@ static float mean(const float *values, int count)
     return sum / count;
 }
 
-/* The line middle + slope * arm through offsets along an edge, arm being how far each is from its middle. */
+/* The line middle + slope * arm through the offsets of profiles, where arm is a profile's distance from the middle
+   of the edge. Also the distances of the offsets from this line. */
 static Line line_through(const float *offset, const float *weight)
 {
     float count = 0, first = 0, second = 0, sum = 0, leaning = 0;
-    for (int i = 0; i < SAMPLES; i++) {
-        float arm = parts[i] - (BEGIN + END) / 2;
+    for (int i = 0; i < PROFILES; i++) {
+        float arm = profile_positions[i] - (FIRST + LAST) / 2;
         count += weight[i];
         first += weight[i] * arm;
         second += weight[i] * arm * arm;
@@ -73,53 +75,53 @@ static Line line_through(const float *offset, const float *weight)
     Line line;
     line.slope = (count * leaning - first * sum) / (count * second - first * first + 1e-9f);
     line.middle = (sum - line.slope * first) / count;
-    for (int i = 0; i < SAMPLES; i++)
-        line.off[i] = fabsf(offset[i] - line.middle - line.slope * (parts[i] - (BEGIN + END) / 2));
+    for (int i = 0; i < PROFILES; i++)
+        line.off[i] = fabsf(offset[i] - line.middle - line.slope * (profile_positions[i] - (FIRST + LAST) / 2));
     return line;
 }
 
-/* Paper may be cut close to the tag, and what is beyond be of any shade: where the rim ends within the profiles
-   of an edge, from which place it begins and before which it has ended. 0 where it reaches to their ends. */
-static int narrow_rim(float gray[SAMPLES][PLACES], float dark, int *begins, int *ended)
+/* Whether the white margin ends within an edge's profiles, since the paper is cut close to the tag. Then also the
+   first sample on the margin, and the first one beyond it, which may be of any shade. */
+static int narrow_margin(float gray[PROFILES][SAMPLES], float dark, int *begins, int *ended)
 {
-    float typical[PLACES] = {0}, lightest = 0;
-    for (int place = 0; place < PLACES; place++) {
-        for (int i = 0; i < SAMPLES; i++)
-            typical[place] += gray[i][place] * (1.0f / SAMPLES);
-        lightest = larger(lightest, typical[place]);
+    float typical[SAMPLES] = {0}, lightest = 0;
+    for (int sample = 0; sample < SAMPLES; sample++) {
+        for (int i = 0; i < PROFILES; i++)
+            typical[sample] += gray[i][sample] * (1.0f / PROFILES);
+        lightest = larger(lightest, typical[sample]);
     }
-    float light = dark + RIM * (lightest - dark);
-    if (lightest <= dark || typical[PLACES - 1] >= light)
+    float light = dark + MARGIN_LIGHT * (lightest - dark);
+    if (lightest <= dark || typical[SAMPLES - 1] >= light)
         return 0;
     for (*begins = 0; typical[*begins] < light; ++*begins) {}
     for (*ended = *begins; typical[*ended] >= light; ++*ended) {}
     return 1;
 }
 
-/* Where an edge crosses its profiles, in pixels outward; 0 where it cannot be told. */
-static int offsets(float gray[SAMPLES][PLACES], float reach, float offset[SAMPLES], int *narrow_rims)
+/* Where an edge crosses its profiles, in pixels outward. Returns 0 if no edge is seen. */
+static int offsets(float gray[PROFILES][SAMPLES], float reach, float offset[PROFILES], int *narrow_margins)
 {
-    float ends[SAMPLES], contrast[SAMPLES];
-    for (int i = 0; i < SAMPLES; i++)
+    float ends[PROFILES], contrast[PROFILES];
+    for (int i = 0; i < PROFILES; i++)
         ends[i] = mean(gray[i], ENDS);
-    float dark = median(ends);  /* black is the same along an edge; white has shades */
-    int begins = PLACES - ENDS, ended = PLACES, narrow = narrow_rim(gray, dark, &begins, &ended);
-    *narrow_rims |= narrow;
-    for (int i = 0; i < SAMPLES; i++) {
+    float dark = median(ends);  /* one black for all profiles, but white may be shaded along an edge */
+    int begins = SAMPLES - ENDS, ended = SAMPLES, narrow = narrow_margin(gray, dark, &begins, &ended);
+    *narrow_margins |= narrow;
+    for (int i = 0; i < PROFILES; i++) {
         contrast[i] = mean(gray[i] + begins, ended - begins) - dark;
-        float light = PLACES - ended, scale = 1 / larger(contrast[i], 1);
-        for (int place = 0; place < ended; place++)
-            /* What is far lighter or darker than both ends belongs to something else. */
-            light += larger(-MAX_BEYOND, smaller((gray[i][place] - dark) * scale, 1 + MAX_BEYOND));
-        offset[i] = (PLACES / 2.0f - light) * reach * 2 / (PLACES - 1);
+        float light = SAMPLES - ended, scale = 1 / larger(contrast[i], 1);
+        for (int sample = 0; sample < ended; sample++)
+            /* Clipped: a sample far lighter or darker than both ends belongs to something else. */
+            light += larger(-MAX_BEYOND, smaller((gray[i][sample] - dark) * scale, 1 + MAX_BEYOND));
+        offset[i] = (SAMPLES / 2.0f - light) * reach * 2 / (SAMPLES - 1);
     }
     float typical = median(contrast);
-    /* Of noise, too, some place is the lightest, but not along all of an edge. */
-    return typical > MIN_CONTRAST && (!narrow || ranked(contrast, SAMPLES, SAMPLES / 4) > STEADY * typical);
+    /* Noise may look like a narrow margin, too, but it has no contrast in most of an edge's profiles. */
+    return typical > MIN_CONTRAST && (!narrow || ranked(contrast, PROFILES, PROFILES / 4) > STEADY * typical);
 }
 
-/* Fit one quadrilateral, reaching as many pixels far across each edge; 0 where one of these is not seen.
-   Also whether a rim ends within that reach. */
+/* Fit a quadrilateral by profiles that reach that many pixels to both sides of each edge. Returns 0 if one of the
+   edges is not found. Also whether a margin ends within that reach. */
 static int fit_edges(const Frame *frame, const Point quad[4], const float reach[4], Point fitted[4],
                      int *narrow)
 {
@@ -129,29 +131,29 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
         along[edge] = minus(quad[(edge + 1) % 4], quad[edge]);
         float size = larger(length(along[edge]), 1e-6f);
         Point outward = {along[edge].y / size, -along[edge].x / size};
-        float gray[SAMPLES][PLACES], offset[SAMPLES], weight[SAMPLES];
-        for (int i = 0; i < SAMPLES; i++) {
-            Point on_edge = plus(quad[edge], parts[i], along[edge]);
-            for (int place = 0; place < PLACES; place++) {
-                float across = reach[edge] * (place * 2.0f / (PLACES - 1) - 1);
-                gray[i][place] = look(frame, plus(on_edge, across, outward));
+        float gray[PROFILES][SAMPLES], offset[PROFILES], weight[PROFILES];
+        for (int i = 0; i < PROFILES; i++) {
+            Point on_edge = plus(quad[edge], profile_positions[i], along[edge]);
+            for (int sample = 0; sample < SAMPLES; sample++) {
+                float across = reach[edge] * (sample * 2.0f / (SAMPLES - 1) - 1);
+                gray[i][sample] = gray_at(frame, plus(on_edge, across, outward));
             }
             weight[i] = 1;
         }
         if (!offsets(gray, reach[edge], offset, narrow))
             return 0;
-        /* A straight line through the offsets, and once more without those unlike the rest. */
+        /* Fit a straight line through the offsets, then once more without outliers. */
         Line line = line_through(offset, weight);
         float most = 3 * median(line.off) + 0.01f * reach[edge];
-        for (int i = 0; i < SAMPLES; i++)
+        for (int i = 0; i < PROFILES; i++)
             weight[i] = line.off[i] <= most;
         line = line_through(offset, weight);
         if (median(line.off) >= MAX_BENT * reach[edge])
             return 0;
-        first[edge] = plus(quad[edge], line.middle - line.slope * (BEGIN + END) / 2, outward);
+        first[edge] = plus(quad[edge], line.middle - line.slope * (FIRST + LAST) / 2, outward);
         along[edge] = plus(along[edge], line.slope, outward);
     }
-    for (int edge = 0; edge < 4; edge++) {  /* each corner is where its edge crosses the one before */
+    for (int edge = 0; edge < 4; edge++) {  /* a corner is the crossing of two edges, as in lines.py */
         int before = (edge + 3) % 4;
         float crossed = cross(along[before], along[edge]);
         crossed = fabsf(crossed) < 1e-6f ? 1e-6f : crossed;
@@ -163,35 +165,35 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
     return 1;
 }
 
-/* Put a quadrilateral onto the edges of a tag so many cells wide; 0 where one of these is not seen. */
+/* Move a quadrilateral onto the edges of a tag that is ``cells`` cells wide. Returns 0 if an edge is not found. */
 static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fitted[4], int *narrow)
 {
-    float find[4], place[4];
-    /* Seen from the side, a tag's cells are much narrower across its upright edges than along them. */
+    float coarse[4], fine[4];
+    /* In a slanted view, cells are much narrower in one direction than in the other. */
     float area = fabsf(cross(minus(quad[2], quad[0]), minus(quad[3], quad[1]))) / 2;
     for (int edge = 0; edge < 4; edge++) {
         float cell = area / larger(length(minus(quad[(edge + 1) % 4], quad[edge])), 1e-6f) / cells;
-        find[edge] = larger(FIND * cell, MIN_FIND_PX);
-        place[edge] = smaller(larger(PLACE * cell, MIN_PLACE_PX), MAX_PLACE_PX);
+        coarse[edge] = larger(COARSE * cell, MIN_COARSE_PX);
+        fine[edge] = smaller(larger(FINE * cell, MIN_FINE_PX), MAX_FINE_PX);
     }
-    int near = fit_edges(frame, quad, place, fitted, narrow), settled = 1;
+    int near = fit_edges(frame, quad, fine, fitted, narrow), settled = 1;
     for (int corner = 0; near && corner < 4; corner++) {
         float moved = length(minus(fitted[corner], quad[corner]));
-        near = moved < NEAR * place[corner];
+        near = moved < NEAR * fine[corner];
         settled &= moved < SETTLED_PX;
     }
     if (near && settled)
         return 1;
-    Point found[4], placed[4];
+    Point found[4], measured[4];
     if (near) {
         memcpy(found, fitted, sizeof found);
-        return fit_edges(frame, found, place, fitted, narrow);
+        return fit_edges(frame, found, fine, fitted, narrow);
     }
-    return fit_edges(frame, quad, find, found, narrow) && fit_edges(frame, found, place, placed, narrow)
-        && fit_edges(frame, placed, place, fitted, narrow);
+    return fit_edges(frame, quad, coarse, found, narrow) && fit_edges(frame, found, fine, measured, narrow)
+        && fit_edges(frame, measured, fine, fitted, narrow);
 }
 
-/* The correlation of what is between four corners with a tag's cells, (cells, cells), without its border. */
+/* The correlation of what is seen in a quadrilateral with a tag's cells, (cells, cells), without its border. */
 static float likeness_of(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted)
 {
     double sum = 0, squares = 0, wanted_sum = 0, wanted_squares = 0, products = 0;
@@ -201,7 +203,7 @@ static float likeness_of(const Frame *frame, const Point quad[4], int cells, con
             float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells;
             Point upper = plus(quad[0], x, minus(quad[1], quad[0]));
             Point lower = plus(quad[3], x, minus(quad[2], quad[3]));
-            double gray = look(frame, plus(upper, y, minus(lower, upper))), cell = wanted[row * cells + column];
+            double gray = gray_at(frame, plus(upper, y, minus(lower, upper))), cell = wanted[row * cells + column];
             sum += gray;
             squares += gray * gray;
             wanted_sum += cell;
@@ -212,7 +214,7 @@ static float likeness_of(const Frame *frame, const Point quad[4], int cells, con
     return (products - sum * wanted_sum / count) / sqrt(fmax(spread, 1e-6));
 }
 
-/* See fit_tags in edges.py. A row of the frame has so many bytes, wherever it ends. */
+/* See fit_tags in edges.py. ``row``: the bytes from one row of the frame to the next. */
 void fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
               const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good,
               float *likeness)

@@ -1,10 +1,10 @@
-/* Points, frames, and the gray that is seen at a point of a frame. */
+/* Points, frames, and the gray at a point of a frame. */
 #include <math.h>
 #include <stdint.h>
 #include <string.h>
 
 #define MIN_CONTRAST 12   /* gray levels between black and white, or it is noise */
-#define MAX_BEYOND 0.25f  /* of the contrast, by which a profile may be darker or lighter than its ends */
+#define MAX_BEYOND 0.25f  /* of the contrast: where a profile is darker or lighter than its ends, it is clipped */
 
 typedef struct { float x, y; } Point;
 typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;
@@ -16,11 +16,11 @@ static inline float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
 
 static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float smaller(float a, float b) { return a < b ? a : b; }
-/* Within 0 and most; what is no number is 0. */
+/* The value, limited to 0 to most; 0 if it is not a number. */
 static inline float within(float value, float most) { return smaller(larger(value, 0), most); }
 
-/* The gray at a point, linear between pixels; outside of the frame that of the nearest pixel. */
-static inline float look(const Frame *frame, Point at)
+/* The gray at a point, interpolated linearly; outside of the frame, that of the nearest pixel. */
+static inline float gray_at(const Frame *frame, Point at)
 {
     float x = within(at.x, frame->width - 1), y = within(at.y, frame->height - 1);
     int left = (int)x, top = (int)y;

@@ -1,13 +1,14 @@
-/* The mask of an area, and a picture warped to where the mask is not black: called by paint.py. */
+/* Drawing the mask of an area, and warping a picture where the mask is not black. paint.py calls this. */
 #include "frame.h"
 
-/* The mask is gone through in tiles of this size: what a tile shows of the picture is near in memory, however the
-   picture is turned. */
-#define WIDE 64
-#define HIGH 32
-#define PARTS 256   /* of a pixel of the picture, to which a place is rounded */
+/* Warping goes through the frame in tiles of this size. The pixels of the picture that a tile needs are near each
+   other in memory, even if the picture is turned. */
+#define TILE_WIDTH 64
+#define TILE_HEIGHT 32
+#define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
-typedef struct { double right, down, rest; } Side;  /* right * x + down * y + rest: pixels inward, and a half */
+/* right * x + down * y + rest is the distance of a pixel from a side of the area, in pixels inward, plus a half. */
+typedef struct { double right, down, rest; } Side;
 
 static void find_sides(const double corners[4][2], Side sides[4])
 {
@@ -24,7 +25,8 @@ static void find_sides(const double corners[4][2], Side sides[4])
     }
 }
 
-/* How much of a pixel is in the area: half a pixel in, on, or half a pixel out of a side is all, half, or nothing. */
+/* The part of a pixel that the area covers: 1 if its middle is half a pixel or more inside of all sides, 0 if it is
+   half a pixel or more outside of one, and linear between. */
 static float cover_of(const Side sides[4], int x, int y)
 {
     float cover = 1;
@@ -35,7 +37,7 @@ static float cover_of(const Side sides[4], int x, int y)
 
 typedef struct { int first, last; } Span;  /* of pixels in a row */
 
-/* The pixels of a row whose cover is not below ``least``, within 0 and width - 1. */
+/* The pixels of a row whose cover is at least ``least``, within 0 and width - 1. */
 static Span find_span(const Side sides[4], int y, double least, int width)
 {
     double from = 0, to = width - 1;
@@ -51,7 +53,7 @@ static Span find_span(const Side sides[4], int y, double least, int width)
     return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
 }
 
-/* mask: (height, width, 3), all black; it becomes white where the area with those corners is, and gray on its rim. */
+/* Draw an area into a mask, (height, width, 3), which is black before: white inside, gray on the rim. */
 void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2])
 {
     Side sides[4];
@@ -65,61 +67,61 @@ void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2])
     }
 }
 
-/* Of a place on the picture: the four pixels around it, and their weights, which are PARTS * PARTS together. */
-#define AROUND(picture, u, v) \
-    int left = u / PARTS, top = v / PARTS, x = u % PARTS, y = v % PARTS; \
+/* Declares the four pixels around a position in the picture, and their weights, whose sum is STEPS * STEPS. */
+#define DECLARE_NEIGHBORS(picture, u, v) \
+    int left = u / STEPS, top = v / STEPS, x = u % STEPS, y = v % STEPS; \
     const uint8_t *here = picture->pixels + top * picture->row + left * picture->channels; \
     const uint8_t *next = here + (left + 1 < picture->width ? picture->channels : 0); \
     int64_t down = top + 1 < picture->height ? picture->row : 0; \
-    int weights[4] = {(PARTS - x) * (PARTS - y), x * (PARTS - y), (PARTS - x) * y, x * y}; \
-    const uint8_t *around[4] = {here, next, here + down, next + down}
+    int weights[4] = {(STEPS - x) * (STEPS - y), x * (STEPS - y), (STEPS - x) * y, x * y}; \
+    const uint8_t *neighbors[4] = {here, next, here + down, next + down}
 
-/* The picture's color there, linear between its pixels. */
-static inline void see(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
+/* Set a pixel to the picture's color at a position, interpolated linearly. */
+static inline void sample(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
 {
-    AROUND(picture, u, v);
+    DECLARE_NEIGHBORS(picture, u, v);
     for (int color = 0; color < 3; color++) {
-        int sum = PARTS * PARTS / 2;
+        int sum = STEPS * STEPS / 2;
         for (int corner = 0; corner < 4; corner++)
-            sum += weights[corner] * around[corner][color];
-        pixel[color] = sum / (PARTS * PARTS);
+            sum += weights[corner] * neighbors[corner][color];
+        pixel[color] = sum / (STEPS * STEPS);
     }
 }
 
-/* The same with alpha: each color counts as much as it is to be seen, or colors that nobody sees would bleed in. */
-static void see_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
+/* The same with alpha. Colors are weighted by their alpha, so that transparent ones do not bleed in. */
+static void sample_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
 {
-    AROUND(picture, u, v);
+    DECLARE_NEIGHBORS(picture, u, v);
     float alpha = 0, sums[3] = {0, 0, 0};
     for (int corner = 0; corner < 4; corner++) {
-        float weight = (float)weights[corner] * around[corner][3] / (PARTS * PARTS);
+        float weight = (float)weights[corner] * neighbors[corner][3] / (STEPS * STEPS);
         alpha += weight;
         for (int color = 0; color < 3; color++)
-            sums[color] += weight * around[corner][color];
+            sums[color] += weight * neighbors[corner][color];
     }
     for (int color = 0; color < 3; color++)
         pixel[color] = alpha > 0 ? within(sums[color] / alpha + 0.5f, 255) : 0;
     pixel[3] = within(alpha + 0.5f, 255);
 }
 
-/* The pixels of a row from ``begin`` to ``end``, at most WIDE of them. */
+/* Warp the pixels of a row from ``begin`` to ``end``, which are at most TILE_WIDTH. */
 static void warp_run(uint8_t *row, const Frame *picture, const float h[9], int y, int begin, int end)
 {
     float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
     float right = picture->width - 1, foot = picture->height - 1;
-    int u[WIDE], v[WIDE], channels = picture->channels;
-    for (int x = begin; x < end; x++) {  /* by itself, since compilers do four at once */
+    int u[TILE_WIDTH], v[TILE_WIDTH], channels = picture->channels;
+    for (int x = begin; x < end; x++) {  /* a loop of its own, since compilers can vectorize it */
         float scale = 1 / (h[6] * x + w0);
-        u[x - begin] = (int)(PARTS * within((h[0] * x + u0) * scale, right) + 0.5f);
-        v[x - begin] = (int)(PARTS * within((h[3] * x + v0) * scale, foot) + 0.5f);
+        u[x - begin] = (int)(STEPS * within((h[0] * x + u0) * scale, right) + 0.5f);
+        v[x - begin] = (int)(STEPS * within((h[3] * x + v0) * scale, foot) + 0.5f);
     }
     for (int x = begin; x < end; x++)
-        (channels == 4 ? see_alpha : see)(row + channels * x, picture, u[x - begin], v[x - begin]);
+        (channels == 4 ? sample_alpha : sample)(row + channels * x, picture, u[x - begin], v[x - begin]);
 }
 
-/* warped: (height, width, channels), of which what the mask, (height, width, 3), shows is set. pixels: of the picture,
-   BGR or BGRA, with ``row`` bytes from one row to the next. to_picture: the homography from the mask to the picture.
-   Beyond its own edges the picture is as at its edges. */
+/* Warp a picture where a mask, (height, width, 3), is not black. ``warped``: (height, width, channels), the result.
+   ``pixels``: the picture, BGR or BGRA, with ``row`` bytes from one row to the next. ``to_picture``: the homography
+   from the mask to the picture. Beyond the picture's edges, its edge pixels are repeated. */
 void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uint8_t *pixels, int64_t row,
           int picture_width, int picture_height, int channels, const double to_picture[9])
 {
@@ -127,11 +129,11 @@ void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uin
     float h[9];
     for (int number = 0; number < 9; number++)
         h[number] = to_picture[number];
-    for (int top = 0; top < height; top += HIGH)
-        for (int left = 0; left < width; left += WIDE)
-            for (int y = top; y < height && y < top + HIGH; y++) {
+    for (int top = 0; top < height; top += TILE_HEIGHT)
+        for (int left = 0; left < width; left += TILE_WIDTH)
+            for (int y = top; y < height && y < top + TILE_HEIGHT; y++) {
                 const uint8_t *shown = mask + (int64_t)3 * width * y;
-                int begin = left, end = left + WIDE < width ? left + WIDE : width;
+                int begin = left, end = left + TILE_WIDTH < width ? left + TILE_WIDTH : width;
                 while (begin < end && !shown[3 * begin])
                     begin++;
                 while (begin < end && !shown[3 * end - 3])

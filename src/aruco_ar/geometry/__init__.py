@@ -1,1 +1,1 @@
-"""Geometry of the plane: homographies, putting points in order, the pose of flat things."""
+"""Geometry of the plane: homographies, line crossings, the order of points, and the pose of flat things."""

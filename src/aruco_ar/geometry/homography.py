@@ -7,10 +7,10 @@ from aruco_ar.base.arrays import Floats, Numbers
 
 
 def homography_to(corners: Numbers) -> Floats:
-    """(3, 3) float64: from the unit square to the quadrilateral with those corners, (4, 2).
+    """(3, 3) float64: the homography from the unit square to the quadrilateral with those corners, (4, 2).
 
-    The closed form in P. Heckbert, Fundamentals of Texture Mapping and Image
-    Warping, 1989, section 2.2.3.
+    This is the closed form in P. Heckbert, Fundamentals of Texture Mapping and
+    Image Warping, 1989, section 2.2.3.
     """
     (x0, y0), (x1, y1), (x2, y2), (x3, y3) = np.asarray(corners, np.float64).tolist()
     one_x, one_y, other_x, other_y = x1 - x2, y1 - y2, x3 - x2, y3 - y2
@@ -22,7 +22,12 @@ def homography_to(corners: Numbers) -> Floats:
                      [y1 - y0 + g * y1, y3 - y0 + h * y3, y0], [g, h, 1]])
 
 
+def homography_from(corners: Numbers) -> Floats:
+    """(3, 3) float64: the homography from the quadrilateral with those corners, (4, 2), to the unit square."""
+    return np.linalg.inv(homography_to(corners))
+
+
 def transform(homography: Floats, points: Floats) -> Floats:
-    """(..., 2): points, (..., 2), through a homography, (3, 3)."""
-    seen = points @ homography[:, :2].T + homography[:, 2]
-    return seen[..., :2] / seen[..., 2:]
+    """(..., 2): where a homography, (3, 3), maps points, (..., 2)."""
+    mapped = points @ homography[:, :2].T + homography[:, 2]
+    return mapped[..., :2] / mapped[..., 2:]

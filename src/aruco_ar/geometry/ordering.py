@@ -1,4 +1,4 @@
-"""Putting centers in order, and choosing four of many."""
+"""The order of four centers, and the choice of four centers among many."""
 from __future__ import annotations
 
 from itertools import combinations
@@ -9,14 +9,16 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Integers, Numbers
 from aruco_ar.base.errors import InputError
 
-# A corner this close to the line through its two neighbors makes no corner
-# that a picture could hang from: centers on one line, give or take noise.
+from .lines import cross
+
+# A corner must be farther than this from the line through its two neighbors.
+# Otherwise three centers are on one line, apart from noise.
 MIN_HEIGHT_PX = 2.0
 
-# Of so many points every four are tried, where those on the hull alone do not do.
+# If the convex hull has no proper quadrilateral, all fours of at most this many points are tried.
 MAX_TRIED = 12
 
-# Which way the corners lie: top left, top right, bottom right, bottom left.
+# From the middle to the corners: top left, top right, bottom right, bottom left.
 DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 ZIGZAG = [0, 1, 3, 2]
@@ -26,14 +28,14 @@ def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
     """The four points as top left, top right, bottom right, bottom left.
 
     With ``zigzag``: top left, top right, bottom left, bottom right.
-    ``points``: (4, 2) in any order, x to the right and y down; the result has
-    their dtype and is the same whatever order they come in.
+    ``points``: (4, 2) in any order, x to the right and y down. The result has
+    their dtype, and does not depend on their order.
 
-    The course's rule comes first: x + y is least at the top left and greatest
-    at the bottom right, y - x is least at the top right and greatest at the
-    bottom left. Where a square is turned by about 45 degrees that rule takes
-    one point twice; then the points go clockwise around their middle,
-    beginning so that they lie as far as possible in their four directions.
+    The course's rule is tried first: x + y is least at the top left and
+    greatest at the bottom right; y - x is least at the top right and greatest
+    at the bottom left. If a square is turned by about 45 degrees, that rule
+    can choose one point twice. Then the points are taken clockwise around
+    their middle, starting with the one that fits the four directions best.
 
     Raises InputError if the points are not four finite pairs of numbers.
     """
@@ -41,8 +43,8 @@ def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
     if points.shape != (4, 2) or not np.all(np.isfinite(points)):
         raise InputError('order_coordinates takes four points, an array of shape (4, 2) of '
                          'finite numbers, not %s.' % np.array2string(points, threshold=8))
-    points = points[np.lexsort(points.T)]  # whatever order they came in
-    x, y = points.astype(np.float64).T  # small integers would overflow
+    points = points[np.lexsort(points.T)]  # so the result does not depend on the given order
+    x, y = points.astype(np.float64).T  # float64, since small integer types would overflow
     total, difference = x + y, y - x
     order = [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
     if len(set(order)) < 4:
@@ -51,39 +53,36 @@ def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
 
 
 def _clockwise(points: Floats) -> Integers:
-    """Indices of (4, 2) points, clockwise as seen, the top left one first."""
+    """Indices of (4, 2) points, clockwise in the frame, the top left one first."""
     arms = points - points.mean(axis=0)
-    around = np.argsort(np.arctan2(arms[:, 1], arms[:, 0]), kind='stable')
-    turns = [np.roll(around, -first) for first in range(4)]
-    fits = [np.sum(arms[turn] * DIRECTIONS) for turn in turns]
-    best = max(fits)
-    tied = [turn for turn, fit in zip(turns, fits) if np.isclose(fit, best)]
-    return min(tied, key=lambda turn: tuple(points[turn[0]][::-1]))
+    circle = np.argsort(np.arctan2(arms[:, 1], arms[:, 0]), kind='stable')
+    orders = [np.roll(circle, -first) for first in range(4)]
+    scores = [np.sum(arms[order] * DIRECTIONS) for order in orders]
+    best = max(scores)
+    tied = [order for order, score in zip(orders, scores) if np.isclose(score, best)]
+    return min(tied, key=lambda order: tuple(points[order[0]][::-1]))
 
 
 def is_quadrilateral(corners: Numbers) -> Booleans:
-    """Whether corners, (..., 4, 2) and in order, make a convex figure that is not flat.
+    """(...) bool: whether corners, (..., 4, 2) in order, make a proper convex quadrilateral.
 
-    Every corner must stand out of the line through its two neighbors by
-    MIN_HEIGHT_PX, all to the same side. The result is (...) bool.
+    Every corner must be at least MIN_HEIGHT_PX away from the line through its
+    two neighbors, all of them on the same side.
     """
     corners = np.asarray(corners, np.float64)
     before = corners[..., [3, 0, 1, 2], :]
     base = corners[..., [1, 2, 3, 0], :] - before
-    height = _cross(base, corners - before) / np.maximum(np.sqrt((base * base).sum(axis=-1)), 1e-9)
+    height = cross(base, corners - before) / np.maximum(np.sqrt((base * base).sum(axis=-1)), 1e-9)
     return np.asarray((height.min(axis=-1) > MIN_HEIGHT_PX) | (height.max(axis=-1) < -MIN_HEIGHT_PX))
 
-
-def _cross(one: Floats, other: Floats) -> Floats:
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
 
 
 def largest_quadrilateral(points: Numbers) -> Floats | None:
     """The four of n points that enclose the largest area, or None.
 
-    ``points``: (n, 2). The result is (4, 2) float32, going around. None if no
-    four of them make a proper quadrilateral: fewer than four points, points
-    on one line, a triangle.
+    ``points``: (n, 2). The result is (4, 2) float32, in order along the rim.
+    It is None if no four of the points make a proper quadrilateral: if there
+    are fewer than four, or if they are on one line or make a triangle.
     """
     points = np.asarray(points, np.float32).reshape(-1, 2)
     if len(points) < 4:
@@ -95,10 +94,10 @@ def largest_quadrilateral(points: Numbers) -> Floats | None:
 
 
 def _largest_on_hull(hull: Floats) -> Floats | None:
-    """The largest quadrilateral lies on the convex hull, if that has four proper corners."""
+    """The largest quadrilateral with corners on the convex hull, (n, 2), or None if it is not a proper one."""
     best, best_area = None, 0.0
     for first, third in combinations(range(len(hull)), 2):
-        height = _cross(hull[third] - hull[first], hull - hull[first])
+        height = cross(hull[third] - hull[first], hull - hull[first])
         second, fourth = np.argmax(height), np.argmin(height)
         area = height[second] - height[fourth]
         if height[second] > 0 > height[fourth] and area > best_area:
@@ -107,11 +106,11 @@ def _largest_on_hull(hull: Floats) -> Floats | None:
 
 
 def _largest_of_all(points: Floats) -> Floats | None:
-    """The largest of all proper quadrilaterals, which may have corners within the hull."""
+    """The largest of all proper quadrilaterals, whose corners may lie within the hull, or None."""
     fours = points[list(combinations(range(len(points)), 4))]
     figures = fours[:, [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 1, 3]]].reshape(-1, 4, 2)
     figures = figures[is_quadrilateral(figures)]
     if len(figures) == 0:
         return None
-    areas = np.abs(_cross(figures[:, 2] - figures[:, 0], figures[:, 3] - figures[:, 1]))
+    areas = np.abs(cross(figures[:, 2] - figures[:, 0], figures[:, 3] - figures[:, 1]))
     return figures[np.argmax(areas)]

@@ -1,8 +1,8 @@
-"""The pose of flat things by the rays to their points: both solutions, exactly, and how exactly.
+"""The pose of a flat object from the rays to its points: both solutions, refined, with their covariances.
 
-A pose is (R, t): point in the camera = R @ point of the thing + t, meters.
-How it may be off is told by six numbers in the order of ROS: a shift of t, then a
-turn by small angles about the camera's axes, R being multiplied from the left.
+A pose is (R, t), meters: point in the camera = R @ point of the object + t.
+Its error has six numbers, in the order of ROS: a shift of t, and then small
+angles about the camera's axes. Such a turn multiplies R from the left.
 """
 from __future__ import annotations
 
@@ -11,37 +11,37 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats
 
-STEPS = 12                 # of Levenberg and Marquardt's method, at most
-DAMPING = 1e-3             # at first
-LESSER, GREATER = 0.1, 8.0  # times as much after a step that helped, and after one that did not
-ENOUGH = 1e-3              # of 1 + all squared deviations: a step that promises less is not worth it
-FAR_WORSE = 100.0          # times as far off as the other pose: not worth it either
-HALF_TURN = -0.9           # cosine: turns by more are nearly half ones, whose sines say little
-NEAR_M = 1e-3              # a thing nearer to the camera than this, or behind it, is not seen
-ASIDE = 1e-6               # of a ray: nothing beside what corners are off
-LEAST_KNOWN = 1e-12        # of what else is known of a number: more than rounding makes, less than all else
-UNKNOWN = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: more unsure than that nobody is
+MAX_STEPS = 12             # of the Levenberg-Marquardt method
+FIRST_DAMPING = 1e-3
+DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE = 0.1, 8.0  # factors, after a step that lowered the cost or not
+WORTHWHILE = 1e-3          # relative to 1 + cost: a step that promises less gain is not made
+FAR_WORSE = 100.0          # a pose with this many times the cost of the other one is not refined further
+HALF_TURN = -0.9           # the cosine beyond which a turn is nearly a half one, whose sine is inaccurate
+NEAR_M = 1e-3              # an object nearer to the camera than this, or behind it, cannot be seen
+NUDGE = 1e-6               # a change of a ray that is negligible beside the errors of corners
+MIN_EIGENVALUE = 1e-12     # added to a scaled information matrix: above rounding errors, below everything else
+MAX_DEVIATION = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: no pose is reported as less certain than this
 
 
-def turned(angles: Floats) -> Floats:
-    """(n, 3, 3): the rotations by (n, 3) rad about the axes that these point along (O. Rodrigues, 1840)."""
+def rotation_matrices(angles: Floats) -> Floats:
+    """(n, 3, 3): the rotations for rotation vectors, (n, 3) rad (O. Rodrigues, 1840)."""
     angle = np.sqrt((angles * angles).sum(axis=1))[:, None, None]
-    cross = crossed(angles)
+    cross = cross_matrices(angles)
     return np.eye(3) + np.sinc(angle / np.pi) * cross + np.sinc(angle / (2 * np.pi))**2 / 2 * (cross @ cross)
 
 
-def angles_of(rotation: Floats) -> Floats:
-    """(3,) rad: the inverse of ``turned``, for one rotation (3, 3)."""
+def rotation_vector(rotation: Floats) -> Floats:
+    """(3,) rad: the inverse of rotation_matrices, for one rotation (3, 3)."""
     sines = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
                       rotation[1, 0] - rotation[0, 1]]) / 2
     sine, cosine = np.linalg.norm(sines), (np.trace(rotation) - 1) / 2
     if cosine < HALF_TURN:
-        return np.asarray(cv2.Rodrigues(rotation)[0], np.float64).ravel()  # which takes small turns for none
+        return np.asarray(cv2.Rodrigues(rotation)[0], np.float64).ravel()  # inaccurate for small turns only
     return sines / np.sinc(np.arctan2(sine, cosine) / np.pi)
 
 
-def crossed(vectors: Floats) -> Floats:
-    """(..., 3, 3): the matrices that take the cross product of (..., 3) vectors with what follows."""
+def cross_matrices(vectors: Floats) -> Floats:
+    """(..., 3, 3): the matrices M of vectors v, (..., 3), for which M @ w is the cross product of v and w."""
     matrix = np.zeros(vectors.shape + (3,))
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     matrix[..., 2, 1], matrix[..., 0, 2], matrix[..., 1, 0] = x, y, z
@@ -49,22 +49,23 @@ def crossed(vectors: Floats) -> Floats:
     return matrix
 
 
-def guesses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
-    """Both poses, (2, 3, 3) and (2, 3), of flat (k, 3) points with z = 0 seen along (k, 2) rays.
+def approximate_poses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
+    """Both poses of a flat object, rotations (2, 3, 3) and translations (2, 3), or None if there are none.
 
-    None where there are none. T. Collins, A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
+    ``points``: (k, 3) meters, with z = 0. ``rays``: (k, 2), along which they are seen. The method is by
+    T. Collins and A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
     """
-    # Of a tag in the middle of the view that leans about one of its own edges, OpenCV takes the root of a
-    # rounding error, which may be below 0: then not of one that is a little aside.
-    for aside in (0, ASIDE * (np.arange(rays.size) % 3).reshape(rays.shape)):
+    # OpenCV takes the root of a rounding error, which may be negative, for a tag in the middle of the view
+    # that is turned about one of its own edges. Then a second attempt with slightly changed rays succeeds.
+    for nudge in (0, NUDGE * (np.arange(rays.size) % 3).reshape(rays.shape)):
         try:
-            _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays + aside, np.eye(3), NO_ARRAY,
+            _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays + nudge, np.eye(3), NO_ARRAY,
                                                        flags=cv2.SOLVEPNP_IPPE)
         except cv2.error:
             return None
         if not len(angles):
             return None
-        rotations = np.array([cv2.Rodrigues(turn)[0] for turn in angles], np.float64)
+        rotations = np.array([cv2.Rodrigues(vector)[0] for vector in angles], np.float64)
         shifts = np.array(shifts, np.float64).reshape(-1, 3)
         good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1)
         good &= shifts[:, 2] > NEAR_M
@@ -76,86 +77,92 @@ def guesses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
 
 def refine(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats,
            spread: Floats | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """The poses near those given at which points are best seen along rays, m of them at once.
+    """Refine m poses at once, so that points are seen as exactly as possible along rays.
 
-    They come in pairs, the two poses of one thing after each other; one that
-    is far worse than the other may stay far from its best.
+    The poses come in pairs, which are the two poses of one object. A pose that
+    is far worse than the other one of its pair may stay unrefined.
 
     ``points``: (m, k, 3) or (k, 3) meters. ``rays``: (m, k, 2) or (k, 2).
-    ``weights``: (..., 2, 2), what makes of a ray's deviation one in standard
-    deviations. ``spread``: (k, 3, q) meters, how the points may deviate
-    together for each of q numbers whose standard deviation is 1.
+    ``weights``: (..., 2, 2), which turn a ray's error into standard deviations.
+    ``spread``: (k, 3, q) meters, how the points deviate together, for each of
+    q independent deviations. Their amounts have a standard deviation of 1.
 
-    Returns rotations (m, 3, 3), translations (m, 3), those numbers (m, q), the
-    squared deviations of all points (m, k), and the covariance (m, 6 + q, 6 + q).
+    Returns rotations (m, 3, 3), translations (m, 3), the amounts of the
+    deviations (m, q), the squared errors of all points (m, k), and the
+    covariance of pose and amounts (m, 6 + q, 6 + q).
     """
     if spread is None:
         spread = np.zeros((points.shape[-2], 3, 0))
     count = spread.shape[-1]
-    own = np.zeros((len(rotation), count))
-    here: tuple[Floats, ...] = _look(points, rays, weights, rotation, translation, own, spread)
-    damping = np.full(len(rotation), DAMPING)
-    for _ in range(STEPS):
-        cost, _, slope, curve = here
-        damped = curve + damping[:, None, None] * curve * np.eye(6 + count)
-        step = np.linalg.solve(damped, slope[..., None])[..., 0]
+    amounts = np.zeros((len(rotation), count))
+    here: tuple[Floats, ...] = _linearize(points, rays, weights, rotation, translation, amounts, spread)
+    damping = np.full(len(rotation), FIRST_DAMPING)
+    for _ in range(MAX_STEPS):
+        cost, _, gradient, hessian = here
+        damped = hessian + damping[:, None, None] * hessian * np.eye(6 + count)
+        step = np.linalg.solve(damped, gradient[..., None])[..., 0]
         least = np.repeat(cost.reshape(-1, 2).min(axis=1), 2)
-        if np.all(((step * slope).sum(axis=1) < ENOUGH * (1 + cost)) | (cost > FAR_WORSE * (1 + least))):
+        if np.all(((step * gradient).sum(axis=1) < WORTHWHILE * (1 + cost)) | (cost > FAR_WORSE * (1 + least))):
             break
-        other = (turned(step[:, 3:6]) @ rotation, translation + step[:, :3], own + step[:, 6:])
-        there = _look(points, rays, weights, *other, spread)
+        other = (rotation_matrices(step[:, 3:6]) @ rotation, translation + step[:, :3], amounts + step[:, 6:])
+        there = _linearize(points, rays, weights, *other, spread)
         better = there[0] < cost
-        damping *= np.where(better, LESSER, GREATER)
-        rotation, translation, own = (_chosen(better, *pair)
-                                      for pair in zip(other, (rotation, translation, own)))
-        here = tuple(_chosen(better, *pair) for pair in zip(there, here))
-    curve = here[3].copy()
-    curve[:, np.arange(6), np.arange(6)] += UNKNOWN ** -2
-    return rotation, translation, own, here[1], _inverted(curve)
+        damping *= np.where(better, DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE)
+        rotation, translation, amounts = (_where(better, *pair)
+                                          for pair in zip(other, (rotation, translation, amounts)))
+        here = tuple(_where(better, *pair) for pair in zip(there, here))
+    information = here[3].copy()
+    information[:, np.arange(6), np.arange(6)] += MAX_DEVIATION ** -2
+    return rotation, translation, amounts, here[1], _inverted(information)
 
 
-def _inverted(curve: Floats) -> Floats:
-    """(m, n, n): the inverses of positive matrices of numbers of very different sizes, positive too.
+def _inverted(information: Floats) -> Floats:
+    """(m, n, n): the inverses of information matrices, kept positive definite.
 
-    Of what is hardly determined, rounded numbers do not say how little: not
-    even that it is more than nothing.
+    Their entries differ greatly in size. What is hardly determined by them may
+    be lost in rounding errors, so that an entry seems to be 0 or negative.
     """
-    size = np.sqrt(np.einsum('mii->mi', curve))
-    known = curve / (size[:, :, None] * size[:, None]) + LEAST_KNOWN * np.eye(curve.shape[-1])
-    root = np.linalg.inv(np.linalg.cholesky(known)) / size[:, None]
+    size = np.sqrt(np.einsum('mii->mi', information))
+    scaled = information / (size[:, :, None] * size[:, None]) + MIN_EIGENVALUE * np.eye(information.shape[-1])
+    root = np.linalg.inv(np.linalg.cholesky(scaled)) / size[:, None]
     return root.swapaxes(1, 2) @ root
 
 
-def _chosen(first: Booleans, one: Floats, other: Floats) -> Floats:
-    return np.where(first.reshape((-1,) + (1,) * (one.ndim - 1)), one, other)
+def _where(choice: Booleans, one: Floats, other: Floats) -> Floats:
+    """(m, ...): the entries of ``one`` where ``choice``, (m,), is true, of ``other`` elsewhere."""
+    return np.where(choice.reshape((-1,) + (1,) * (one.ndim - 1)), one, other)
 
 
-def _look(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats, own: Floats,
-          spread: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Costs (m,), squared deviations (m, k), and what Gauss and Newton need: slopes (m, 6 + q) and curves."""
-    if own.shape[1]:
-        points = points + (spread @ own[:, None, :, None])[..., 0]
+def _linearize(points: Floats, rays: Floats, weights: Floats, rotation: Floats, translation: Floats,
+               amounts: Floats, spread: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """One Gauss-Newton linearization for each pose; the arguments are as in ``refine``.
+
+    Returns the costs (m,), the squared errors of the points (m, k), the negative half gradients of the costs
+    (m, 6 + q), and the approximate half Hessian matrices (m, 6 + q, 6 + q).
+    """
+    if amounts.shape[1]:
+        points = points + (spread @ amounts[:, None, :, None])[..., 0]
     arms = points @ rotation.transpose(0, 2, 1)              # (m, k, 3)
-    places = arms + translation[:, None]
-    depth = np.maximum(places[..., 2], NEAR_M)
-    seen = places[..., :2] / depth[..., None]
-    off = (weights @ (rays - seen)[..., None])[..., 0]  # (m, k, 2) standard deviations
-    toward = np.zeros(seen.shape + (3,))
-    toward[..., 0, 0] = toward[..., 1, 1] = 1 / depth
-    toward[..., 2] = -seen / depth[..., None]
-    toward = weights @ toward                                # how they change with a point's place
-    slopes = np.zeros(seen.shape + (6 + own.shape[1],))
-    slopes[..., :3] = toward
-    slopes[..., 3:6] = -toward @ crossed(arms)
-    if own.shape[1]:
-        slopes[..., 6:] = toward @ rotation[:, None] @ spread
-    slopes = slopes.reshape(len(slopes), -1, slopes.shape[-1])
-    flat = off.reshape(len(off), -1)
-    back = slopes.transpose(0, 2, 1)
-    slope, curve = (back @ flat[..., None])[..., 0], back @ slopes
-    number = np.arange(6, 6 + own.shape[1])
-    curve[:, number, number] += 1
-    slope[:, 6:] -= own
-    squares = (off * off).sum(axis=2)
-    hidden = np.where(places[..., 2] < NEAR_M, 1e9, 0.0).sum(axis=1)
-    return squares.sum(axis=1) + (own * own).sum(axis=1) + hidden, squares, slope, curve
+    in_camera = arms + translation[:, None]
+    depth = np.maximum(in_camera[..., 2], NEAR_M)
+    seen = in_camera[..., :2] / depth[..., None]
+    errors = (weights @ (rays - seen)[..., None])[..., 0]    # (m, k, 2) standard deviations
+    by_point = np.zeros(seen.shape + (3,))                   # derivatives by a point's coordinates
+    by_point[..., 0, 0] = by_point[..., 1, 1] = 1 / depth
+    by_point[..., 2] = -seen / depth[..., None]
+    by_point = weights @ by_point
+    jacobian = np.zeros(seen.shape + (6 + amounts.shape[1],))
+    jacobian[..., :3] = by_point
+    jacobian[..., 3:6] = -by_point @ cross_matrices(arms)
+    if amounts.shape[1]:
+        jacobian[..., 6:] = by_point @ rotation[:, None] @ spread
+    jacobian = jacobian.reshape(len(jacobian), -1, jacobian.shape[-1])
+    flat = errors.reshape(len(errors), -1)
+    transposed = jacobian.transpose(0, 2, 1)
+    gradient, hessian = (transposed @ flat[..., None])[..., 0], transposed @ jacobian
+    number = np.arange(6, 6 + amounts.shape[1])
+    hessian[:, number, number] += 1
+    gradient[:, 6:] -= amounts
+    squares = (errors * errors).sum(axis=2)
+    behind = np.where(in_camera[..., 2] < NEAR_M, 1e9, 0.0).sum(axis=1)  # a penalty if behind the camera
+    return squares.sum(axis=1) + (amounts * amounts).sum(axis=1) + behind, squares, gradient, hessian

@@ -1,1 +1,1 @@
-"""The picture, and painting: marks, masks and pictures on frames."""
+"""The picture, and painting marks, masks and pictures on frames."""

@@ -14,17 +14,17 @@ FITS = 'stretch', 'contain', 'cover'
 def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
     """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
 
-    ``fit``: with ``stretch`` all of the picture fills all of the area; with
-    ``contain`` all of the picture is in the middle of the area, in its own
-    proportions; with ``cover`` as much of its middle as fills the area. Raises
-    InputError for any other.
+    ``fit``: with ``stretch``, the whole picture fills the whole area. With
+    ``contain``, the whole picture is in the middle of the area and keeps its
+    proportions. With ``cover``, the picture keeps its proportions and fills
+    the area, and what does not fit is cut off. Raises InputError for any other.
     """
     if fit not in FITS:
-        raise InputError('"%s" is no way to fit a picture; choose one of %s.' % (fit, ', '.join(FITS)))
+        raise InputError('There is no fit "%s" for a picture; choose one of %s.' % (fit, ', '.join(FITS)))
     if fit == 'stretch':
         return picture, area
     height, width = picture.shape[:2]
-    wider = width / height / (area.ratio or _ratio_in_the_frame(area))  # than the area, so many times
+    wider = width / height / (area.ratio or _ratio_in_frame(area))  # how many times as wide as the area
     if fit == 'cover':
         kept_width = max(1, round(width / max(wider, 1)))
         kept_height = max(1, round(height * min(wider, 1)))
@@ -35,7 +35,7 @@ def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
     return picture, Area(transform(homography_to(area.corners), inner).astype(np.float32))
 
 
-def _ratio_in_the_frame(area: Area) -> float:
-    """What is best known about the proportions of an Area where no tag tells about the wall."""
+def _ratio_in_frame(area: Area) -> float:
+    """An Area's width to height in the frame: an estimate, for when its proportions on the wall are unknown."""
     top, right, bottom, left = np.hypot(*(area.corners - np.roll(area.corners, -1, axis=0)).T)
     return (top + bottom) / max(left + right, 1e-9)

@@ -1,7 +1,7 @@
 """Marks on frames: outlines, axes, dots, texts and polygons.
 
-Positions are in pixels. They stay fractions of a pixel until they are drawn. The middle of the top left pixel
-is (0, 0). Colors are (blue, green, red).
+Positions are in pixels and need not be whole numbers. The middle of the top left pixel is (0, 0). Colors are
+(blue, green, red).
 """
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ BLUE = (255, 0, 0)
 YELLOW = (0, 255, 255)
 BLACK = (0, 0, 0)
 WHITE = (255, 255, 255)
-PURPLE = (255, 0, 150)  # the course's
+PURPLE = (255, 0, 150)  # the color that the course uses
 
-# OpenCV draws fractions of a pixel as whole numbers of 1 / 2**SHIFT px.
+# OpenCV's drawing functions take positions as integers, in units of 1 / 2**SHIFT px.
 SHIFT = 4
 
-AXIS, ABOVE_PX = 0.75, 22  # how long axes are, in sides of a tag; and how far above it its id is
-MAX_DRAWN_PX = 1e5
+AXIS_SIDES = 0.75    # the length of a drawn axis, in sides of the tag
+ID_ABOVE_PX = 22     # the id is written this far above the tag
+MAX_DRAWN_PX = 1e5   # OpenCV is not given positions beyond this
 
 
 def fixed_point(points: Numbers) -> Integers:
-    """Points, (..., 2) pixels, as OpenCV wants them between pixels: whole numbers of 1 / 2**SHIFT px, int32."""
+    """Points, (..., 2) pixels, as fixed-point numbers for OpenCV: int32, in units of 1 / 2**SHIFT px."""
     return np.round(np.asarray(points, np.float64) * (1 << SHIFT)).astype(np.int32)
 
 
@@ -46,10 +47,10 @@ def mark_tags(frame: Image, tags: Iterable[Tag]) -> Image:
 
 def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens: Lens | None,
                area: Area | None = None) -> Image:
-    """Outline every tag, and draw the axes of every TagPose, x red, y green, z blue; the id stands above.
+    """Outline every tag, draw the axes of every TagPose, and write every id above its tag.
 
-    ``lens``: the Lens of the frame, which may be None if there are no poses.
-    ``area``: the Area, if there is one, is outlined too.
+    The x axis is red, y green, z blue. ``lens``: the Lens of the frame, which
+    may be None if there are no poses. ``area``: an Area to outline too, or None.
     """
     image = _outlined(frame, tags)
     if area is not None:
@@ -58,14 +59,14 @@ def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens
         if lens is not None:
             _draw_axes(image, pose, lens)
     for tag in tags:
-        write_text(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ABOVE_PX))
+        write_text(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ID_ABOVE_PX))
     return image
 
 
 def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
-    ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS]) @ pose.rotation.T + pose.translation
+    ends = np.vstack([np.zeros(3), np.eye(3) * pose.size * AXIS_SIDES]) @ pose.rotation.T + pose.translation
     pixels = lens.project(ends)
-    if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # not NaN either: what is behind the camera
+    if np.all(np.abs(pixels) < MAX_DRAWN_PX):  # False also for NaN, which means behind the camera
         origin, *tips = (tuple(map(int, point)) for point in fixed_point(pixels))
         for tip, color in zip(tips, (RED, GREEN, BLUE)):
             cv2.line(image, origin, tip, color, 2, cv2.LINE_AA, SHIFT)
@@ -81,7 +82,7 @@ def _outlined(frame: Image, tags: Iterable[Tag]) -> Image:
 
 
 def write_text(image: Image, text: str, center: Sequence[float] | Floats) -> None:
-    """Write text around a center, dark-rimmed to be readable on black and on white."""
+    """Write text around a center, (2,) pixels; a dark rim makes it readable on black and on white."""
     font, scale = cv2.FONT_HERSHEY_SIMPLEX, 0.7
     (width, height), _ = cv2.getTextSize(text, font, scale, 2)
     left = int(np.clip(center[0] - width / 2, 2, max(2, image.shape[1] - width - 2)))
@@ -91,7 +92,7 @@ def write_text(image: Image, text: str, center: Sequence[float] | Floats) -> Non
 
 
 def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
-    """Put a dot on every center, (n, 2)."""
+    """A copy of the frame with a dot on every center, (n, 2) pixels."""
     image = frame.copy()
     for center in centers:
         point = tuple(map(int, fixed_point(center)))
@@ -101,9 +102,9 @@ def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
 
 
 def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color = PURPLE) -> Image:
-    """Fill the polygon through points, (n, 2), in the order in which they are given.
+    """A copy of the frame with the polygon through points, (n, 2) pixels, filled; their order matters.
 
-    Fewer than three points make no polygon and change nothing.
+    Nothing is filled if there are fewer than three points.
     """
     image = frame.copy()
     if len(points) >= 3:

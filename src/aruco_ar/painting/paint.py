@@ -1,9 +1,8 @@
-"""Painting on frames.
+"""Painting a picture into the area of a frame.
 
-Every function takes a frame, (h, w, 3) BGR uint8, leaves it as it is, and
-returns a new one of the same shape. Positions are in pixels and stay
-fractions of a pixel until they are drawn; the middle of the top left pixel
-is (0, 0). Colors are (blue, green, red).
+Frames are (h, w, 3) BGR uint8. The functions return new images and leave the
+frame unchanged, except put_in, and overlay with ``out``. Positions are in
+pixels and need not be whole numbers. The middle of the top left pixel is (0, 0).
 """
 from __future__ import annotations
 
@@ -28,9 +27,9 @@ _C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p
 
 
 def area_mask(frame: Image, area: Area | None) -> Image:
-    """White where the area is, black elsewhere; all black if ``area`` is None.
+    """The mask of an area, of the frame's shape: white in the area, black elsewhere, all black without an area.
 
-    On the area's rim it is as gray as the part of the pixel that the area covers.
+    A pixel on the area's rim is gray, according to the part of it that the area covers.
     """
     mask = np.zeros_like(frame, order='C')
     if area is not None:
@@ -40,20 +39,20 @@ def area_mask(frame: Image, area: Area | None) -> Image:
 
 
 def subtract(frame: Image, mask: Image) -> Image:
-    """The frame without what is white in the mask: black there, untouched where the mask is black."""
+    """The frame with the area cut out: black where the mask is white, unchanged where the mask is black."""
     return cv2.subtract(frame, mask)
 
 
 def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image | None = None,
             fit: str = 'stretch', opacity: float = 1.0) -> Image:
-    """The frame with a picture painted into the area; the frame itself if one of the two is None.
+    """The frame with a picture painted into the area; the frame alone if picture or area is None.
 
     ``picture``: (h, w, 3) BGR, or (h, w, 4) BGRA, whose alpha lets the frame
     shine through. The rim is smooth: its pixels are part frame, part picture.
-    ``out``: where the result goes, in place of a new array; give the frame
-    itself to paint right into it, which saves copying it. ``fit``: stretch,
-    contain or cover (see fit_picture). ``opacity``: how much of the picture is
-    in the mixture with the frame, 0 to 1.
+    ``out``: an array for the result, instead of a new one. Give the frame
+    itself to paint right into it, which saves a copy. ``fit``: stretch,
+    contain or cover (see fit_picture). ``opacity``: the picture's share in the
+    mixture with the frame, 0 to 1.
     """
     if out is None:
         out = frame.copy()
@@ -70,20 +69,21 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
 
 
 def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
-    """A picture seen through a homography where a mask is not black; black, and transparent, elsewhere.
+    """A picture, warped by a homography where the mask is not black; elsewhere black and transparent.
 
-    This is cv2.warpPerspective with two differences. It skips the pixels that nobody will see. And a picture
-    that is too large is halved first. Otherwise pixels would be left out, and fine lines would flicker.
+    This is cv2.warpPerspective with two differences. It skips the pixels where the mask is black. And a picture
+    that is much larger than its place is halved first. Otherwise pixels would be skipped, and fine lines would
+    flicker.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
     pixels of the mask. ``mask``: (h, w, 3) uint8. The result has the mask's size and the picture's channels.
     """
     homography = np.asarray(homography, np.float64)
-    _, to_picture = cv2.invert(homography)  # all 0 where there is none
+    _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
     for _ in range(_halvings(picture, homography)):
         picture = picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2]
         picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
-        # The middle of a pixel, which was two wide, is between them.
+        # The middle of a new pixel is between the middles of the two old ones.
         to_picture = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]]) @ to_picture
     picture, mask = np.ascontiguousarray(picture), np.ascontiguousarray(mask)
     height, width, channels = picture.shape
@@ -94,9 +94,9 @@ def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
 
 
 def _halvings(picture: Image, homography: Floats) -> int:
-    """How often a picture without alpha can be halved and is still as large as it is seen."""
+    """How often a picture without alpha can be halved without becoming smaller than it is seen."""
     if picture.shape[2] == 4:
-        return 0  # the mean of colors is wrong where some of them are not to be seen
+        return 0  # a plain mean of colors is wrong if some of them are transparent
     height, width = picture.shape[:2]
     seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
     top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
@@ -104,9 +104,10 @@ def _halvings(picture: Image, homography: Floats) -> int:
 
 
 def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
-    """Paint a picture, (h, w, 3), or (h, w, 4) with alpha, into a frame of its size, where the mask is white.
+    """Paint a picture into a frame of the same size, where the mask is white. This changes the frame.
 
-    ``opacity``: see overlay.
+    ``picture``: (h, w, 3), or (h, w, 4) with alpha. ``mask``: (h, w, 3). ``opacity``: see overlay. The picture
+    may be overwritten.
     """
     if not frame.size:
         return

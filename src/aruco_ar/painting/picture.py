@@ -1,4 +1,4 @@
-"""The picture: what is painted into the area."""
+"""Reading the picture that is painted into the area."""
 from __future__ import annotations
 
 import io
@@ -14,65 +14,65 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import read_whole
 
-# More than a frame can show; OpenCV warps pictures of less than 32768 px.
+# No frame shows more pixels than this. OpenCV can warp pictures of less than 32768 px.
 MAX_SIDE_PX = 4096
 
-# Of a file. A picture takes ten to twenty bytes a pixel while it is read. The
+# Limits of a file. Reading takes ten to twenty bytes of memory for each pixel. The
 # largest format of video, 8192 x 4320, has 35 million pixels.
 MAX_PICTURE_PIXELS = 36 * 10**6
 MAX_PICTURE_BYTES = 128 * 1024 * 1024
 
-# A progressive JPEG is made of scans, each of which goes over all pixels. Programs
-# write about ten; a thousand of them, which need not be long, take minutes.
+# A progressive JPEG consists of scans, each of which covers all pixels. Programs write
+# about ten. A small file can have a thousand, which would take minutes to decode.
 JPEG_SCAN, MAX_SCANS = b'\xff\xda', 100
 
-ORIENTATION = 0x0112  # in EXIF
+ORIENTATION = 0x0112  # the tag in EXIF
 
-# Others that Pillow knows take other programs, print what they think of broken
-# files, or are no pictures to look at.
+# Pillow's other formats need external programs, print warnings about broken files,
+# or are not made for pictures.
 FORMATS = 'JPEG', 'PNG', 'GIF', 'WEBP', 'BMP', 'PPM'
-STILLS = 'JPEG or PNG'
+STILL_KINDS = 'JPEG or PNG'
 
 
 def load_picture(path: str) -> Image:
-    """Read a picture: (h, w, 3) BGR or, if some of it is clear, (h, w, 4) BGRA, uint8.
+    """Read a picture: (h, w, 3) BGR or, if some of it is transparent, (h, w, 4) BGRA, uint8.
 
-    One with a side above MAX_SIDE_PX is shrunk to that. Raises InputError if
-    the file is missing, is not a picture, or is larger than MAX_PICTURE_BYTES
-    or MAX_PICTURE_PIXELS.
+    A picture with a side above MAX_SIDE_PX is shrunk to that. Raises InputError
+    if the file is missing, is not a picture, or is larger than
+    MAX_PICTURE_BYTES or MAX_PICTURE_PIXELS.
     """
     with opened_picture(path) as image:
         return picture_of(image)
 
 
 def decode_picture(data: bytes, name: str) -> Image:
-    """As load_picture, from the bytes of a file of that name."""
-    with _opened_image(data, name, STILLS) as image:
+    """The same as load_picture, from the bytes of a file of that name."""
+    with _opened_image(data, name, STILL_KINDS) as image:
         return picture_of(image)
 
 
-def opened_picture(path: str, kinds: str = STILLS) -> ContextManager[PIL.Image.Image]:
-    """A Pillow image of a file of which only the header has been looked at, for a ``with`` block.
+def opened_picture(path: str, kinds: str = STILL_KINDS) -> ContextManager[PIL.Image.Image]:
+    """A Pillow image of a file, of which only the header has been read, for a ``with`` block.
 
-    Raises InputError, in which it tells to give a file of those ``kinds``, as
-    load_picture does, also where the block finds the file broken.
+    Raises the same InputError as load_picture, also if the block finds that
+    the file is broken. Its message asks for a file of those ``kinds``.
     """
     return _opened_image(read_whole(path, MAX_PICTURE_BYTES), path, kinds)
 
 
 def open_header(data: bytes, formats: tuple[str, ...] = FORMATS) -> PIL.Image.Image:
-    """A Pillow image of the bytes of a file, of which only the header has been looked at.
+    """A Pillow image of the bytes of a file, of which only the header has been read.
 
     Raises PIL.Image.DecompressionBombError if it has more than
-    MAX_PICTURE_PIXELS, and many kinds of error if it is none of those formats
-    or takes too long to read.
+    MAX_PICTURE_PIXELS. Raises many kinds of error if it has none of those
+    formats, or would take too long to decode.
     """
     image = PIL.Image.open(io.BytesIO(data), formats=formats)
     if image.width * image.height > MAX_PICTURE_PIXELS:
         raise PIL.Image.DecompressionBombError('%d x %d pixels' % image.size)
-    # Others have these bytes by chance.
+    # In other formats these bytes may occur by chance.
     if image.format in ('JPEG', 'MPO') and data.count(JPEG_SCAN) > MAX_SCANS:
-        raise ValueError('a JPEG of more than %d scans' % MAX_SCANS)
+        raise ValueError('a JPEG with more than %d scans' % MAX_SCANS)
     return image
 
 
@@ -86,24 +86,24 @@ def _opened_image(data: bytes, name: str, kinds: str) -> Iterator[PIL.Image.Imag
     except InputError:
         raise
     except Exception:  # Pillow raises many kinds
-        raise InputError('The picture "%s" is no picture that can be read; give a %s.'
+        raise InputError('The picture "%s" cannot be read as a picture; give a %s.'
                          % (name, kinds)) from None
 
 
 def too_large(name: str, pixels: int) -> InputError:
-    """The InputError for a picture or video of more pixels than that."""
+    """The InputError for a picture or video with more than that many pixels."""
     return InputError('The picture "%s" is too large; give one of at most %d million pixels.'
                       % (name, pixels // 10**6))
 
 
 def picture_of(image: PIL.Image.Image) -> Image:
-    """What a Pillow image shows now, as of load_picture. Raises many kinds of error where it is broken."""
+    """The current frame of a Pillow image, as load_picture returns it. Raises many kinds of error if broken."""
     image = _upright(image)
     if image.mode.startswith('I'):  # 16 bits of gray
         gray = cv2.convertScaleAbs(np.asarray(image).astype(np.int32), alpha=1 / 257)
         return shrink_to_warp(cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR))
     if image.mode == 'F':
-        raise ValueError('how bright its 1.0 is, it does not say')
+        raise ValueError('an image of floats does not say which value is white')
     mode = 'RGBA' if 'transparency' in image.info or image.mode[-1] in 'Aa' else 'RGB'
     if image.mode != mode:
         image = image.convert(mode)
@@ -114,21 +114,21 @@ def picture_of(image: PIL.Image.Image) -> Image:
 
 
 def shrink_to_warp(picture: Image) -> Image:
-    """The picture, (h, w, 3 or 4) uint8, no larger than can be warped."""
+    """The picture, (h, w, 3 or 4) uint8, shrunk if a side is longer than MAX_SIDE_PX."""
     shrink = MAX_SIDE_PX / max(picture.shape[:2])
     return resize(picture, shrink) if shrink < 1 else picture
 
 
 def resize(image: Image, factor: float) -> Image:
-    """The image, (h, w, ...) uint8, made that many times as large, but at least 1 px."""
+    """The image, (h, w, ...) uint8, scaled by that factor, but at least 1 px wide and high."""
     size = [max(1, round(side * factor)) for side in image.shape[1::-1]]
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA if factor < 1 else cv2.INTER_LINEAR)
 
 
 def _upright(image: PIL.Image.Image) -> PIL.Image.Image:
-    """The image turned as its camera noted it."""
+    """The image, turned upright as its EXIF data asks for."""
     try:
         turned = None if image.getexif().get(ORIENTATION, 1) == 1 else PIL.ImageOps.exif_transpose(image)
         return turned or image
-    except Exception:  # the note cannot be read, of which Pillow says much
+    except Exception:  # Pillow raises many kinds if the EXIF data cannot be read
         return image

@@ -1,1 +1,1 @@
-"""Poses: of tags, of the wall, and of the camera before it."""
+"""The poses of tags, of the wall, and of the camera in front of it."""

@@ -7,25 +7,27 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import NEAR_M, angles_of, turned
+from aruco_ar.geometry.plane_pose import NEAR_M, rotation_matrices, rotation_vector
 from aruco_ar.tracking.area import Area
 
 from .belief import mixture
 from .lens import Lens
-from .sight import View
+from .observations import WallFit
 
-AREA_PX = 0.1       # how far off a corner of the area may be
-WALL_STEP = 1e-6    # meters and radians, and
-CORNER_STEP = 1e-3  # times AREA_PX: steps by which slopes are measured
+AREA_PX = 0.1       # the standard deviation of a corner of the area
+# The steps for numerical derivatives: by the wall's pose, and by the corners, in units of AREA_PX.
+WALL_STEP = 1e-6    # meters and radians
+CORNER_STEP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class AreaPose:
-    """Where the area is: its axes are x from its top left to its top right, y up, z out of the wall.
+    """The pose and the size of the area on the wall.
 
-    Their origin is where its diagonals cross. ``corners``: (4, 2) pixels, as
-    they were given. ``points``: (4, 3) meters in the optical frame, where these
-    are on the wall. ``rotation``, ``translation``, ``covariance``: as of a
+    Its origin is where its diagonals cross. Its x axis points from the top left
+    to the top right corner, y up, z out of the wall. ``corners``: (4, 2)
+    pixels, as given. ``points``: (4, 3) meters, the corners on the wall in the
+    optical frame. ``rotation``, ``translation``, ``covariance``: as in
     TagPose. ``width`` and ``height``: meters, the means of opposite sides.
     """
 
@@ -38,45 +40,45 @@ class AreaPose:
     height: float
 
 
-def area_pose(view: View, area: Area, lens: Lens) -> AreaPose | None:
-    """The AreaPose of an Area, seen through a Lens, on the wall of a View, or None if it cannot be there."""
+def area_pose(fit: WallFit, area: Area, lens: Lens) -> AreaPose | None:
+    """The AreaPose of an Area, seen through a Lens on the wall of a WallFit, or None if it is impossible."""
     pixels = np.asarray(area.corners, np.float64)
     rays = lens.rays(pixels)
     if not (np.isfinite(rays).all() and is_quadrilateral(pixels)):
         return None
-    rotation, translation, covariance = view.poses[0]
-    slopes = np.linalg.inv(lens.look(rays)[1]) * AREA_PX                  # (4, 2, 2)
-    # The pose, and those by small steps of the numbers that it depends on: the wall's six, the corners' eight.
+    rotation, translation, covariance = fit.poses[0]
+    slopes = np.linalg.inv(lens.project_rays(rays)[1]) * AREA_PX                  # (4, 2, 2)
+    # The pose depends on the wall's six numbers and the corners' eight. Row 0 is the pose
+    # itself; the others are small steps of each number, up and down.
     changes = np.zeros((29, 14))
     steps = np.array([WALL_STEP] * 6 + [CORNER_STEP] * 8)
     changes[1:15], changes[15:] = np.diag(steps), -np.diag(steps)
     moved = rays + np.einsum('kij,mkj->mki', slopes, changes[:, 6:].reshape(-1, 4, 2))
-    found = _area_on(turned(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
+    found = _area_on(rotation_matrices(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
     if found is None:
         return None
     points, axes, center, width, height = found
-    turns = np.array([angles_of(other @ axes[0].T) for other in axes])
+    turns = np.array([rotation_vector(other @ axes[0].T) for other in axes])
     off = np.concatenate([center - center[0], turns], axis=1)
     slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
     spread = np.eye(14)
     spread[:6, :6] = covariance
     one = axes[0], center[0], slope @ spread @ slope.T
-    found = _area_on(view.rotation[1:], view.translation[1:], rays[None])
+    found = _area_on(fit.rotation[1:], fit.translation[1:], rays[None])
     other = one if found is None else (found[1][0], found[2][0], one[2])
-    return AreaPose(area.corners, points[0], one[0], one[1], mixture(one, other, view.weight)[0],
+    return AreaPose(area.corners, points[0], one[0], one[1], mixture(one, other, fit.weight)[0],
                     float(width[0]), float(height[0]))
 
 
 def _area_on(rotation: Floats, translation: Floats,
              rays: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats] | None:
-    """Corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,) of an area on walls, or None.
+    """An area on m walls: corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,); or None.
 
-    The walls are at rotations (m, 3, 3), translations (m, 3); along rays,
-    (m, 4, 2), the area's corners are seen on them.
+    ``rotation``: (m, 3, 3) and ``translation``: (m, 3), of the walls. ``rays``: (m, 4, 2), to its corners.
     """
     normal = rotation[..., 2]
     lines = np.concatenate([rays, np.ones(rays.shape[:2] + (1,))], axis=2)
-    with np.errstate(divide='ignore', invalid='ignore'):  # along the wall there is no place on it
+    with np.errstate(divide='ignore', invalid='ignore'):  # a ray along the wall does not meet it
         far = np.einsum('mi,mi->m', normal, translation)[:, None] / np.einsum('mi,mki->mk', normal, lines)
     if not np.all((far > NEAR_M) & np.isfinite(far)):
         return None
@@ -84,9 +86,10 @@ def _area_on(rotation: Floats, translation: Floats,
     sides = np.roll(corners, -1, axis=1) - corners
     lengths = np.linalg.norm(sides, axis=2)
     right = sides[:, 0] / lengths[:, :1]
-    first, second = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    upon = np.cross(first, second)
-    part = np.einsum('mi,mi->m', np.cross(sides[:, 0], second), upon) / np.einsum('mi,mi->m', upon, upon)
-    center = corners[:, 0] + part[:, None] * first
+    diagonal, other_diagonal = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    cross = np.cross(diagonal, other_diagonal)
+    fraction = np.einsum('mi,mi->m', np.cross(sides[:, 0], other_diagonal), cross) \
+        / np.einsum('mi,mi->m', cross, cross)
+    center = corners[:, 0] + fraction[:, None] * diagonal
     axes = np.stack([right, np.cross(normal, right), normal], axis=2)
     return corners, axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2

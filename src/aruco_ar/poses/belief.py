@@ -1,11 +1,11 @@
-"""Which of its two poses a flat thing has: what frame after frame says about it, taken together.
+"""Which of its two poses a flat object has, judged by all frames together.
 
-A square seen from somewhat left of it looks nearly as from as much right of
-it, so two poses explain its corners almost equally well. How well each does is
-evidence. And the camera, as seen from the thing, moves on from where it was
-and does not leap to the other side: so frames add up. Where the camera passes
-right before the thing both poses are the same, and from then on only what is
-seen anew counts.
+A square looks nearly the same from the left as from the right. So two poses
+explain its corners almost equally well. How well each pose explains them is
+evidence. Evidence from several frames adds up, since the camera moves steadily
+and does not leap from one side of the object to the other. When the camera is
+right in front of the object, both poses are the same. From there on, only new
+evidence counts.
 """
 from __future__ import annotations
 
@@ -15,54 +15,62 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Integers, Pose
 from aruco_ar.base.recent import Recent
-from aruco_ar.geometry.plane_pose import angles_of, crossed
+from aruco_ar.geometry.plane_pose import cross_matrices, rotation_vector
 
-SPEED_M_S = 1.0      # of the camera past the thing: a standard deviation
-MEMORY_S = 0.5       # evidence fades within about this time, since errors repeat from frame to frame,
-EVIDENCE = 0.5       # and counts as so much of what independent errors would say
-LEAP = 1e-4          # how likely it is that it was anywhere else
-SURE = 0.9           # the other pose has to be as likely as that to become the one that is believed
-GAP_S = 0.5          # after as long without a sight all begins anew
-SAME = 0.1           # of the variance of a pose: one that is no farther off is the same
-IMPOSSIBLE = -60.0   # natural logarithm of a likelihood of which nothing is left
+SPEED_M_S = 1.0      # the standard deviation of the camera's speed relative to the object
+# The errors of corners repeat from frame to frame. So evidence decays with this time constant, and counts only
+# this part of what it would count if the errors were independent.
+MEMORY_S = 0.5
+EVIDENCE = 0.5
+LEAP = 1e-4          # the probability that the camera has moved in any other way
+SWITCH = 0.9         # the other pose must be at least this probable to become the believed one
+GAP_S = 0.5          # if an object was out of sight for longer, its earlier evidence is not used
+SAME = 0.1           # of a pose's variance: if the two poses differ by less, they are the same
+MIN_LOG_WEIGHT = -60.0  # the natural logarithm of the smallest weight
 
 
 class Belief:
-    """What was believed about things, by their keys, when they were last in sight."""
+    """The evidence for the poses of objects, by their keys, up to when they were last in sight."""
 
     def __init__(self) -> None:
+        # For each key: the time, and for both poses the logarithm of the weight, the camera's place, and its
+        # covariance; and which pose was believed.
         self._before: Recent[Hashable, tuple[float, Floats, Floats, Floats, int]] = Recent()
 
     def weigh(self, keys: Sequence[Hashable], poses: Pose, costs: Floats,
               now: float) -> tuple[Integers, Floats]:
-        """Which pose of each thing to believe, (n,) int, and the weight of the other, (n,), 0 to 0.5.
+        """Which pose of each object to believe, (n,) int, and the weight of the other one, (n,), 0 to 0.5.
 
-        ``poses``: both of each, rotations (n, 2, 3, 3), translations (n, 2, 3)
-        and covariances (n, 2, 6, 6). ``costs``: (n, 2), their squared
-        deviations from what is seen. ``now``: seconds.
+        ``poses``: both of each object, rotations (n, 2, 3, 3), translations
+        (n, 2, 3) and covariances (n, 2, 6, 6). ``costs``: (n, 2), the squared
+        errors of each pose. ``now``: seconds.
         """
         rotation, translation, covariance = poses
-        toward = rotation.swapaxes(-1, -2)
-        place = -(toward @ translation[..., None])[..., 0]  # the camera's, in the thing's own axes
-        moves = np.concatenate([toward, toward @ crossed(translation)], axis=-1)
-        spread = moves @ covariance @ moves.swapaxes(-1, -2)
-        weight = np.maximum(-EVIDENCE / 2 * (costs - costs.min(axis=1, keepdims=True)), IMPOSSIBLE)
+        inverse = rotation.swapaxes(-1, -2)
+        place = -(inverse @ translation[..., None])[..., 0]  # the camera's, in the object's own axes
+        jacobian = np.concatenate([inverse, inverse @ cross_matrices(translation)], axis=-1)
+        spread = jacobian @ covariance @ jacobian.swapaxes(-1, -2)
+        weight = np.maximum(-EVIDENCE / 2 * (costs - costs.min(axis=1, keepdims=True)), MIN_LOG_WEIGHT)
         believed = np.argmax(weight, axis=1)
         old = [number for number, key in enumerate(keys)
                if key in self._before and 0 <= now - self._before[key][0] <= GAP_S]
         if old:
-            weight[old], believed[old] = self._carried([keys[number] for number in old], weight[old],
+            weight[old], believed[old] = self._with_history([keys[number] for number in old], weight[old],
                                                        place[old], spread[old], now)
         weight -= np.logaddexp(weight[:, 0], weight[:, 1])[:, None]
         every = np.arange(len(keys))
-        believed = np.where(weight[every, 1 - believed] > np.log(SURE), 1 - believed, believed)
+        believed = np.where(weight[every, 1 - believed] > np.log(SWITCH), 1 - believed, believed)
         for number, key in enumerate(keys):
             self._before[key] = now, weight[number], place[number], spread[number], believed[number]
         return believed, np.minimum(np.exp(weight[every, 1 - believed]), 0.5)
 
-    def _carried(self, keys: Sequence[Hashable], weight: Floats, place: Floats, spread: Floats,
-                 now: float) -> tuple[Floats, Integers]:
-        """The weights, with what was known before about those things; and what follows what was believed."""
+    def _with_history(self, keys: Sequence[Hashable], weight: Floats, place: Floats, spread: Floats,
+                      now: float) -> tuple[Floats, Integers]:
+        """The weights with the earlier evidence, (n, 2), and which pose continues the believed one, (n,).
+
+        ``weight``: (n, 2), the logarithms of the weights by this frame alone. ``place``: (n, 2, 3), where the
+        camera is in each object's axes. ``spread``: (n, 2, 3, 3), the covariance of that place.
+        """
         times, known, places, spreads, believed = (np.array(part) for part in
                                                    zip(*(self._before[key] for key in keys)))
         passed = now - times
@@ -78,12 +86,12 @@ class Belief:
 
 
 def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:
-    """How far off the first of two poses may be, (6, 6), if with that weight the other one is right.
+    """The covariance of the first of two poses, (6, 6), if the other one has that weight; and the weight.
 
-    Each is (rotation, translation, covariance). Returned with the weight, which
-    is none if the two are the same as far as anybody can tell.
+    Each pose is (rotation, translation, covariance). The returned weight is 0
+    if the two poses cannot be told apart.
     """
-    leap = np.concatenate([other[1] - one[1], angles_of(other[0] @ one[0].T)])
+    leap = np.concatenate([other[1] - one[1], rotation_vector(other[0] @ one[0].T)])
     if leap[3:] @ leap[3:] < SAME * np.trace(one[2][3:, 3:]):
         return one[2], 0.0
     return (1 - weight) * one[2] + weight * (other[2] + np.outer(leap, leap)), float(weight)

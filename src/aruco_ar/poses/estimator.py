@@ -1,4 +1,4 @@
-"""Poses: of tags, of the area on their wall, and of the camera before it."""
+"""Estimating the poses of tags, of the area on their wall, and of the camera in front of it."""
 from __future__ import annotations
 
 from collections import Counter
@@ -9,9 +9,10 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
+from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.base.recent import Recent
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import NEAR_M, crossed, guesses, refine
+from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matrices, refine
 from aruco_ar.tags.tag import SIDE_M, Tag, square
 from aruco_ar.tracking.area import Area
 from aruco_ar.walls.wall import Wall
@@ -19,32 +20,30 @@ from aruco_ar.walls.wall import Wall
 from .area_pose import AreaPose, area_pose
 from .belief import Belief, mixture
 from .lens import Lens
-from .sight import Sight
-from .wall_view import WallView
+from .observations import SeenTags
+from .wall_estimator import WallEstimator
 
-USUAL_S = 1 / 30         # between frames whose stamps do not tell
-# How far off a corner that the Detector finds is, a standard deviation measured
-# before the simulated wall: so much, and so much more for a tag whose shortest side
-# is SMALL_PX, less the larger it is.
+# The standard deviation of corners that the Detector finds, measured in front of the simulated wall: CORNER_PX,
+# and in addition SMALL_TAG_PX for a tag whose shortest side is SMALL_PX. For larger tags the addition is less.
 CORNER_PX, SMALL_TAG_PX, SMALL_PX, MAX_CORNER_PX = 0.03, 0.05, 20.0, 0.5
-# Where a tag's corners fit no pose that well, they are off by more, which is
-# remembered of about so many frames; so many are taken for granted at first.
-MEMORY_FRAMES, GRANTED_FRAMES = 20, 2
+# If a tag's corners fit no pose well, their deviation is larger. It is estimated from about the last
+# MEMORY_FRAMES; PRIOR_FRAMES with usual corners are assumed before the first one.
+MEMORY_FRAMES, PRIOR_FRAMES = 20, 2
 FADE = 1 - 1 / MEMORY_FRAMES
-HOPELESS = 1e30          # the cost of a pose that cannot be
-MAX_COST = 1e4           # more than that no tag teaches about its corners: it is another thing
+IMPOSSIBLE_COST = 1e30   # of a pose that is impossible
+MAX_COST = 1e4           # the cost is limited to this in that estimate: with more, it is no tag of that size
 
 
 @dataclass(frozen=True, eq=False)
 class TagPose:
-    """Where a tag is: point in the optical frame = rotation @ point in the tag's own axes + translation.
+    """The pose of a tag: point in the optical frame = rotation @ point in the tag's own axes + translation.
 
-    The tag's own axes: x right, y up, z out of it, from its center.
-    ``corners``: (4, 2) pixels, as they were given. ``size``: its side, meters.
-    ``rotation``: (3, 3), ``translation``: (3,), meters. ``covariance``: (6, 6),
+    The tag's own axes start at its center: x to the right, y up, z out of it.
+    ``corners``: (4, 2) pixels, as given. ``size``: its side, meters.
+    ``rotation``: (3, 3). ``translation``: (3,), meters. ``covariance``: (6, 6),
     m² and rad², in the order of ROS: x, y, z, and small turns about the X, Y, Z
-    axes of the optical frame. ``ambiguity``: the weight of another pose that
-    explains the corners as well, 0 (none) to 0.5 (nobody knows).
+    axes of the optical frame. ``ambiguity``: the probability of the other pose
+    that explains the corners, 0 to 0.5.
     """
 
     id: int
@@ -58,11 +57,11 @@ class TagPose:
 
 @dataclass(frozen=True, eq=False)
 class CameraPose:
-    """Where the camera is: wall point = rotation @ point in the optical frame + translation.
+    """The pose of the camera: wall point = rotation @ point in the optical frame + translation.
 
-    ``rotation``: (3, 3), ``translation``: (3,), meters, ``covariance``: (6, 6),
-    m² and rad², as of a TagPose, about the wall's axes. ``ids``: of the tags
-    that say so.
+    ``rotation``: (3, 3). ``translation``: (3,), meters. ``covariance``: (6, 6),
+    m² and rad², as in TagPose, but about the wall's axes. ``ids``: of the tags
+    that it was computed from.
     """
 
     rotation: Floats
@@ -71,22 +70,25 @@ class CameraPose:
     ids: tuple[int, ...]
 
     def carry(self, rotation: Floats, translation: Floats) -> CameraPose:
-        """The pose of what is at ``rotation``, ``translation`` in the optical frame, such as the robot."""
+        """The pose of something fixed to the camera, such as the robot, as a CameraPose.
+
+        It is at ``rotation``, (3, 3), and ``translation``, (3,) meters, in the optical frame.
+        """
         arm = self.rotation @ translation
-        moves = np.eye(6)
-        moves[:3, 3:] = -crossed(arm)  # the farther away it is, the more a turn of the camera moves it
-        return CameraPose(self.rotation @ rotation, self.translation + arm, moves @ self.covariance @ moves.T,
-                          self.ids)
+        jacobian = np.eye(6)
+        jacobian[:3, 3:] = -cross_matrices(arm)  # a turn of the camera moves it, more if it is farther away
+        return CameraPose(self.rotation @ rotation, self.translation + arm,
+                          jacobian @ self.covariance @ jacobian.T, self.ids)
 
 
 class PoseEstimator:
-    """Finds the poses of tags, of the area, and of the camera through a sequence of frames.
+    """Estimates the poses of tags, of the area, and of the camera through a sequence of frames.
 
-    ``tag_size``: meters, the side of a tag, and ``sizes``: {id: meters}, of
-    those that have another. ``wall``: a wall.Wall, which says where its tags
-    are and what size they have; without one, tags that are seen in one plane
-    again and again are learned as a wall, in the axes of the one of them with
-    the lowest id. Raises InputError for a size that no tag has.
+    ``tag_size``: meters, the side of a tag. ``sizes``: {id: meters}, of tags
+    with other sides. ``wall``: a Wall with the places and sides of its tags.
+    Without it, the estimator learns a wall from tags that are repeatedly seen
+    in one plane. Its axes are those of the tag with the lowest id among them.
+    Raises InputError for an impossible size.
     """
 
     def __init__(self, tag_size: float = 0.18, sizes: Mapping[int, float] | None = None,
@@ -99,137 +101,135 @@ class PoseEstimator:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the learned wall and all that was seen."""
-        self._stamp: float | None = None
-        self._now = 0.0
-        self._belief, self._wall = Belief(), WallView(self._given)
-        # Of tags: their squared deviations, and of how many frames, lately.
+        """Forget the learned wall and all earlier frames."""
+        self._clock = FrameClock()
+        self._belief, self._wall = Belief(), WallEstimator(self._given)
+        # For each id, fading sums over frames: the squared errors, and the count.
         self._noise: Recent[int, tuple[float, float]] = Recent()
 
     def update(self, tags: Sequence[Tag], lens: Lens, stamp: float) -> list[TagPose]:
-        """The poses of tags in a frame, a list of TagPose in their order.
+        """The poses of tags in a frame, a list of TagPose in the order of the tags.
 
-        ``tags``: a list of Tag. ``lens``: the Lens that they were seen through.
-        ``stamp``: the frame's time in seconds; where it goes back, all that
-        was seen is forgotten. A tag whose corners are no square seen from
-        before it is left out. Of an id that is seen more than once, no tag
-        says where the wall is.
+        ``tags``: a list of Tag. ``lens``: the Lens that they are seen through.
+        ``stamp``: the frame's time, seconds; if it goes back, the estimator is
+        reset. A tag is left out if its corners cannot be a square seen from the
+        front. Tags with the same id are not used for the pose of the wall.
         """
-        if self._stamp is not None and not stamp >= self._stamp:
+        if self._clock.goes_back(stamp):
             self.reset()
-        self._now += USUAL_S if self._stamp in (None, stamp) else stamp - self._stamp
-        self._stamp = stamp
-        seen = self._sight(tags, lens) if tags else None
+        self._clock.advance(stamp)
+        seen = self._seen_tags(tags, lens) if tags else None
         if seen is None:
-            self._wall.miss()
+            self._wall.clear()
             return []
-        often = Counter(seen.ids)
-        single = np.array([number for number, tag_id in enumerate(seen.ids) if often[tag_id] == 1], int)
-        alone = seen.some(single)
-        believed, weight = np.argmax(seen.likely, axis=1), seen.likely.min(axis=1)
+        count = Counter(seen.ids)
+        single = np.array([number for number, tag_id in enumerate(seen.ids) if count[tag_id] == 1], int)
+        unique = seen.subset(single)
+        believed, weight = np.argmax(seen.probabilities, axis=1), seen.probabilities.min(axis=1)
         if len(single):
-            believed[single], weight[single] = self._belief.weigh(alone.ids, alone.poses, alone.costs,
-                                                                  self._now)
+            believed[single], weight[single] = self._belief.weigh(unique.ids, unique.poses, unique.costs,
+                                                                  self._clock.now)
             every = np.arange(len(single))
-            alone.likely[every, believed[single]] = 1 - weight[single]
-            alone.likely[every, 1 - believed[single]] = weight[single]
-        self._wall.update(alone, self._now)
-        together = self._wall.tag_poses
+            unique.probabilities[every, believed[single]] = 1 - weight[single]
+            unique.probabilities[every, 1 - believed[single]] = weight[single]
+        self._wall.update(unique, self._clock.now)
+        by_wall = self._wall.tag_poses
         poses = []
         for number, tag in enumerate(seen.tags):
             first = believed[number]
             one, other = (tuple(part[number, which] for part in seen.poses) for which in (first, 1 - first))
-            of_two = weight[number]
-            if often[tag.id] == 1 and tag.id in together:
-                one, other, of_two = together[tag.id]
+            other_weight = weight[number]
+            if count[tag.id] == 1 and tag.id in by_wall:
+                one, other, other_weight = by_wall[tag.id]
             poses.append(TagPose(tag.id, tag.corners, float(seen.sizes[number]), one[0], one[1],
-                                 *mixture(one, other, of_two)))
+                                 *mixture(one, other, other_weight)))
         return poses
 
     def camera(self) -> CameraPose | None:
-        """The CameraPose in the last update, or None if no tag of a wall was in sight that agrees with it."""
-        view = self._wall.view
-        if view is None:
+        """The CameraPose of the last update, or None if no tags in sight agreed on the wall's pose."""
+        fit = self._wall.fit
+        if fit is None:
             return None
-        one, other = (_seen_from_the_wall(*pose) for pose in view.poses)
-        return CameraPose(one[0], one[1], mixture(one, other, view.weight)[0], view.ids)
+        one, other = (_inverse_pose(*pose) for pose in fit.poses)
+        return CameraPose(one[0], one[1], mixture(one, other, fit.weight)[0], fit.ids)
 
     def area(self, area: Area, lens: Lens) -> AreaPose | None:
-        """The AreaPose of an Area on the wall in the last update, or None if that was not in sight.
+        """The AreaPose of an Area on the wall of the last update, or None if the wall's pose is unknown.
 
-        ``lens``: the Lens that it was seen through.
+        ``lens``: the Lens that it is seen through.
         """
-        return None if self._wall.view is None else area_pose(self._wall.view, area, lens)
+        return None if self._wall.fit is None else area_pose(self._wall.fit, area, lens)
 
-    def _sight(self, tags: Sequence[Tag], lens: Lens) -> Sight | None:
-        """The Sight of those tags that can be real ones, or None."""
+    def _seen_tags(self, tags: Sequence[Tag], lens: Lens) -> SeenTags | None:
+        """The SeenTags of those tags whose corners can be a square's, or None if there are none."""
         quads = np.array([tag.corners for tag in tags], np.float64)
         real = np.isfinite(quads).all(axis=(1, 2))
         quads[~real] = 0
         rays = lens.corner_rays(quads)
         across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
         good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
-        good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise: not seen from behind
+        good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise, so seen from the front
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        starts = [guesses(points, ray) if fine else None
-                  for points, ray, fine in zip(square(sizes), rays, good)]
-        begun = [(number, start) for number, start in enumerate(starts) if start is not None]
-        if not begun:
+        first_poses = [approximate_poses(points, ray) if is_good else None
+                       for points, ray, is_good in zip(square(sizes), rays, good)]
+        found = [(number, pair) for number, pair in enumerate(first_poses) if pair is not None]
+        if not found:
             return None
-        keep = [number for number, _ in begun]
+        keep = [number for number, _ in found]
         rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
         deviation = corner_deviation(quads)
-        weights = lens.look(rays.reshape(-1, 2))[1].reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
+        _, slopes = lens.project_rays(rays.reshape(-1, 2))
+        weights = slopes.reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
             np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
-            np.concatenate([rotations for _, (rotations, _) in begun]),
-            np.concatenate([translations for _, (_, translations) in begun]))
+            np.concatenate([rotations for _, (rotations, _) in found]),
+            np.concatenate([translations for _, (_, translations) in found]))
         rotation, translation = rotation.reshape(-1, 2, 3, 3), translation.reshape(-1, 2, 3)
         costs = squares.sum(axis=1).reshape(-1, 2)
-        # A tag shows its face.
-        faces = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)
-        costs = np.where(faces & np.isfinite(costs), costs, HOPELESS)
+        # The camera must be in front of the tag.
+        front = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)
+        costs = np.where(front & np.isfinite(costs), costs, IMPOSSIBLE_COST)
         scale = self._scales([tags[number].id for number in keep], costs.min(axis=1))
         costs = costs / scale[:, None]
-        likely = np.exp(-(costs - costs.min(axis=1, keepdims=True)) / 2)
-        sight = Sight(
+        likelihood = np.exp(-(costs - costs.min(axis=1, keepdims=True)) / 2)
+        seen = SeenTags(
             tuple(tags[number] for number in keep), quads, sizes, rays,
             weights / np.sqrt(scale)[:, None, None, None], deviation * np.sqrt(scale),
             (rotation, translation, covariance.reshape(-1, 2, 6, 6) * scale[:, None, None, None]),
-            costs, likely / likely.sum(axis=1, keepdims=True))
-        return sight.some(np.flatnonzero(faces.any(axis=1)))
+            costs, likelihood / likelihood.sum(axis=1, keepdims=True))
+        return seen.subset(np.flatnonzero(front.any(axis=1)))
 
     def _scales(self, ids: Sequence[int], costs: Floats) -> Floats:
-        """(n,): by how much the variance of tags' corners is greater than usual, to the costs of their poses.
+        """(n,): by which factor the variance of tags' corners is larger than usual, as the costs of poses show.
 
-        Eight numbers that six others are fitted to leave a cost of about 2.
+        The expected cost is 2, since six numbers are fitted to eight coordinates.
         """
         scales = []
         for tag_id, cost in zip(ids, costs):
             total, frames = self._noise.get(tag_id, (0.0, 0.0))
             self._noise[tag_id] = total, frames = total * FADE + min(cost, MAX_COST), frames * FADE + 1
-            scales.append(max(1.0, (2 * GRANTED_FRAMES + total) / (2 * GRANTED_FRAMES + 2 * frames)))
+            scales.append(max(1.0, (2 * PRIOR_FRAMES + total) / (2 * PRIOR_FRAMES + 2 * frames)))
         return np.array(scales)
 
 
 def corner_deviation(quads: Floats) -> Floats:
-    """(n,) pixels: how far off the corners of tags, (n, 4, 2), found by the Detector, may be."""
+    """(n,) pixels: the standard deviation of the corners of tags, (n, 4, 2), that the Detector finds."""
     lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
     sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
     shortest = np.maximum(sides.min(axis=1), 1e-9)
     return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3, MAX_CORNER_PX)
 
 
-def _seen_from_the_wall(rotation: Floats, translation: Floats, covariance: Floats) -> Pose:
-    """The camera's pose in wall coordinates from the wall's in the camera's, each with its covariance."""
-    moves = np.zeros((6, 6))
-    moves[:3, :3] = moves[3:, 3:] = -rotation.T
-    moves[:3, 3:] = -rotation.T @ crossed(translation)
-    return rotation.T, -rotation.T @ translation, moves @ covariance @ moves.T
+def _inverse_pose(rotation: Floats, translation: Floats, covariance: Floats) -> Pose:
+    """The pose of the camera in the wall's axes, from the pose of the wall in the camera's axes."""
+    jacobian = np.zeros((6, 6))
+    jacobian[:3, :3] = jacobian[3:, 3:] = -rotation.T
+    jacobian[:3, 3:] = -rotation.T @ cross_matrices(translation)
+    return rotation.T, -rotation.T @ translation, jacobian @ covariance @ jacobian.T
 
 
 def _size(value: Any, name: str) -> float:
-    """The side of a tag as a float; InputError if none has it."""
+    """The side of a tag, meters, as a float. Raises InputError if no tag can have it."""
     try:
         size = float(value)
     except (TypeError, ValueError):

@@ -1,9 +1,9 @@
-"""How far tags are off the plane of others: what frame after frame says about it, taken together.
+"""How far tags are off the plane of the other tags, judged by the last frames together.
 
-A tag on a box a few centimeters before the wall can be told from one on it only
-from near, or by many frames. The mean of the last ones counts, each as much as
-it says. It is taken to be no surer than one of them is, since the errors of
-corners repeat from frame to frame, and a sheet of paper bulges in all of them.
+A tag on a box a few centimeters in front of the wall differs from a tag on the
+wall only from near, or over many frames. So the weighted mean of the last
+frames is taken. It is assumed to be no more certain than a single frame: the
+errors of corners repeat from frame to frame, and paper bulges in all of them.
 """
 from __future__ import annotations
 
@@ -14,25 +14,28 @@ import numpy as np
 from aruco_ar.base.arrays import Floats
 from aruco_ar.base.recent import Recent
 
-MEMORY_FRAMES = 15  # about so many frames, the last ones, count
+MEMORY_FRAMES = 15  # about this many of the last frames count
 FADE = 1 - 1 / MEMORY_FRAMES
 
 
 class Flatness:
-    """What is known of tags, by their ids."""
+    """The mean distances of tags from the plane of the others, by their ids."""
 
     def __init__(self) -> None:
-        # Sums over frames: how surely, (3, 3), that times how far off, (3,), and of how many.
-        self._known: Recent[int, tuple[Floats, Floats, float]] = Recent()
+        # Fading sums over frames: information (3, 3), information times distance (3,), and the count.
+        self._sums: Recent[int, tuple[Floats, Floats, float]] = Recent()
 
     def update(self, ids: Iterable[int], offs: Floats, spreads: Floats) -> tuple[Floats, Floats]:
-        """Take in how far off n tags are in a frame, (n, 3) and covariances (n, 3, 3); the same of the mean."""
+        """Add n tags of a frame. Returns their means, (n, 3), with covariances, (n, 3, 3).
+
+        ``offs``: (n, 3), as from off_others, and ``spreads``: (n, 3, 3), their covariances in this frame.
+        """
         means, covariances = [], []
-        for tag_id, off, certain in zip(ids, offs, np.linalg.inv(spreads)):
-            sure, told, frames = self._known.get(tag_id, (0.0, 0.0, 0.0))
-            sure, told, frames = self._known[tag_id] = (
-                FADE * sure + certain, FADE * told + certain @ off, FADE * frames + 1)
-            covariance = np.linalg.inv(sure)
-            means.append(covariance @ told)
+        for tag_id, off, added in zip(ids, offs, np.linalg.inv(spreads)):
+            information, weighted, frames = self._sums.get(tag_id, (0.0, 0.0, 0.0))
+            information, weighted, frames = self._sums[tag_id] = (
+                FADE * information + added, FADE * weighted + added @ off, FADE * frames + 1)
+            covariance = np.linalg.inv(information)
+            means.append(covariance @ weighted)
             covariances.append(covariance * frames)
         return np.array(means), np.array(covariances)

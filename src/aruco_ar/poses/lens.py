@@ -1,4 +1,4 @@
-"""The lens of a calibrated camera: which ray of light each pixel sees."""
+"""The lens of a calibrated camera: the ray of light that each pixel sees."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -7,23 +7,24 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Numbers
-from aruco_ar.tags.edges import PART
+from aruco_ar.geometry.lines import crossing
+from aruco_ar.tags.edges import PROFILE_POSITIONS
 
-STEPS = 20        # of Newton's method, at most
-CLOSE_PX = 1e-9   # rays whose pixels are as near as this are exact
-FAR_PX = 1e-3     # and those that end farther off are no rays: the lens shows no such pixel
-FIRST_STEPS = cv2.TERM_CRITERIA_COUNT, 10, 0.0
+MAX_STEPS = 20      # of Newton's method
+EXACT_PX = 1e-9     # a ray is exact if its pixel is off by less than this
+MAX_ERROR_PX = 1e-3  # if it is off by more than this in the end, no ray belongs to that pixel
+FIRST_STEPS = cv2.TERM_CRITERIA_COUNT, 10, 0.0  # of OpenCV's own method, for a first approximation
 
 
 @dataclass(frozen=True, eq=False)
 class Lens:
     """How a calibrated camera maps rays to pixels.
 
-    ``width``, ``height``: of the frames that it is for, pixels. ``matrix``:
-    (3, 3) float64, K; the middle of the top left pixel is (0, 0).
-    ``distortion``: (n,) float64, OpenCV's 0, 4, 5, 8, 12 or 14 numbers (ROS
-    calls them plumb_bob and rational_polynomial), or with ``fisheye`` the 4 of
-    its fisheye model (which ROS calls equidistant).
+    ``width``, ``height``: the size of its frames, pixels. ``matrix``: (3, 3)
+    float64, the camera matrix K; the middle of the top left pixel is (0, 0).
+    ``distortion``: (n,) float64, the 0, 4, 5, 8, 12 or 14 coefficients of
+    OpenCV's model (ROS calls it plumb_bob or rational_polynomial). With
+    ``fisheye``, the 4 of its fisheye model (ROS calls it equidistant).
     """
 
     width: int
@@ -34,28 +35,28 @@ class Lens:
 
     @property
     def bends(self) -> bool:
-        """Whether straight lines may look bent through it."""
+        """Whether it distorts: straight lines may look bent."""
         return self.fisheye or bool(np.any(self.distortion))
 
     def rays(self, pixels: Numbers) -> Floats:
-        """(..., 2) float64: the rays, x/z and y/z in the optical frame, that (..., 2) pixels see.
+        """(..., 2) float64: the rays that pixels, (..., 2), see, as x/z and y/z in the optical frame.
 
-        Exact, by Newton's method on the model that ``project`` applies; NaN
-        where the lens shows no ray before the camera at that pixel.
+        They are exact, by Newton's method on the model of ``project``. A ray is
+        NaN if no ray in front of the camera belongs to its pixel.
         """
         pixels = np.asarray(pixels, np.float64)
         wanted = pixels.reshape(-1, 2)
         rays = np.full(wanted.shape, np.nan)
         finite = np.isfinite(wanted).all(axis=1)
         if not self.bends:
-            up = np.linalg.inv(self.matrix)
-            rays[finite] = wanted[finite] @ up[:2, :2].T + up[:2, 2]
+            inverse = np.linalg.inv(self.matrix)
+            rays[finite] = wanted[finite] @ inverse[:2, :2].T + inverse[:2, 2]
         elif finite.any():
-            rays[finite] = self._inverted(wanted[finite])
+            rays[finite] = self._rays_of_finite(wanted[finite])
         return rays.reshape(pixels.shape)
 
-    def _inverted(self, wanted: Floats) -> Floats:
-        """The same for (n, 2) finite pixels, n > 0."""
+    def _rays_of_finite(self, wanted: Floats) -> Floats:
+        """(n, 2): the rays that finite pixels, (n, 2), see through a lens that distorts; n > 0."""
         points = wanted[:, None]
         with np.errstate(all='ignore'):
             if self.fisheye:
@@ -64,73 +65,66 @@ class Lens:
                 first = cv2.undistortPointsIter(points, self.matrix, self.distortion, NO_ARRAY, NO_ARRAY,
                                                 FIRST_STEPS)
             rays = np.asarray(first, np.float64)[:, 0]
-            for _ in range(STEPS):
-                seen, slopes = self.look(rays)
+            for _ in range(MAX_STEPS):
+                seen, slopes = self.project_rays(rays)
                 off = wanted - seen
-                if np.nanmax(np.abs(off), initial=0.0) < CLOSE_PX:
+                if np.nanmax(np.abs(off), initial=0.0) < EXACT_PX:
                     break
                 rays = rays + _divided(off, slopes)
-            seen, slopes = self.look(rays)
-            # Beyond where a lens folds back, where rays turn over, models see things twice.
-            good = (np.abs(wanted - seen).max(axis=1) < FAR_PX) & (np.linalg.det(slopes) > 0)
+            seen, slopes = self.project_rays(rays)
+            # Far outside, a model may fold back and map further rays to the same pixels, mirrored.
+            good = (np.abs(wanted - seen).max(axis=1) < MAX_ERROR_PX) & (np.linalg.det(slopes) > 0)
         return np.where(good[:, None], rays, np.nan)
 
-    def look(self, rays: Floats) -> tuple[Floats, Floats]:
-        """(n, 2) pixels that see (n, 2) rays, and how they move with the rays, (n, 2, 2)."""
+    def project_rays(self, rays: Floats) -> tuple[Floats, Floats]:
+        """The pixels that see rays, (n, 2) each, and the derivatives of the pixels by the rays, (n, 2, 2)."""
         if not self.bends:
             slope = self.matrix[:2, :2]
             return rays @ slope.T + self.matrix[:2, 2], np.broadcast_to(slope, (len(rays), 2, 2))
         points, none = np.concatenate([rays, np.ones((len(rays), 1))], axis=1)[:, None], np.zeros(3)
-        # Moving the scene to the side moves a point at depth 1 as it moves its ray.
+        # At depth 1, the derivatives by a ray are those by a sideways translation of the scene.
         if self.fisheye:
             pixels, slopes = cv2.fisheye.projectPoints(points, none, none, self.matrix, self.distortion)
-            slopes = slopes[:, 11:13]  # after those of K, the distortion and the rotation
+            slopes = slopes[:, 11:13]  # after the columns for K, the distortion and the rotation
         else:
             pixels, slopes = cv2.projectPoints(points, none, none, self.matrix, self.distortion)
-            slopes = slopes[:, 3:5]    # after those of the rotation
+            slopes = slopes[:, 3:5]    # after the columns for the rotation
         return np.asarray(pixels, np.float64)[:, 0], np.asarray(slopes, np.float64).reshape(-1, 2, 2)
 
     def project(self, points: Numbers) -> Floats:
-        """(n, 2) float64: the pixels that see (n, 3) points, meters in the optical frame; NaN behind it."""
+        """(n, 2) float64: the pixels that see points, (n, 3) meters in the optical frame; NaN if behind it."""
         points = np.asarray(points, np.float64).reshape(-1, 3)
         pixels = np.full((len(points), 2), np.nan)
         before = np.isfinite(points).all(axis=1) & (points[:, 2] > 0)
         if before.any():
-            pixels[before] = self.look(points[before, :2] / points[before, 2:])[0]
+            pixels[before] = self.project_rays(points[before, :2] / points[before, 2:])[0]
         return pixels
 
     def corner_rays(self, quads: Numbers) -> Floats:
-        """(n, 4, 2) float64: the rays to the corners of tags found at quads, (n, 4, 2) pixels.
+        """(n, 4, 2) float64: the rays to the corners of tags that were found at quads, (n, 4, 2) pixels.
 
-        A detected corner is where the straight lines through two edges cross
-        (see fit_tags). Edges that the lens bends bulge beyond their ends, by up
-        to some tenths of a pixel: this is taken off.
+        A detected corner is the crossing of straight lines through two edges
+        (see fit_tags). If the lens bends the edges, the crossing is off by up to
+        some tenths of a pixel. This function corrects that error.
         """
         quads = np.asarray(quads, np.float64)
         rays = self.rays(quads)
         if not (self.bends and len(quads)):
             return rays
         seen = np.nan_to_num(rays)
-        edges = seen[:, :, None] + (np.roll(seen, -1, axis=1) - seen)[:, :, None] * PART[:, None]
-        pixels = self.look(edges.reshape(-1, 2))[0].reshape(edges.shape)
+        edges = seen[:, :, None] + (np.roll(seen, -1, axis=1) - seen)[:, :, None] * PROFILE_POSITIONS[:, None]
+        pixels = self.project_rays(edges.reshape(-1, 2))[0].reshape(edges.shape)
         middle = pixels.mean(axis=2)
-        arm = PART - PART.mean()
-        along = np.einsum('s,ntsk->ntk', arm / (arm @ arm), pixels)
-        crossing = _crossings(middle - along * PART.mean(), along)
-        return self.rays(2 * quads - crossing)
+        arm = PROFILE_POSITIONS - PROFILE_POSITIONS.mean()
+        directions = np.einsum('s,ntsk->ntk', arm / (arm @ arm), pixels)
+        starts = middle - directions * PROFILE_POSITIONS.mean()
+        found = crossing(np.roll(starts, 1, axis=1), np.roll(directions, 1, axis=1), starts, directions)
+        return self.rays(2 * quads - found)
 
 
 def _divided(off: Floats, slopes: Floats) -> Floats:
-    """(n, 2): the steps by which (n, 2, 2) slopes give off, (n, 2); NaN where they are flat."""
+    """(n, 2): the solutions x of slopes @ x = off, for (n, 2, 2) and (n, 2); not finite if singular."""
     a, b, c, d = slopes[:, 0, 0], slopes[:, 0, 1], slopes[:, 1, 0], slopes[:, 1, 1]
     x, y = off.T
     return np.stack([d * x - b * y, a * y - c * x], axis=1) / (a * d - b * c)[:, None]
 
-
-def _crossings(first: Floats, along: Floats) -> Floats:
-    """(n, 4, 2): where each of four lines, first + k along, crosses the one before it."""
-    toward, before = np.roll(along, 1, axis=1), np.roll(first, 1, axis=1)
-    gap = first - before
-    crossed = toward[..., 0] * along[..., 1] - toward[..., 1] * along[..., 0]
-    far = (gap[..., 0] * along[..., 1] - gap[..., 1] * along[..., 0]) / np.where(crossed == 0, 1e-9, crossed)
-    return before + far[..., None] * toward

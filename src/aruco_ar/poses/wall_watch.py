@@ -1,4 +1,4 @@
-"""Whether the tags in sight are where the wall's file says."""
+"""Checking that the tags in sight are where the wall's file says."""
 from __future__ import annotations
 
 from typing import Sequence
@@ -9,21 +9,21 @@ from aruco_ar.walls.wall import Wall
 
 from .estimator import CameraPose, TagPose
 
-PATIENCE_S = 3.0     # a wrong file is wrong for longer
-NOWHERE = -1         # in place of the id of what is wrong: the tags do not agree where the camera is
-OFF_M, OFF_PART = 0.02, 0.02  # meters, and of the distance: a tag farther from its place is elsewhere
+PATIENCE_S = 3.0     # what is wrong for a shorter time is not reported
+NO_CAMERA_POSE = -1  # instead of a tag's id: the tags do not agree on the camera's pose
+OFF_M, OFF_SHARE = 0.02, 0.02  # meters, and relative to the distance: a tag off by more is misplaced
 
 
 class WallWatch:
-    """Finds what does not fit a wall.Wall, which the file of that name describes; None fits everything."""
+    """Finds the tags that do not fit a Wall. ``name``: of the wall's file. Without a wall, all tags fit."""
 
     def __init__(self, wall: Wall | None, name: str) -> None:
         self._name = name
         self._places = {} if wall is None else {tag.id: np.array([tag.x, tag.y, 0.0]) for tag in wall.tags}
-        self._since: dict[int, float] = {}  # what has been wrong since when
+        self._since: dict[int, float] = {}  # the stamps since when tags have been misplaced
 
-    def look(self, poses: Sequence[TagPose], camera: CameraPose | None, stamp: float) -> str | None:
-        """What is wrong with the file, a sentence, or None.
+    def check(self, poses: Sequence[TagPose], camera: CameraPose | None, stamp: float) -> str | None:
+        """A sentence that says what is wrong with the file, or None.
 
         ``poses``: a list of TagPose. ``camera``: the CameraPose, or None.
         ``stamp``: the frame's time, seconds.
@@ -33,19 +33,19 @@ class WallWatch:
             return None
         wrong = set()
         if camera is None:
-            wrong.add(NOWHERE)
+            wrong.add(NO_CAMERA_POSE)
         else:
             for pose in known:
                 place = camera.rotation @ pose.translation + camera.translation
-                far = OFF_M + OFF_PART * np.linalg.norm(pose.translation)
+                far = OFF_M + OFF_SHARE * np.linalg.norm(pose.translation)
                 if np.linalg.norm(place - self._places[pose.id]) > far:
                     wrong.add(pose.id)
         self._since = {what: min(self._since.get(what, stamp), stamp) for what in wrong}
         lasting = [what for what in wrong if stamp - self._since[what] > PATIENCE_S]
-        if NOWHERE in lasting:
-            return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is not known. Are ' \
-                   'their places and sides there right, in meters?' % self._name
+        if NO_CAMERA_POSE in lasting:
+            return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is unknown. Check ' \
+                   'their places and sides in that file; all are in meters.' % self._name
         if lasting:
-            return 'Tag %s is not where "%s" says; the others tell where the camera is.' % (
+            return 'Tag %s is not where "%s" says; the camera\'s pose is computed from the other tags.' % (
                 ', '.join(map(str, sorted(lasting))), self._name)
         return None

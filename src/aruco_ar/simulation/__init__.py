@@ -1,1 +1,1 @@
-"""The simulated robot, what its camera sees, and the same wall for Gazebo."""
+"""The simulated robot, the frames of its camera, and the same wall for Gazebo."""

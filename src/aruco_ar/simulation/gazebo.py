@@ -1,7 +1,7 @@
-"""The wall for Gazebo: a model with the tags as a textured mesh, and a world to put it in.
+"""The wall for Gazebo: a model with the tags as a textured mesh, and a world that contains it.
 
-Coordinates are odometry coordinates (see robot.py), meters: the tags' faces
-are in the plane x = 0, where the simulated camera has them.
+Coordinates are odometry coordinates (see robot.py), meters. The tags' faces
+are in the plane x = 0, as for the simulated camera.
 """
 from __future__ import annotations
 
@@ -19,22 +19,23 @@ from .robot import WALL_IN_ODOMETRY
 MODEL = 'unit5_wall'
 MESHES = 'models/%s/meshes/' % MODEL
 
-# Paper as thin as real paper would flicker: the ROSbot's camera, which sees from
-# 0.1 m on, tells depths 5 mm apart up to 90 m away, and to 5 m if it had but 16 bits.
+# Paper as thin as real paper would flicker, since depths are rounded. The ROSbot's
+# camera, which sees from 0.1 m on, distinguishes depths 5 mm apart up to 90 m away;
+# with a depth buffer of only 16 bits, up to 5 m.
 PAPER_M = 0.005
 WALL_M = 0.1  # from the tags' faces to the wall's back
 
-# Halved five times, as Gazebo does for far views, a texel is still within one cell.
+# Gazebo halves textures for far views. Even after five times, a texel is within one cell.
 CELL_TEXELS = 64
 
-# The sun falls onto the wall from before and above it. Ambient light and sun
-# together stay below 1 there: white that clips eats into the tags' black edges.
+# The sun shines onto the wall from the front and from above. Ambient light and sun
+# together stay below 1 there, since overexposed white would eat into the tags' edges.
 SUN_DIRECTION = 0.8, 0.0, -0.6
 AMBIENT, SUN = 0.5, 0.5
 
 
 def wall_files(wall: Wall) -> dict[str, bytes]:
-    """{path: bytes} of all files for a Wall, with paths as they are in the package's gazebo/."""
+    """{path: bytes}: all files for a Wall. Paths are relative to the package's gazebo/."""
     files = {'models/%s/model.config' % MODEL: _CONFIG % {'model': MODEL},
              'models/%s/model.sdf' % MODEL: _model(wall),
              'worlds/wall.world': _world(),
@@ -47,11 +48,11 @@ def wall_files(wall: Wall) -> dict[str, bytes]:
 
 
 def _mesh(wall: Wall) -> str:
-    """The tags' papers in Wavefront's OBJ format: the front with the texture on it, and four sides.
+    """The tags' papers in Wavefront's OBJ format: a textured front and four sides each.
 
-    Gazebo wants one material to an object, and a normal and a place in the
-    texture for every corner. A side shows the texture's rim, which is of one
-    color all around, so that nothing bleeds in where the texture repeats.
+    Gazebo needs one material for each object, and for every corner a normal and
+    a position in the texture. A side shows the texture's rim. The rim has the
+    same color all around, so nothing bleeds in where the texture repeats.
     """
     lines = ['mtllib tags.mtl',
              'vt 0 1', 'vt 0 0', 'vt 1 0', 'vt 1 1']  # v is up; the tag's own top left is the first
@@ -78,9 +79,9 @@ def _materials(wall: Wall) -> str:
 
 
 def _texture(wall: Wall, tag: WallTag) -> bytes:
-    """A tag on its paper as a PNG, the tag's own top left first."""
+    """A tag on its paper as the bytes of a PNG; the tag's own top left is the image's top left."""
     cells, _ = wall.paper(tag)
-    texels = CELL_TEXELS // wall.parts
+    texels = CELL_TEXELS // wall.paper_scale
     texture = cells.repeat(texels, 0).repeat(texels, 1)
     return cv2.imencode('.png', cv2.cvtColor(texture, cv2.COLOR_GRAY2BGR),
                         [cv2.IMWRITE_PNG_COMPRESSION, 9])[1].tobytes()
@@ -88,12 +89,12 @@ def _texture(wall: Wall, tag: WallTag) -> bytes:
 
 def _model(wall: Wall) -> str:
     return _MODEL % {'model': MODEL, 'color': _color(wall.color),
-                     # Robots bump into the plane of the tags' faces.
+                     # Robots collide with the plane of the tags' faces.
                      'collision': _box(wall, 0.0), 'visual': _box(wall, PAPER_M)}
 
 
 def _box(wall: Wall, behind: float) -> str:
-    """Pose and geometry of the wall, its face that far behind the tags', as SDF."""
+    """The pose and geometry of the wall as SDF. ``behind``: meters from the tags' faces to the wall's front."""
     center = WALL_IN_ODOMETRY @ [0, wall.height / 2, -(behind + WALL_M) / 2]
     size = np.abs(WALL_IN_ODOMETRY @ [wall.width, wall.height, WALL_M - behind])
     return '<pose>%s 0 0 0</pose>\n        <geometry><box><size>%s</size></box></geometry>' % (
@@ -111,8 +112,8 @@ def _color(bgr: Sequence[float]) -> str:
 
 
 def _numbers(values: Floats | Sequence[float]) -> str:
-    """Numbers as text, to a micrometer."""
-    return ' '.join('%.10g' % value for value in np.round(values, 6) + 0.0)  # + 0.0: no -0
+    """Numbers as text, rounded to six decimals, which is a micrometer."""
+    return ' '.join('%.10g' % value for value in np.round(values, 6) + 0.0)  # + 0.0 avoids -0
 
 
 _CONFIG = '''<?xml version="1.0"?>

@@ -1,4 +1,4 @@
-"""Rendering the wall as a camera sees it, and where the truth of it lies in the frame."""
+"""Rendering the wall as a camera sees it, and the true positions of its points in the frame."""
 from __future__ import annotations
 
 from typing import Collection
@@ -15,25 +15,25 @@ from aruco_ar.walls.wall import Wall
 
 from .robot import Camera, view_between
 
-NEAR_M = 0.05         # nothing nearer to the camera than this is seen
-TAG_CELL_TEXELS = 32  # resolution of a tag's texture, halved again and again for far views
-WALL_TEXELS_M = 160   # resolution of the wall's texture; it is soft, so this is enough
-SAMPLES = 3           # per pixel and direction, where a tag is drawn
-POSTER_SAMPLES = 2    # the same of a poster
+NEAR_M = 0.05         # what is nearer to the camera than this is not visible
+TAG_CELL_TEXELS = 32  # resolution of a tag's texture, which is halved repeatedly for far views
+WALL_TEXELS_M = 160   # texels per meter of the wall's texture, enough for its soft pattern
+SAMPLES = 3           # of a tag, per pixel and direction
+POSTER_SAMPLES = 2    # of a poster, per pixel and direction
 ROOM_COLOR = (205, 200, 196)
 FLOOR_COLOR = (92, 104, 116)
 FLOOR = np.array([[-20.0, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20]])  # wall meters
-CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # what covers a tag, in its sides
+CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # the card that covers a tag, in its sides
 CARD_COLOR = (120, 128, 134)
-FAR_PX = 1e6          # nothing is drawn farther out
-SETTLED = 5           # so often is asked in which row a point is seen, and where in that row's view
+FAR_PX = 1e6          # positions farther out are clipped
+ROW_ITERATIONS = 5    # to find the row in which a point is seen: its position depends on it, and it on that
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
 def project(points: Floats, rotation: Floats, translation: Floats, camera: Camera) -> tuple[Floats, bool]:
-    """Pixels, (n, 2) float64, of wall points, (n, 3), and whether all lie before the camera.
+    """The pixels, (n, 2) float64, of wall points, (n, 3), and whether all are in front of the camera.
 
-    The pinhole model with plumb_bob distortion, as OpenCV's projectPoints.
+    This is the pinhole model with plumb_bob distortion, as in OpenCV's projectPoints.
     """
     depth = points @ rotation[2] + translation[2]
     pixels, _ = cv2.projectPoints(np.asarray(points, np.float64), cv2.Rodrigues(rotation)[0], translation,
@@ -42,12 +42,15 @@ def project(points: Floats, rotation: Floats, translation: Floats, camera: Camer
 
 
 def project_rows(points: Floats, first: View, last: View, camera: Camera) -> tuple[Floats, bool]:
-    """The same where the frame's rows are read one after the other, from the first view to the last."""
+    """The same as ``project`` for a rolling shutter: the rows are read one after the other.
+
+    ``first`` and ``last``: the views when the first and when the last row is read.
+    """
     pixels, before = project(points, *first, camera)
     if not before or all(np.array_equal(*parts) for parts in zip(first, last)):
         return pixels, before
     for number, point in enumerate(points):
-        for _ in range(SETTLED):
+        for _ in range(ROW_ITERATIONS):
             part = pixels[number, 1] / (camera.height - 1)
             pixels[number] = project(point[None], *view_between(first, last, part), camera)[0][0]
     return pixels, before
@@ -57,11 +60,11 @@ class WallRenderer:
     """Renders frames of a Wall through a Camera.
 
     ``noise``: standard deviation, gray levels. ``blur``: standard deviation,
-    pixels. ``smear``: pixels by which motion to the side blurs all.
+    pixels. ``smear``: pixels, the length of a horizontal motion blur.
     ``light``: how much darker the wall's right end is than its left, 0 to 1.
-    ``quality``: 1 to 100, of JPEG, by which each frame is compressed; 0 for none.
-    ``seed`` makes the noise repeatable. Raises InputError for a poster that
-    cannot be read.
+    ``quality``: of the JPEG compression of each frame, 1 to 100; 0 for no
+    compression. ``seed`` makes the noise repeatable. Raises InputError for a
+    poster that cannot be read.
     """
 
     def __init__(self, wall: Wall, camera: Camera, noise: float = 0.0, blur: float = 0.0, light: float = 0.0,
@@ -85,14 +88,14 @@ class WallRenderer:
 
     def render(self, rotation: Floats, translation: Floats, covered: Collection[int] = (),
                exposure: float = 1.0, last: View | None = None) -> Image:
-        """The frame, (h, w, 3) BGR uint8, seen with that pose of the wall (see wall_to_camera).
+        """The frame, (h, w, 3) BGR uint8, in the view (rotation, translation); see wall_to_camera.
 
-        ``covered``: ids of tags before which something gray is held.
-        ``exposure``: how many times as light all is. ``last``: the view when
-        the last row is read, where rows are read one after the other.
+        ``covered``: ids of tags that a gray card covers. ``exposure``: the
+        factor for the brightness of the frame. ``last``: with a rolling
+        shutter, the view when the last row is read.
         """
         matrix, _, lens = self._lens
-        to_image = matrix @ _of_wall((rotation, translation))
+        to_image = matrix @ _wall_to_rays((rotation, translation))
         frame = self._room.copy()
         self._draw_wall(frame, to_image, rotation, translation)
         floor = self._outline(FLOOR, rotation, translation)
@@ -106,9 +109,9 @@ class WallRenderer:
                 card = self._outline(tag.on_wall(*CARD), rotation, translation)
                 if card is not None:
                     cv2.fillPoly(frame, [card], CARD_COLOR, cv2.LINE_AA, 4)
-        looks = lens if last is None else self._looks_by_row((rotation, translation), last)
-        if looks is not None:
-            frame = cv2.remap(frame, looks, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        sources = lens if last is None else self._sources_by_row((rotation, translation), last)
+        if sources is not None:
+            frame = cv2.remap(frame, sources, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         if self._blur > 0:
             frame = cv2.GaussianBlur(frame, (0, 0), self._blur)
         if self._smear > 1:
@@ -124,24 +127,25 @@ class WallRenderer:
             frame = cv2.imdecode(packed, cv2.IMREAD_COLOR)
         return frame
 
-    def _looks_by_row(self, first: View, last: View) -> Image:
-        """(h, w, 2) float32: where in the picture by the first view each pixel of the frame looks."""
-        matrix, _, looks = self._lens
+    def _sources_by_row(self, first: View, last: View) -> Image:
+        """(h, w, 2) float32: for each pixel of the frame, its position in the image of the first view."""
+        matrix, _, sources = self._lens
         height, width = self._camera.height, self._camera.width
-        if looks is None:
-            looks = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(np.float32)
-        seen = np.empty_like(looks)
-        begun = matrix @ _of_wall(first)
+        if sources is None:
+            sources = np.stack(np.meshgrid(np.arange(width), np.arange(height)), axis=-1).astype(np.float32)
+        seen = np.empty_like(sources)
+        to_first = matrix @ _wall_to_rays(first)
         for row in range(height):
-            back = begun @ np.linalg.inv(matrix @ _of_wall(view_between(first, last, row / (height - 1))))
-            seen[row] = transform(back, np.asarray(looks[row], np.float64))
+            back = to_first @ np.linalg.inv(
+                matrix @ _wall_to_rays(view_between(first, last, row / (height - 1))))
+            seen[row] = transform(back, np.asarray(sources[row], np.float64))
         return seen
 
     def _light_at(self, x: Floats) -> Floats:
         return 1 - self._light * np.clip(x / self._wall.width + 0.5, 0, 1)
 
     def _paint_wall(self) -> Image:
-        """The wall's texture: its color, a soft pattern of plaster, and a skirting board."""
+        """The wall's texture, (h, w, 3) uint8: its color, a soft pattern of plaster, and a skirting board."""
         shape = int(self._wall.height * WALL_TEXELS_M), int(self._wall.width * WALL_TEXELS_M)
         plaster = np.zeros(shape)
         for grain, depth in (64, 5), (16, 4), (5, 3):
@@ -155,24 +159,24 @@ class WallRenderer:
         return np.clip(color, 0, 255).astype(np.uint8)
 
     def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
-        """A tag on its paper as a pyramid: a list of (n, n) uint8, each half the one before."""
-        texels = TAG_CELL_TEXELS // self._wall.parts
+        """A tag on its paper as a pyramid: a list of images, (n, n) uint8, each half the one before."""
+        texels = TAG_CELL_TEXELS // self._wall.paper_scale
         texture = cells.repeat(texels, 0).repeat(texels, 1)
         place = (np.arange(len(texture)) + 0.5) / len(texture)
         left, right, _, foot = paper[:, 0]
         x = left + (right - left) * place + (foot - left) * place[:, None]
-        # Paper is not a light source, ink not a hole.
+        # Paper is not perfectly white, and ink not perfectly black.
         lit = ((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)
-        return _pyramid(lit, 2 * len(cells) / self._wall.parts)  # until two texels are left of a cell
+        return _pyramid(lit, 2 * len(cells) / self._wall.paper_scale)  # down to two texels per cell
 
     def _paint_poster(self, picture: Image, corners: Floats) -> list[Image]:
-        """The same of a picture, (h, w, 3 or 4) BGR, whose corners are there on the wall: (h, w, 3) each."""
+        """The pyramid of a picture, (h, w, 3 or 4) BGR, of images (h, w, 3). ``corners``: on the wall."""
         (left, right), width = corners[:2, 0], picture.shape[1]
         x = left + (right - left) * (np.arange(width) + 0.5) / width
         return _pyramid((picture[:, :, :3] * self._light_at(x)[None, :, None]).astype(np.uint8), 8)
 
     def _outline(self, points: Floats, rotation: Floats, translation: Floats) -> Integers | None:
-        """A flat piece of the scene as a polygon in the frame, in 16ths of a pixel, or None."""
+        """A polygon of the scene in the frame, (n, 2) int32, in 16ths of a pixel; None if not visible."""
         seen = clip_near(points @ rotation.T + translation)
         if len(seen) < 3:
             return None
@@ -187,7 +191,7 @@ class WallRenderer:
             return
         to_wall = np.array([[1 / WALL_TEXELS_M, 0, 0.5 / WALL_TEXELS_M - half],
                             [0, -1 / WALL_TEXELS_M, height - 0.5 / WALL_TEXELS_M], [0, 0, 1]])
-        # The wall is soft: half the resolution shows all of it at a quarter of the cost.
+        # The wall's pattern is soft, so half the resolution is enough, at a quarter of the cost.
         half_size = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]])
         size = frame.shape[1::-1]
         seen = cv2.warpPerspective(self._background, half_size @ to_image @ to_wall,
@@ -200,10 +204,10 @@ class WallRenderer:
 
     def _draw_flat(self, frame: Image, paper: Floats, pyramid: list[Image], samples: int, to_image: Floats,
                    rotation: Floats, translation: Floats) -> None:
-        """Warp a tag's paper or a poster, by its corners on the wall, into what it covers of the frame.
+        """Draw a tag's paper or a poster into a frame. ``paper``: (4, 3), its corners on the wall.
 
-        Each pixel is the mean over so many samples in it across and down, that is, over its square;
-        the texture is taken from the pyramid so that no sample skips texels.
+        Each pixel is the mean of ``samples`` x ``samples`` samples. The level of
+        the pyramid is chosen so that no texels are skipped.
         """
         if np.min(paper @ rotation[2] + translation[2]) <= NEAR_M:
             return
@@ -222,7 +226,7 @@ class WallRenderer:
         texture = pyramid[level]
         foot, side = texture.shape[:2]
         fine = np.asarray((ends + 0.5 - low) * samples - 0.5, np.float32)
-        # Texel i covers i to i + 1, its middle being i + 0.5; pixels are alike.
+        # The middle of a texel or pixel has whole coordinates, its rim is half a unit away.
         rim = np.array([[-.5, -.5], [side - .5, -.5], [side - .5, foot - .5], [-.5, foot - .5]], np.float32)
         to_fine = cv2.getPerspectiveTransform(rim, fine)
         seen = cv2.warpPerspective(texture, to_fine, (width * samples, height * samples),
@@ -239,21 +243,21 @@ class WallRenderer:
 
 
 def _pyramid(texture: Image, least: float) -> list[Image]:
-    """A picture and smaller ones, each half the one before, while they are longer than that."""
+    """An image and smaller ones, each half the one before, until a side is at most ``least`` pixels."""
     pyramid = [texture]
     while min(pyramid[-1].shape[:2]) > least:
         pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
     return pyramid
 
 
-def _of_wall(view: View) -> Floats:
-    """(3, 3): what takes points of the wall, (x, y, 1), to rays of the camera."""
+def _wall_to_rays(view: View) -> Floats:
+    """(3, 3): the matrix that maps points of the wall, (x, y, 1), to rays of the camera."""
     rotation, translation = view
     return np.column_stack([rotation[:, 0], rotation[:, 1], translation])
 
 
 def clip_near(points: Floats) -> Floats:
-    """The polygon, (n, 3) in the optical frame, without what is nearer than NEAR_M."""
+    """The polygon, (n, 3) in the optical frame, without the part that is nearer than NEAR_M."""
     kept = []
     for start, end in zip(points, np.roll(points, -1, axis=0)):
         if start[2] > NEAR_M:
@@ -264,11 +268,11 @@ def clip_near(points: Floats) -> Floats:
 
 
 def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
-    """(K, (width, height), map): the pinhole picture to render, and how the lens bends it.
+    """(K, (width, height), map): the pinhole image to render, and how the lens distorts it.
 
-    Without distortion the picture is the frame, and map is None. With it, the
-    picture is large enough for all that the lens shows, and map, (h, w, 2)
-    float32, says where in it each pixel of the frame looks.
+    Without distortion, the image is the frame, and the map is None. With it,
+    the image contains all that the lens shows. Then the map, (h, w, 2) float32,
+    is the position in it for each pixel of the frame.
     """
     if not np.any(camera.distortion):
         return camera.matrix, (camera.width, camera.height), None
@@ -276,12 +280,13 @@ def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
     rays = cv2.undistortPointsIter(
         np.array(grid, np.float64).reshape(-1, 1, 2), camera.matrix, np.array(camera.distortion), NO_ARRAY,
         NO_ARRAY, (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
-    looks = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
-    low, high = np.floor(looks.min(axis=0)) - 1, np.ceil(looks.max(axis=0)) + 1
+    sources = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
+    low, high = np.floor(sources.min(axis=0)) - 1, np.ceil(sources.max(axis=0)) + 1
     if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
-        raise InputError('The distortion %s bends the view too far; give smaller coefficients.'
+        raise InputError('The distortion %s is too strong to be simulated; give smaller coefficients.'
                          % (list(camera.distortion),))
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= low
     width, height = (int(length) for length in high - low + 1)
-    return matrix, (width, height), np.asarray(looks - low, np.float32).reshape(camera.height, camera.width, 2)
+    sources = np.asarray(sources - low, np.float32).reshape(camera.height, camera.width, 2)
+    return matrix, (width, height), sources

@@ -1,8 +1,8 @@
-"""The simulated ROSbot: how it drives, and where its camera is.
+"""The simulated ROSbot: its motion, and the place of its camera.
 
-Odometry coordinates are meters: x forward, y to the left, z up, with the wall
-in the plane x = 0, so that a robot before it stands at a negative x and looks
-at it with a heading of 0.
+Odometry coordinates are meters: x forward, y to the left, z up. The wall is in
+the plane x = 0. A robot in front of it has a negative x, and a heading of 0 if
+it faces the wall.
 """
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from aruco_ar.base.arrays import Floats, View
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import within, yaml_entries
 
-CAMERA_FORWARD_M = 0.08  # before the middle between the wheels
+CAMERA_FORWARD_M = 0.08  # in front of the middle between the wheels
 CAMERA_HEIGHT_M = 0.35
 
 # Wall axes (right, up, out) as columns in odometry axes.
 WALL_IN_ODOMETRY = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], np.float64)
 
-# How a hand sways and trembles: turns about the camera's axes, rad, and shifts along them, m; times a second.
+# How a hand sways and trembles: turns about the camera's axes, rad; shifts along them, m; frequencies, Hz.
 SWAY = np.array([0.010, 0.014, 0.008]), np.array([0.006, 0.008, 0.004]), np.array([0.7, 0.5, 0.3])
 TREMOR = np.array([0.0012, 0.0012, 0.0008]), np.array([0.0004, 0.0004, 0.0002]), np.array([8.3, 7.1, 9.7])
 
-MAX_LINEAR = 1.0    # m/s and rad/s: what a ROSbot can do
-MAX_ANGULAR = 7.33
+MAX_LINEAR = 1.0    # m/s, of a ROSbot
+MAX_ANGULAR = 7.33  # rad/s
 
 
 class Pose(NamedTuple):
-    """Where the robot stands: meters, and radians to the left."""
+    """The robot's pose: x and y in meters, and its heading in radians, positive to the left."""
 
     x: float
     y: float
@@ -40,7 +40,7 @@ class Pose(NamedTuple):
 
 
 def drive(pose: Pose, linear: float, angular: float, seconds: float) -> Pose:
-    """The Pose after driving at a constant speed, m/s and rad/s: exactly along the arc."""
+    """The Pose after driving at a constant speed, m/s and rad/s, exactly along an arc."""
     heading = pose.heading + angular * seconds
     if abs(angular) < 1e-9:
         return Pose(pose.x + linear * seconds * cos(pose.heading),
@@ -52,7 +52,7 @@ def drive(pose: Pose, linear: float, angular: float, seconds: float) -> Pose:
 
 @dataclass(frozen=True)
 class Path:
-    """A scripted drive: legs of (seconds, linear m/s, angular rad/s) from a start, over and over."""
+    """A scripted drive from a start: legs of (seconds, linear m/s, angular rad/s), repeated forever."""
 
     start: Pose
     legs: tuple[tuple[float, float, float], ...]
@@ -63,7 +63,7 @@ class Path:
         return sum(leg[0] for leg in self.legs)
 
     def at(self, seconds: float) -> tuple[Pose, float, float]:
-        """(Pose, linear, angular) that long after the start; each round begins at the start."""
+        """(Pose, linear m/s, angular rad/s) that long after the start. Each round begins at the start again."""
         pose, left = self.start, seconds % self.seconds
         for duration, linear, angular in self.legs:
             if left < duration:
@@ -109,9 +109,9 @@ class Camera:
 
 
 def wall_to_camera(pose: Pose) -> View:
-    """(R, t) that take wall points to the camera's optical frame (x right, y down, z forward).
+    """The view (R, t) of a camera on a robot with that pose: point in the optical frame = R @ wall point + t.
 
-    R is (3, 3), t (3,), meters: point = R @ wall_point + t.
+    R is (3, 3), t is (3,), meters. The optical frame has x to the right, y down, z forward.
     """
     c, s = cos(pose.heading), sin(pose.heading)
     axes = np.array([[s, -c, 0], [0, 0, -1], [c, s, 0]])
@@ -120,7 +120,7 @@ def wall_to_camera(pose: Pose) -> View:
 
 
 def hand_held(view: View, seconds: float, strength: float = 1.0) -> View:
-    """A view, (R, t), at that time by a camera in a hand, as unsteady as ``strength`` says: 1 is usual."""
+    """A view, (R, t), moved as a hand moves a camera at that time. ``strength``: of this motion, usually 1."""
     turn, shift = np.zeros(3), np.zeros(3)
     for turns, shifts, rate in SWAY, TREMOR:
         turn += strength * turns * np.sin(2 * np.pi * rate * seconds)
@@ -130,6 +130,6 @@ def hand_held(view: View, seconds: float, strength: float = 1.0) -> View:
 
 
 def view_between(first: View, last: View, part: float) -> View:
-    """The view, (R, t), that part of the way, 0 to 1, from the first to the last."""
+    """The view, (R, t), between a first and a last one. ``part``: 0 for the first, 1 for the last."""
     turn = cv2.Rodrigues(last[0] @ first[0].T)[0]
     return cv2.Rodrigues(part * turn)[0] @ first[0], first[1] + part * (last[1] - first[1])

@@ -1,1 +1,1 @@
-"""Tags: what one is, finding them in a frame, and printing them."""
+"""Tags: the Tag and its dictionaries, finding tags in a frame, and printing them."""

@@ -1,4 +1,4 @@
-"""Fitting tags to the frame: where exactly their edges lie, and whether it is they. How is in edges.c."""
+"""Fitting tags to their edges in the frame, and checking that they are these tags; the method is in edges.c."""
 from __future__ import annotations
 
 import ctypes
@@ -15,19 +15,22 @@ _C.fit_tags.restype = None
 _C.fit_tags.argtypes = [ctypes.c_void_p, ctypes.c_int64, *[ctypes.c_int] * 4, ctypes.c_void_p, ctypes.c_int,
                         *[ctypes.c_void_p] * 4]
 
-# Where along an edge it is looked at, 0 being its beginning and 1 its end.
-PART = np.ctypeslib.as_array((ctypes.c_float * ctypes.c_int.in_dll(_C, 'samples').value).in_dll(_C, 'parts'))
+# The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
+PROFILE_POSITIONS = np.ctypeslib.as_array(
+    (ctypes.c_float * ctypes.c_int.in_dll(_C, 'profile_count').value).in_dll(_C, 'profile_positions'))
 
 
 def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Booleans, Floats]:
-    """Put quadrilaterals onto the edges of the tags that they nearly lie on.
+    """Move quadrilaterals exactly onto the edges of tags.
 
     ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``quads``: (n, 4, 2)
-    pixels, off by less than about a cell. ``cells``: (n, m, m) uint8, what the
-    tags look like (see tag_cells). Returns the quadrilaterals, (n, 4, 2) float32;
-    (n,) bool, whether all four edges were found, as they are not on a tag in
-    part covered (such a quadrilateral is left as it was); and (n,) float32, the
-    likeness of what is between them to that very tag, 1 if it is the same.
+    pixels, off by less than about a cell. ``cells``: (n, m, m) uint8, the
+    cells of the tags (see tag_cells).
+
+    Returns the quadrilaterals, (n, 4, 2) float32; whether all four edges were
+    found, (n,) bool; and the likeness, (n,) float32: the correlation of what is
+    seen with the tag's cells, 1 if they are the same. Edges are not found if
+    the tag is partly covered. Then the quadrilateral is returned unchanged.
     """
     quads, cells = np.ascontiguousarray(quads, np.float32), np.ascontiguousarray(cells, np.uint8)
     count, channels = len(quads), frame.shape[2] if frame.ndim == 3 else 1
@@ -47,11 +50,12 @@ def side_of(quads: Floats) -> Floats:
     return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
 
 
-def look_at_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:
-    """The gray in the middles of cells, (n, k) float32, row by row, of quadrilaterals, (n, 4, 2) float32.
+def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:
+    """The gray in the middle of each cell of quadrilaterals: (n, k) float32, row by row.
 
-    ``frame``: see fit_tags. The quadrilaterals are ``count`` cells wide;
-    ``margin`` cells around are left out, so k = (count - 2 * margin)**2.
+    ``frame``: see fit_tags. ``quads``: (n, 4, 2) float32, each ``count`` cells
+    wide. ``margin``: cells at the rim that are left out, so
+    k = (count - 2 * margin)**2; if negative, cells around are included.
     """
     points = _cell_weights(count, margin) @ quads
     seen = cv2.remap(frame, points, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -60,7 +64,7 @@ def look_at_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> F
 
 @lru_cache
 def _cell_weights(count: int, margin: int) -> Floats:
-    """(k, 4): the middles of a tag's cells, without so many around, as weighted means of its corners."""
+    """(k, 4): the middle of each cell, without a margin, as the weights of the tag's corners in a mean."""
     middle = (np.arange(margin, count - margin) + 0.5) / count
     y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
     return np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], np.float32).T

@@ -1,4 +1,4 @@
-"""Tags on paper: SVG files, and PDF pages to print and cut."""
+"""Tags to print: as SVG files, and on PDF pages to be cut."""
 from __future__ import annotations
 
 import io
@@ -23,7 +23,7 @@ CAPTION_MM = 4       # the line under each tag that holds its id
 
 
 def black_runs(cells: Image) -> list[tuple[int, int, int]]:
-    """The black cells of a tag as rectangles one cell high: (row, column, length) of each run."""
+    """The black cells of a tag as rectangles that are one cell high: (row, column, length) of each."""
     runs = []
     for row, line in enumerate(cells):
         column = 0
@@ -38,9 +38,9 @@ def black_runs(cells: Image) -> list[tuple[int, int, int]]:
 
 
 def tag_svg(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quiet: float = 0) -> str:
-    """One tag as SVG text; the arguments are those of ``draw_tag``.
+    """One tag as SVG text; the arguments and errors are those of ``draw_tag``.
 
-    All cells are one path, so that no viewer leaves hairlines between them.
+    All cells are one path, so that no viewer shows hairlines between them.
     """
     cells = tag_cells(dictionary, tag_id, border)
     check_size(len(cells), size)
@@ -60,14 +60,14 @@ def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = '
               quiet: float = 1) -> bytes:
     """Pages to print, as the bytes of a PDF file.
 
-    ``side_mm`` is the side of each tag, exact if printed at 100 %; ``quiet``
-    cells of white surround it, then comes the line to cut along. Each tag has
-    its id in small print beneath, each page a ruler to check the print with.
-    Raises InputError for an id or a page that does not exist, and for tags
-    that do not fit on the page.
+    ``side_mm``: the side of each tag, exact if printed at 100 %. ``quiet``: the
+    width of the white margin in cells; a line to cut along surrounds it. The id
+    is in small print below each tag. Each page has a ruler to check the print.
+    Raises InputError for an unknown id or page size, and for tags that do not
+    fit on the page.
     """
     if page not in PAGES:
-        raise InputError('There is no page "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
+        raise InputError('There is no page size "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
     if not 1 <= side_mm <= 1000:
         raise InputError('A tag with a side of %g mm cannot be printed; choose from 1 to 1000.' % side_mm)
     check_quiet(quiet)
@@ -79,7 +79,7 @@ def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = '
     rows = int((height_mm - 2 * MARGIN_MM - FOOT_MM) // (cut_mm + CAPTION_MM))
     if columns < 1 or rows < 1:
         largest = min(width_mm - 2 * MARGIN_MM, height_mm - 2 * MARGIN_MM - FOOT_MM - CAPTION_MM)
-        raise InputError('Tags with a side of %g mm do not fit on %s; the largest that do have %d mm.'
+        raise InputError('Tags with a side of %g mm do not fit on %s; the largest possible side is %d mm.'
                          % (side_mm, page, int(largest * side_mm / cut_mm)))
 
     file = io.BytesIO()
@@ -102,7 +102,7 @@ def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = '
 
 
 def _draw_cells(canvas: Canvas, cells: Image, left: float, foot: float, cell_mm: float) -> None:
-    """Fill the black cells, as one path; a PDF's y goes up, rows go down."""
+    """Fill the black cells, as one path. In a PDF, y points up."""
     path = canvas.beginPath()
     for row, column, length in black_runs(cells):
         path.rect((left + column * cell_mm) * mm, (foot + (len(cells) - 1 - row) * cell_mm) * mm,

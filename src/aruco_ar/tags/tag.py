@@ -1,4 +1,4 @@
-"""Tags: what one is, the dictionaries they come from, and drawing one."""
+"""The Tag, the dictionaries of tags, and drawing a tag."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -8,18 +8,20 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image, Numbers
 from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.lines import cross, crossing
 
 DICTIONARIES = {name: getattr(cv2.aruco, name)
                 for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')}
-# Each once: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
+# One name for each: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
 DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()}.values())
 
-# How many wrong cells are corrected, where OpenCV has changed its mind: none of an AprilTag up to 4.11, and
-# since then all that can be, with which anything square is a tag now and then. AprilTag's own default is 2.
+# How many wrong cells are corrected, for the dictionaries where versions of OpenCV differ. Up to 4.11, OpenCV
+# corrects none of an AprilTag's cells. Later versions correct as many as possible, so that now and then
+# anything square is taken for a tag. AprilTag's own default is 2.
 CORRECTED = {'DICT_APRILTAG_16H5': 0, 'DICT_APRILTAG_25H9': 1, 'DICT_APRILTAG_36H10': 2,
              'DICT_APRILTAG_36H11': 2, 'DICT_ARUCO_MIP_36H12': 5, 'DICT_ARUCO_ORIGINAL': 0}
 
-SIDE_M = 0.001, 10.0  # what the side of a real tag may be
+SIDE_M = 0.001, 10.0  # the smallest and the largest side of a real tag
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
 MAX_QUIET_CELLS = 10
@@ -30,8 +32,8 @@ class Tag:
     """One tag seen in a frame.
 
     ``id``: its number in the dictionary. ``corners``: (4, 2) float32, pixels,
-    clockwise from the tag's own top left (which is not the frame's when the
-    tag is turned); the middle of the top left pixel is (0, 0).
+    clockwise from the tag's own top left, which is elsewhere in the frame if
+    the tag is turned. The middle of the frame's top left pixel is (0, 0).
     """
 
     id: int
@@ -41,23 +43,20 @@ class Tag:
     def center(self) -> Floats:
         """(2,) float32, pixels: where the diagonals cross.
 
-        A perspective view keeps straight lines straight, so the crossing
-        stays the center of the real tag; the mean of the corners does not.
+        A perspective view keeps straight lines straight. So this crossing is
+        the center of the real tag, but the mean of the corners is not.
         """
         top_left, top_right, bottom_right, bottom_left = np.asarray(self.corners, np.float64)
-        down, up = bottom_right - top_left, bottom_left - top_right
-        parallel = down[0] * up[1] - down[1] * up[0]
-        if abs(parallel) < 1e-9:
+        diagonal, other_diagonal = bottom_right - top_left, bottom_left - top_right
+        if abs(cross(diagonal, other_diagonal)) < 1e-9:
             return np.mean(self.corners, axis=0, dtype=np.float32)
-        across = top_right - top_left
-        along = (across[0] * up[1] - across[1] * up[0]) / parallel
-        return (top_left + along * down).astype(np.float32)
+        return crossing(top_left, diagonal, top_right, other_diagonal).astype(np.float32)
 
 
 def get_dictionary(name: str) -> cv2.aruco.Dictionary:
     """The OpenCV dictionary of that name, such as ``DICT_6X6_250``.
 
-    Raises InputError for a name that OpenCV does not predefine.
+    Raises InputError for a name that OpenCV does not know.
     """
     if name not in DICTIONARIES:
         raise InputError('There is no tag dictionary "%s"; choose one of %s.'
@@ -68,10 +67,10 @@ def get_dictionary(name: str) -> cv2.aruco.Dictionary:
 
 
 def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:
-    """The cells of a tag: (n, n) uint8, 0 black and 255 white, border included.
+    """The cells of a tag with its black border: (n, n) uint8, 0 black and 255 white.
 
-    ``dictionary`` is a name, ``border`` the width of the black frame in cells.
-    Raises InputError for an id that the dictionary does not have.
+    ``dictionary``: its name. ``border``: the width of the black border in
+    cells. Raises InputError for an id that the dictionary does not have.
     """
     marker = get_dictionary(dictionary)
     count = len(marker.bytesList)
@@ -86,26 +85,26 @@ def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:
 
 
 def check_size(cells: int, size: float) -> None:
-    """Raise InputError if a tag that many cells wide cannot be drawn with that size in pixels."""
+    """Raise InputError if a tag that is ``cells`` cells wide cannot be drawn ``size`` pixels wide."""
     if not cells <= size <= MAX_SIZE_PX:
         raise InputError('A tag %d cells wide cannot be drawn with a size of %d px; choose from %d to '
                          '%d.' % (cells, size, cells, MAX_SIZE_PX))
 
 
 def check_quiet(quiet: float) -> None:
-    """Raise InputError if a quiet zone of that many cells cannot be drawn."""
+    """Raise InputError if a white margin of that many cells cannot be drawn."""
     if not 0 <= quiet <= MAX_QUIET_CELLS:
-        raise InputError('A quiet zone of %g cells cannot be drawn; choose from 0 to %d.'
+        raise InputError('A white margin of %g cells cannot be drawn; choose from 0 to %d.'
                          % (quiet, MAX_QUIET_CELLS))
 
 
 def draw_tag(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quiet: float = 0) -> Image:
     """One tag as a picture, (n, n) uint8, 0 black and 255 white.
 
-    ``size`` is the side of the tag itself in pixels; ``quiet`` cells of white
-    are added around it, so n = size + 2 * round(quiet * size / cells).
-    Raises InputError for an id that the dictionary does not have, and for a
-    size with less than one pixel for each cell.
+    ``size``: the side of the tag itself, pixels. ``border``: the width of the
+    black border, cells. ``quiet``: the width of the white margin, cells, so
+    n = size + 2 * round(quiet * size / cells). Raises InputError for an id that
+    the dictionary does not have, and for a size of less than one pixel a cell.
     """
     cells = len(tag_cells(dictionary, tag_id, border))
     check_size(cells, size)
@@ -116,6 +115,6 @@ def draw_tag(dictionary: str, tag_id: int, size: int = 700, border: int = 1, qui
 
 
 def square(sizes: Numbers) -> Floats:
-    """(n, 4, 3) meters: the corners of tags of sizes (n,) in their own axes, from their own top left."""
+    """(n, 4, 3) meters: the corners of tags with sides (n,) in their own axes, from their own top left."""
     corners = [[-0.5, 0.5, 0], [0.5, 0.5, 0], [0.5, -0.5, 0], [-0.5, -0.5, 0]]
     return np.multiply.outer(np.asarray(sizes, np.float64), corners)

@@ -9,29 +9,29 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
-from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
-MIN_AREA_PX = 0.1  # of less, nobody sees anything
+MIN_AREA_PX = 0.1  # square pixels: a smaller area is not visible
 
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """Where the picture goes.
+    """The quadrilateral that the picture is painted into.
 
-    ``corners``: (4, 2) float32, pixels of the frame: top left, top right,
-    bottom right, bottom left of the picture to be painted. ``ratio``: how many
-    times as wide as high the area is on the wall, None where nobody knows.
+    ``corners``: (4, 2) float32, pixels of the frame, where the picture's top
+    left, top right, bottom right and bottom left belong. ``ratio``: the area's
+    width divided by its height on the wall, or None if that is unknown.
     """
 
     corners: Floats
     ratio: float | None = None
 
     def window(self, frame: Image) -> tuple[Image, Area]:
-        """The part of a frame that the area touches, (h, w, 3), a view into it, and the Area there.
+        """The part of a frame that the area touches, as a view, (h, w, 3), and the Area in its pixels.
 
-        It is empty where they do not meet, or where the area is so thin that nobody sees it.
+        The part is empty if the area is outside of the frame, or too small to be visible.
         """
         low = np.maximum(np.floor(self.corners.min(axis=0)) - 1, 0).astype(int)
         high = np.minimum(np.ceil(self.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
@@ -40,7 +40,7 @@ class Area:
         return frame[low[1]:high[1], low[0]:high[0]], replace(self, corners=self.corners - np.float32(low))
 
     def homography(self, width: int, height: int) -> Floats:
-        """(3, 3) float64: from pixels of a picture of that size to pixels of the frame.
+        """(3, 3) float64: the homography from pixels of a picture of that size to pixels of the frame.
 
         The picture's corners are (0, 0) and (width, height), as in the course.
         """
@@ -50,11 +50,11 @@ class Area:
 
 
 def find_four_centers(tags: Sequence[Tag]) -> Floats | None:
-    """(4, 2) float32: the four centers that span the area, going around; None if none do.
+    """(4, 2) float32: the four centers that span the area, in order along its rim, or None.
 
-    An id seen more than once does not count: nobody could say which of its
-    tags is meant. Of more than four tags, those four count whose centers
-    enclose the largest area.
+    Tags with the same id are all ignored, since nothing shows which of them is
+    meant. Of more than four tags, those four are taken whose centers enclose
+    the largest area.
     """
     seen = Counter(tag.id for tag in tags)
     return largest_quadrilateral([tag.center for tag in tags if seen[tag.id] == 1])
@@ -66,18 +66,18 @@ def find_area(tags: Sequence[Tag]) -> Area | None:
     if centers is None:
         return None
     corners = order_coordinates(centers)
-    to_plane = np.linalg.inv(homography_to(corners))
+    to_plane = homography_from(corners)
     four = [tag for tag in tags if np.any(np.all(tag.center == corners, axis=1))]
     return Area(corners, ratio_of([transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in four]))
 
 
 def ratio_of(places: Floats | list[Floats]) -> float:
-    """How many times as wide as high an area is on the wall, to its tags.
+    """An area's width divided by its height on the wall, as its tags show it.
 
     ``places``: (n, 4, 2), the tags' corners in the plane in which the area is
-    the unit square. On the wall a tag is a square, which spreads as far across
-    as down however it is turned: what it spreads less across in the plane, the
-    area must be wider.
+    the unit square. On the wall a tag is a square, which is as wide as high,
+    even if it is turned. So if it seems narrower in the plane, the area is
+    wider by the same factor.
     """
     across, down = np.var(places, axis=1).mean(axis=0)
     return float(np.sqrt(down / across))

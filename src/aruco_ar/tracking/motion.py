@@ -1,11 +1,11 @@
-"""Where the area is and how it moves: a Kalman filter over its four corners.
+"""The motion of the area: a Kalman filter of its four corners and their speeds.
 
 Points of the wall are given in the plane of the area: its corners are (0, 0),
-(1, 0), (1, 1), (0, 1). Four corners in the frame fix the homography from that
-plane to the frame, so they and their speeds are all there is to know. A tag
-anywhere on the plane corrects them as far as what it shows depends on them:
-four tags fix all; one fixes the place and the size near itself, and leaves the
-slant of the far side to what was known a frame ago.
+(1, 0), (1, 1), (0, 1). The four corners in the frame determine the homography
+from that plane to the frame. So the corners and their speeds are the whole
+state. Every tag on the plane corrects it, wherever it is. Four tags determine
+all corners. One tag determines the place and the size near itself; the slant
+of the far side stays as predicted from the frame before.
 """
 from __future__ import annotations
 
@@ -17,19 +17,20 @@ import numpy as np
 from aruco_ar.base.arrays import Floats
 from aruco_ar.geometry.homography import homography_to, transform
 
-# How much speeds change within a second: what robots and hands do. The frame
-# moves as a rigid camera that faces a plane would move it; what moves fast also
-# changes its speed fast ...
-TURN = 0.1        # rad/s: pan, tilt, roll
-TRAVEL = 0.05     # distances to the wall per second: to the side, up, forward
-SWIFT = 1.0       # times the speed that it has, on top
-# ... and a little otherwise, since neither slant nor lens is known.
-OTHER = 0.005     # widths of the frame per second
-FIRST = 1.5       # rad/s and distances per second, the speed that an area just found may have
-FOCAL = 0.87      # widths of the frame, the focal length assumed for that
-CALM_S = 1.0      # with no tag in sight, the motion dies away within about this time
-SHAKEN = 0.05, 0.03  # rad and distances to the wall: how far a shaken camera may have turned and moved
-CLOSE_PX = 0.5    # a correction by more than this is worth another step
+# How much the speeds change within a second, as standard deviations. The model is a
+# rigid camera that faces a plane, moved by a robot or a hand. Fast motion also
+# changes fast ...
+TURN_CHANGE = 0.1      # rad/s: pan, tilt, roll
+SHIFT_CHANGE = 0.05    # distances to the wall per second: sideways, up, forward
+SPEED_FACTOR = 1.0     # this times the current speed is added to both
+# ... and the corners move a little in other ways, since slant and lens are unknown.
+OTHER_CHANGE = 0.005   # widths of the frame per second
+FIRST_SPEED = 1.5      # rad/s and distances per second: the unknown speed of an area just found
+FOCAL = 0.87           # widths of the frame: the focal length that the model assumes
+CALM_S = 1.0           # without a tag in sight, the assumed speed decays with this time constant
+JERK_TURN, JERK_SHIFT = 0.05, 0.03  # rad and distances to the wall: a sudden turn and shift of the camera
+CONVERGED_PX = 0.5     # after a correction by more than this, the measurement is linearized again
+MAX_ITERATIONS = 3     # of a correction
 
 
 class AreaMotion:
@@ -37,7 +38,11 @@ class AreaMotion:
 
     def __init__(self, corners: Floats, size: Sequence[int], points: Floats, pixels: Floats,
                  deviation: Floats, bias: Floats) -> None:
-        """An area just found at corners, in a frame of that size, by what was seen (see correct)."""
+        """Start with an area just found.
+
+        ``corners``: (4, 2) pixels. ``size``: width and height of the frame. The others are the measurement by
+        which the area was found: see ``correct``.
+        """
         self._middle, self._focal = (np.array(size) - 1) / 2, FOCAL * size[0]
         self._place = np.array(corners, np.float64).ravel()
         self._speed = np.zeros(8)
@@ -45,10 +50,10 @@ class AreaMotion:
         weighted = (slope / np.repeat(deviation, 2)[:, None]**2).T
         self._covariance = np.zeros((16, 16))
         self._covariance[:8, :8] = np.linalg.inv(weighted @ slope + np.eye(8) / self._focal**2)
-        # Pixels, (8, 8): by how much the corners are off for what is off in the same way in every frame, the
-        # four corners of a tag each in its own way, but all tags alike.
-        self._biased = _summed(self._covariance[:8, :8] @ weighted, bias)
-        self._covariance[8:, 8:] = self._agility(FIRST)
+        # Pixels, (8, 8): the corners' errors through the biases, which are the same in every frame. Each column
+        # is for one coordinate of one of a tag's four corners, in which all tags are off alike.
+        self._biased = _bias_effect(self._covariance[:8, :8] @ weighted, bias)
+        self._covariance[8:, 8:] = self._speed_change(FIRST_SPEED)
 
     @property
     def corners(self) -> Floats:
@@ -59,118 +64,121 @@ class AreaMotion:
     def deviation(self) -> Floats:
         """(4,) pixels: the standard deviation of each corner's place.
 
-        Errors that are new in each frame and that fade with their number, and
-        those that stay, which one small tag far from a corner makes large ones.
+        It includes the noise, which averages out over the frames, and the
+        biases, which do not. Biases are large at a corner that is known only
+        from a small tag far away.
         """
-        fading = self._covariance.diagonal()[:8]
-        staying = (self._biased * self._biased).sum(axis=1)
-        return np.sqrt(np.maximum((fading + staying).reshape(4, 2).sum(axis=1), 0))
+        noise = self._covariance.diagonal()[:8]
+        bias = (self._biased * self._biased).sum(axis=1)
+        return np.sqrt(np.maximum((noise + bias).reshape(4, 2).sum(axis=1), 0))
 
     @property
     def speed(self) -> float:
-        """Pixels per second of the fastest corner."""
+        """Pixels per second: the speed of the fastest corner."""
         return np.linalg.norm(self._speed.reshape(4, 2), axis=1).max()
 
     def predict(self, seconds: float, calm: bool = False) -> None:
-        """Move on by that time. ``calm``: nothing was seen lately, so let the motion die away."""
+        """Predict the corners after that time. ``calm``: nothing was seen lately, so let the speed decay."""
         if calm:
             self._speed = self._speed * np.exp(-seconds / CALM_S)
         self._place = self._place + seconds * self._speed
-        p, change = self._covariance, self._agility() * seconds
-        drift = seconds * p[8:, :8]
-        p[:8, :8] += drift + drift.T + seconds**2 * p[8:, 8:] + change * (seconds**2 / 3)
+        p, change = self._covariance, self._speed_change() * seconds
+        cross_term = seconds * p[8:, :8]
+        p[:8, :8] += cross_term + cross_term.T + seconds**2 * p[8:, 8:] + change * (seconds**2 / 3)
         p[8:, :8] += seconds * p[8:, 8:] + change * (seconds / 2)
         p[:8, 8:] = p[8:, :8].T
         p[8:, 8:] += change
 
-    def shaken(self) -> AreaMotion:
-        """The AreaMotion after what may have been a jerk of the camera, which leaves the plane as it was."""
-        jerk = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES * np.repeat(SHAKEN, 3)
+    def after_jerk(self) -> AreaMotion:
+        """A copy whose uncertainty allows for a jerk of the camera just now."""
+        jerk = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES * np.repeat([JERK_TURN, JERK_SHIFT], 3)
         other = copy(self)
         other._covariance = self._covariance.copy()
         other._covariance[:8, :8] += jerk @ jerk.T
-        other._covariance[8:, 8:] += self._agility(FIRST)
+        other._covariance[8:, 8:] += self._speed_change(FIRST_SPEED)
         return other
 
-    def see(self, points: Floats) -> Floats:
-        """(..., 2) pixels: where points of the plane, (..., 2), are."""
+    def project(self, points: Floats) -> Floats:
+        """(..., 2) pixels: where points of the plane, (..., 2), are in the frame."""
         return transform(homography_to(self._place.reshape(4, 2)), points)
 
     def correct(self, points: Floats, pixels: Floats, deviation: Floats, bias: Floats,
                 limit: float = np.inf) -> bool:
-        """Take in that points of the plane, (n, 2), four of each tag, are seen at pixels, (n, 2).
+        """Correct the corners and speeds by a measurement.
 
-        ``deviation``: (n,) pixels, how far off that may be, otherwise in each
-        frame; ``bias``: the same in every frame. False, and nothing is taken
-        in, if it is more unlikely than ``limit`` (see unlikeliness).
+        ``points``: (n, 2) of the plane, four for each tag. ``pixels``: (n, 2),
+        where they are seen. ``deviation``: (n,) pixels, the standard deviation
+        of the part of the error that is new in each frame. ``bias``: (n,)
+        pixels, the same of the part that is equal in all frames. Returns False
+        and changes nothing if the measurement is more unlikely than ``limit``
+        (see unlikeliness).
         """
         before, p = self._place, self._covariance
-        weighed = self._weigh(points, pixels, deviation, before, p)
-        if weighed[4] > limit:
-            p = self._with_staying()  # what is seen now may show that the corners were off in every frame
-            weighed = self._weigh(points, pixels, deviation, before, p)
-            if weighed[4] > limit:
+        compared = self._compare(points, pixels, deviation, before, p)
+        if compared[4] > limit:
+            p = self._covariance_with_bias()  # a bias in all frames so far may explain the difference
+            compared = self._compare(points, pixels, deviation, before, p)
+            if compared[4] > limit:
                 return False
-        for attempt in range(3):
-            if attempt:
-                weighed = self._weigh(points, pixels, deviation, before, p)
-            known, weighted, shrink, toward, _ = weighed
+        for iteration in range(MAX_ITERATIONS):
+            if iteration:
+                compared = self._compare(points, pixels, deviation, before, p)
+            information, weighted, shrink, toward, _ = compared
             change = p[:, :8] @ toward
             step = before + change[:8] - self._place
             self._place = before + change[:8]
-            if np.abs(step).max() < CLOSE_PX:
+            if np.abs(step).max() < CONVERGED_PX:
                 break
         self._speed = self._speed + change[8:]
         gain = p[:8, :8] @ shrink
-        self._biased = self._biased - gain @ (known @ self._biased) + gain @ _summed(weighted, bias)
-        p = p - p[:, :8] @ (shrink @ known) @ p[:8]
+        self._biased = self._biased - gain @ (information @ self._biased) + gain @ _bias_effect(weighted, bias)
+        p = p - p[:, :8] @ (shrink @ information) @ p[:8]
         self._covariance = (p + p.T) / 2
         return True
 
     def unlikeliness(self, points: Floats, pixels: Floats, deviation: Floats) -> float:
-        """How unlikely it is to see what ``correct`` takes: about 1 if all is well.
+        """How unlikely a measurement is (see ``correct``): about 1 if the model fits.
 
-        It is the squared Mahalanobis distance for each number measured.
+        It is the squared Mahalanobis distance, divided by how many numbers were measured.
         """
-        return self._weigh(points, pixels, deviation, self._place, self._with_staying())[4]
+        return self._compare(points, pixels, deviation, self._place, self._covariance_with_bias())[4]
 
-    def _with_staying(self) -> Floats:
-        """The covariance, (16, 16), with the errors that stay."""
+    def _covariance_with_bias(self) -> Floats:
+        """The covariance, (16, 16), including the biases."""
         p = self._covariance.copy()
         p[:8, :8] += self._biased @ self._biased.T
         return p
 
-    def _weigh(self, points: Floats, pixels: Floats, deviation: Floats,
-               before: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
-        """A measurement against what was believed before it, the corners ``before`` and their covariance.
+    def _compare(self, points: Floats, pixels: Floats, deviation: Floats,
+                 before: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
+        """Compare a measurement with the prediction: the corners ``before``, (8,), and the covariance.
 
-        What it tells about the corners, as an inverse covariance (8, 8), and
-        each number by itself (8, 2n); what
-        is left of that beside what was believed (8, 8); the change of the
-        corners that both ask for, still to be multiplied by the covariance,
-        (8,); and how unlikely it is. Eight corners' numbers are inverted in
-        place of the many measured: the information form of the filter.
+        Returns the measurement's information about the corners, (8, 8); its
+        weighted derivatives, (8, 2n); inv(1 + information @ covariance), (8, 8);
+        the correction of the corners, (8,), which is still to be multiplied by
+        the covariance; and the unlikeliness. This is the information form of the
+        filter: it inverts an (8, 8) matrix, not a (2n, 2n) one.
         """
         seen, slope = self._linearize(points)
         weight = np.repeat(deviation ** -2.0, 2)
         weighted, p = slope.T * weight, covariance[:8, :8]
-        known = weighted @ slope
-        shrink = np.linalg.inv(np.eye(8) + known @ p)
+        information = weighted @ slope
+        shrink = np.linalg.inv(np.eye(8) + information @ p)
         off = (pixels - seen).ravel() + slope @ (self._place - before)
-        asked: Floats = weighted @ off
-        toward = shrink @ asked
-        return known, weighted, shrink, toward, (off @ (weight * off) - asked @ p @ toward) / len(off)
+        gradient: Floats = weighted @ off
+        toward = shrink @ gradient
+        return information, weighted, shrink, toward, (off @ (weight * off) - gradient @ p @ toward) / len(off)
 
     def _linearize(self, points: Floats) -> tuple[Floats, Floats]:
-        """Where points of the plane, (n, 2), are seen, and how that changes with the corners, (2n, 8)."""
-        seen = self.see(points)
+        """The pixels of points of the plane, (n, 2) each, and their derivatives by the corners, (2n, 8)."""
+        seen = self.project(points)
         moves = self._moves(np.vstack([self._place.reshape(4, 2), seen]))
         return seen, moves[8:] @ np.linalg.inv(moves[:8])
 
     def _moves(self, pixels: Floats) -> Floats:
-        """(2n, 8): how (n, 2) pixels move under each of the eight infinitesimal homographies.
+        """(2n, 8): how pixels, (n, 2), move under each of the eight infinitesimal homographies.
 
-        Two shifts, four that are linear, and two of perspective.
+        Two of these are shifts, four are linear, and two change the perspective.
         """
         x, y = ((pixels - self._middle) / self._focal).T
         moves = np.zeros((len(pixels), 2, 8))
@@ -181,20 +189,26 @@ class AreaMotion:
         moves[:, 1, 6] = moves[:, 0, 7] = moves[:, 0, 2] * y
         return moves.reshape(-1, 8)
 
-    def _agility(self, swift: float = 0.0) -> Floats:
-        """(8, 8): how much the speeds of the corners may change within a second, as a covariance."""
-        swift = max(swift, SWIFT * np.sqrt(self._speed @ self._speed / 4) / self._focal)
+    def _speed_change(self, speed: float = 0.0) -> Floats:
+        """(8, 8): the covariance of the change of the corners' speeds within a second.
+
+        ``speed``: rad/s and distances to the wall per second, the least speed that the camera may have.
+        """
+        speed = max(speed, SPEED_FACTOR * np.sqrt(self._speed @ self._speed / 4) / self._focal)
         moves = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES
-        agility = moves * ([TURN + swift] * 3 + [TRAVEL + swift] * 3)
-        return agility @ agility.T + np.eye(8) * (OTHER * self._focal / FOCAL)**2
+        change = moves * ([TURN_CHANGE + speed] * 3 + [SHIFT_CHANGE + speed] * 3)
+        return change @ change.T + np.eye(8) * (OTHER_CHANGE * self._focal / FOCAL)**2
 
 
-def _summed(effect: Floats, bias: Floats) -> Floats:
-    """(8, 8): the effect, (8, 2n), of n points, four of each tag, being off by (n,) pixels, all tags alike."""
+def _bias_effect(effect: Floats, bias: Floats) -> Floats:
+    """(8, 8): the effect of biases that all tags have in common.
+
+    ``effect``: (8, 2n), of each coordinate of n points, four for each tag. ``bias``: (n,) pixels, each point's.
+    """
     return (effect * np.repeat(bias, 2)).reshape(8, -1, 8).sum(axis=1)
 
 
-# A camera's motion in those eight: pan, tilt, roll; to the side, up, forward.
+# The motions of a camera in terms of those eight: pan, tilt, roll; sideways, up, forward.
 CAMERA_MOVES = np.array([[1, 0, 0, 1, 0, 0], [0, 1, 0, 0, 1, 0],
                          [0, 0, 0, 0, 0, 1], [0, 0, 1, 0, 0, 0],
                          [0, 0, -1, 0, 0, 0], [0, 0, 0, 0, 0, 1],

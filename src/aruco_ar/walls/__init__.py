@@ -1,1 +1,1 @@
-"""The wall that tags hang on: its file, and where on it each tag is."""
+"""The wall that the tags hang on: its file, and the place of each tag on it."""

@@ -1,7 +1,8 @@
-"""The wall with tags that the simulated camera looks at: its YAML file and its geometry.
+"""A wall with tags: its YAML file and its geometry.
 
-Wall coordinates are meters: x to the right and y up for who looks at the
-wall, z out of it towards them; the origin is on the floor in the middle.
+Wall coordinates are meters. For a viewer before the wall, x points to the
+right, y up, and z out of the wall toward the viewer. The origin is on the
+floor, in the middle of the wall.
 """
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ DICTIONARY = 'DICT_6X6_250'
 
 @dataclass(frozen=True)
 class WallTag:
-    """A tag on the wall: its center and side in meters, turned clockwise by degrees."""
+    """A tag on the wall: its center and its side, meters, and by how many degrees it is turned clockwise."""
 
     id: int
     x: float
@@ -31,10 +32,10 @@ class WallTag:
     turn: float = 0.0
 
     def on_wall(self, across: Numbers, down: Numbers) -> Floats:
-        """Wall points, (..., 3) float64, of places on the tag.
+        """Wall points, (..., 3) float64, of points on the tag.
 
-        ``across`` and ``down`` run from -0.5 to 0.5 over the tag's own side,
-        (-0.5, -0.5) being its own top left.
+        ``across`` and ``down``: coordinates on the tag, from -0.5 to 0.5. The
+        tag's own top left is at (-0.5, -0.5).
         """
         turn = radians(self.turn)
         right, foot = self.side * np.asarray(across), self.side * np.asarray(down)
@@ -50,7 +51,7 @@ class WallTag:
 
 @dataclass(frozen=True)
 class Poster:
-    """A picture on the wall: the path of its file, and its middle and its size in meters."""
+    """A picture on the wall: the path of its file, and its middle and its size, meters."""
 
     image: str
     x: float
@@ -68,10 +69,13 @@ class Poster:
 
 @dataclass(frozen=True)
 class Wall:
-    """What a wall's YAML file says. ``color`` is (blue, green, red). ``area``: four ids, or none.
+    """The content of a wall's YAML file.
 
-    ``plaster``: how strong the pattern of the wall itself is, 0 for none.
-    ``posters``: what hangs behind the tags, the first of them farthest behind.
+    ``width``, ``height``: meters. ``color``: (blue, green, red). ``quiet``:
+    the width of the white margin around each tag, in cells. ``area``: the ids
+    of the four tags of the area, or none. ``plaster``: the strength of the
+    wall's own pattern, 0 for none. ``posters``: the pictures behind the tags;
+    later ones cover earlier ones.
     """
 
     width: float
@@ -86,65 +90,66 @@ class Wall:
 
     @property
     def area_corners(self) -> Floats:
-        """(4, 3) float64, wall meters: the centers of the area's tags, in its order; (0, 3) without one."""
+        """(4, 3) float64, wall meters: the centers of the area's tags, in its order; (0, 3) without an area."""
         by_id = {tag.id: tag for tag in self.tags}
         return np.array([[by_id[id].x, by_id[id].y, 0.0] for id in self.area]).reshape(-1, 3)
 
     @property
-    def parts(self) -> int:
-        """Into how many parts the side of a tag's cell is divided on its paper: quiet is rounded to them."""
+    def paper_scale(self) -> int:
+        """How many pixels of ``paper`` each cell of a tag is wide: the margin is rounded to whole pixels."""
         return 1 if self.quiet == int(self.quiet) else 16
 
     def paper(self, tag: WallTag) -> tuple[Image, Floats]:
-        """A tag's cells on its white paper, and where the paper's corners are.
+        """A tag with its white margin as an image, and the corners of this paper.
 
-        The cells are (n, n) uint8, 0 black and 255 white, and there are several
-        for each of the tag's own where its rim is no whole number of them wide
-        (see ``parts``); the corners (4, 3) float64, wall meters, clockwise from
-        the tag's own top left.
+        The image is (n, n) uint8, 0 black and 255 white, with ``paper_scale``
+        pixels for the width of a cell. The corners are (4, 3) float64, wall
+        meters, clockwise from the tag's own top left.
         """
-        cells = tag_cells(self.dictionary, tag.id).repeat(self.parts, 0).repeat(self.parts, 1)
-        paper = np.pad(cells, round(self.quiet * self.parts), constant_values=255)
+        cells = tag_cells(self.dictionary, tag.id).repeat(self.paper_scale, 0).repeat(self.paper_scale, 1)
+        paper = np.pad(cells, round(self.quiet * self.paper_scale), constant_values=255)
         reach = 0.5 * len(paper) / len(cells)
         return paper, tag.on_wall([-reach, reach, reach, -reach], [-reach, -reach, reach, reach])
 
 
 def load_wall(path: str) -> Wall:
-    """Read a Wall from its YAML file (config/wall.yaml shows all there is).
+    """Read a Wall from its YAML file; config/wall.yaml shows all entries.
 
-    Raises InputError naming the file and the entry that is wrong.
+    Raises InputError, which names the file and the wrong entry.
     """
     with yaml_entries(path) as data:
         tags = tuple(WallTag(_id(entry['id']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
                              within(entry['side'], *SIDE_M), within(entry.get('turn', 0), -360, 360))
                      for entry in data['tags'])
-        look, first_four = data.get('wall', {}), [tag.id for tag in tags[:4]] if len(tags) > 3 else []
-        width, height = within(look.get('width', 8), 0.1, 100), within(look.get('height', 2.6), 0.1, 100)
+        surface, first_four = data.get('wall', {}), [tag.id for tag in tags[:4]] if len(tags) > 3 else []
+        width, height = within(surface.get('width', 8), 0.1, 100), within(surface.get('height', 2.6), 0.1, 100)
         posters = [_poster(entry, path) for entry in data.get('posters', [])]
-        if 'image' in look:
-            posters.insert(0, Poster(_beside(path, look['image']), 0, height / 2, width, height))
-        wall = Wall(width, height, _color(look.get('color', (214, 203, 186))),
+        if 'image' in surface:
+            posters.insert(0, Poster(_image_path(path, surface['image']), 0, height / 2, width, height))
+        wall = Wall(width, height, _color(surface.get('color', (214, 203, 186))),
                     str(data.get('dictionary', DICTIONARY)), within(data.get('quiet', 1), 0, 10), tags,
                     tuple(_id(id) for id in data.get('area', first_four)),
-                    within(look.get('plaster', 1), 0, 10), tuple(posters))
+                    within(surface.get('plaster', 1), 0, 10), tuple(posters))
         for tag in tags:
             tag_cells(wall.dictionary, tag.id)
     ids = [tag.id for tag in wall.tags]
     if not ids or len(ids) > len(set(ids)):
-        raise InputError('The wall "%s" has the tags %s; give at least one, and each id once.' % (path, ids))
+        raise InputError('The wall "%s" has the tags %s; give at least one tag, and each id only once.'
+                         % (path, ids))
     if wall.area and not (len(wall.area) == len(set(wall.area)) == 4 and set(wall.area) <= set(ids)):
-        raise InputError('The area of the wall "%s" is %s; give the ids of four different tags of it.'
+        raise InputError('The area of the wall "%s" is %s; give the ids of four different tags on the wall.'
                          % (path, list(wall.area)))
     return wall
 
 
 def _poster(entry: Any, path: str) -> Poster:
-    return Poster(_beside(path, entry['image']), within(entry['x'], -100, 100), within(entry['y'], -100, 100),
+    return Poster(_image_path(path, entry['image']),
+                  within(entry['x'], -100, 100), within(entry['y'], -100, 100),
                   within(entry['width'], 0.01, 100), within(entry['height'], 0.01, 100))
 
 
-def _beside(path: str, image: Any) -> str:
-    """The path of an image that a wall's file names: as it stands there, or from the folder of that file."""
+def _image_path(path: str, image: Any) -> str:
+    """The path of an image that the wall's file at ``path`` names; it may be relative to that file's folder."""
     return os.path.join(os.path.dirname(path), os.path.expanduser(str(image)))
 
 
@@ -155,5 +160,5 @@ def _color(value: Any) -> Color:
 
 def _id(value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
-        raise ValueError('%s is no id' % (value,))
+        raise ValueError('%s is not an id' % (value,))
     return value

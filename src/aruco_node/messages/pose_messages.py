@@ -1,7 +1,7 @@
 """Poses as messages."""
 import cv2
 import numpy as np
-from aruco_ar.geometry.plane_pose import angles_of
+from aruco_ar.geometry.plane_pose import rotation_vector
 from geometry_msgs.msg import (
     Point,
     Pose,
@@ -29,7 +29,7 @@ TAG_COLOR, TEXT_COLOR, AREA_COLOR = (1, 1, 1, 0.8), (1, 0.8, 0, 1), (0.6, 0, 1, 
 
 def quaternion(rotation):
     """A rotation matrix, (3, 3), as a geometry_msgs/Quaternion."""
-    turn = angles_of(rotation)
+    turn = rotation_vector(rotation)
     angle = np.linalg.norm(turn)
     axis = turn / angle if angle > 0 else turn
     return Quaternion(*(np.sin(angle / 2) * axis), np.cos(angle / 2))

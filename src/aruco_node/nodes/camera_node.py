@@ -54,7 +54,7 @@ class CameraNode(FrameNode):
     def report(self):
         level, sentence, values = super().report()
         if self._tracks:
-            values['area'] = ' '.join(stage.tracker.why for stage in self._stages if stage.tracker)
+            values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
         return level, sentence, values
 
     def to_frame(self, message):

@@ -198,7 +198,7 @@ class FrameNode:
         stamp = (header.stamp or rospy.Time.now()).to_sec()
         if not self.is_due(stamp):
             return
-        wait = self._lateness.begins(stamp, rospy.Time.now().to_sec(), missing)
+        wait = self._lateness.wait_for_next(stamp, rospy.Time.now().to_sec(), missing)
         if wait and is_more_pending(self._subscriber, wait):
             self._count.left_out()  # the next frame will show the same, sooner
             return
@@ -209,7 +209,7 @@ class FrameNode:
             self._snapshot.after(images)
         messages = [each for topic, image in images.items()
                     for each in self._outputs[topic].messages(image, header)]
-        if self._lateness.is_late(rospy.Time.now().to_sec()) and is_more_pending(self._subscriber):
+        if self._lateness.is_stale(rospy.Time.now().to_sec()) and is_more_pending(self._subscriber):
             self._count.left_out()
             return
         self.publish(messages, header)

@@ -1,0 +1,23 @@
+"""The time of a sequence of frames."""
+from __future__ import annotations
+
+USUAL_PERIOD_S = 1 / 30  # assumed between frames whose stamps do not differ
+
+
+class FrameClock:
+    """Turns the stamps of frames into a time that always moves on, also while stamps stand still."""
+
+    def __init__(self) -> None:
+        self.now = 0.0  # seconds
+        self._stamp: float | None = None
+
+    def goes_back(self, stamp: float) -> bool:
+        """Whether a frame's stamp, seconds, is earlier than the one before, or is not a number."""
+        return self._stamp is not None and not stamp >= self._stamp
+
+    def advance(self, stamp: float) -> float:
+        """Move on to a frame's stamp, seconds. Returns the seconds since the frame before it."""
+        passed = USUAL_PERIOD_S if self._stamp in (None, stamp) else stamp - self._stamp
+        self.now += passed
+        self._stamp = stamp
+        return passed

@@ -1,0 +1,171 @@
+"""The tags seen in one frame and the wall fitted to them, both with their two possible poses."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Integers, Pose
+from aruco_ar.geometry.plane_pose import cross_matrices, rotation_matrices
+from aruco_ar.tags.tag import Tag
+from aruco_ar.walls.places import Places
+
+from .belief import mixture
+
+BULGE = np.diag([0.003**2, 0.02**2, 0.02**2])  # m², rad²: the covariance of paper off its wall
+
+
+@dataclass(frozen=True, eq=False)
+class SeenTags:
+    """Tags seen in one frame, and both poses of each.
+
+    ``quads``: (n, 4, 2) pixels. ``sizes``: (n,) meters. ``rays``: (n, 4, 2).
+    ``weights``: (n, 4, 2, 2), see refine. ``deviation``: (n,) pixels, the
+    standard deviation of corners. ``poses``: rotations (n, 2, 3, 3),
+    translations (n, 2, 3), covariances (n, 2, 6, 6). ``costs``: (n, 2), the
+    squared errors of the poses. ``probabilities``: (n, 2), of the poses.
+    """
+
+    tags: tuple[Tag, ...]
+    quads: Floats
+    sizes: Floats
+    rays: Floats
+    weights: Floats
+    deviation: Floats
+    poses: Pose
+    costs: Floats
+    probabilities: Floats
+
+    @property
+    def ids(self) -> tuple[int, ...]:
+        """The tags' ids."""
+        return tuple(tag.id for tag in self.tags)
+
+    def believed(self) -> Pose:
+        """The more probable pose of each tag: rotations (n, 3, 3), translations (n, 3), covariances (n, 6, 6).
+
+        The covariances allow for the other pose.
+        """
+        found = []
+        for rotation, translation, covariance, probabilities in zip(*self.poses, self.probabilities):
+            first = int(np.argmax(probabilities))
+            one, other = ((rotation[which], translation[which], covariance[which])
+                          for which in (first, 1 - first))
+            found.append((*one[:2], mixture(one, other, probabilities[1 - first])[0]))
+        rotations, translations, covariances = (np.array(part) for part in zip(*found))
+        return rotations, translations, covariances
+
+    def subset(self, numbers: Integers | list[int]) -> SeenTags:
+        """The tags with those indices alone."""
+        rotation, translation, covariance = self.poses
+        return SeenTags(tuple(self.tags[number] for number in numbers), self.quads[numbers],
+                        self.sizes[numbers], self.rays[numbers], self.weights[numbers],
+                        self.deviation[numbers],
+                        (rotation[numbers], translation[numbers], covariance[numbers]),
+                        self.costs[numbers], self.probabilities[numbers])
+
+
+@dataclass(frozen=True, eq=False)
+class WallFit:
+    """A wall fitted to the tags of one frame: its two poses, the believed one first.
+
+    ``ids``: of the tags. ``rotation``: (2, 3, 3), ``translation``: (2, 3),
+    from wall to camera. ``amounts``: (2, q), of the deviations of the tags'
+    places, see refine. ``covariance``: (2, 6 + q, 6 + q), of pose and amounts.
+    ``errors``: (n,), the squared errors of the tags. ``cost``: (2,), the total
+    cost of each pose. ``scale``: the cost relative to the expected one; the
+    covariance takes it into account. ``weight``: of the second pose.
+    """
+
+    ids: tuple[int, ...]
+    rotation: Floats
+    translation: Floats
+    amounts: Floats
+    covariance: Floats
+    errors: Floats
+    cost: Floats
+    scale: float
+    weight: float = 0.0
+
+    @property
+    def poses(self) -> list[Pose]:
+        """Both poses, each as (rotation, translation, covariance (6, 6))."""
+        return list(zip(self.rotation, self.translation, self.covariance[:, :6, :6]))
+
+    def camera(self, which: int = 0) -> Floats:
+        """(3,) meters: the camera's place in wall coordinates, by the first or the second pose."""
+        return -self.rotation[which].T @ self.translation[which]
+
+
+def poses_of_tags(fit: WallFit, places: Places) -> dict[int, tuple[Pose, Pose, float]]:
+    """{id: (pose, other pose, the other one's weight)} of the tags of a WallFit, by all tags together."""
+    rotation, center, spread = places.poses(fit.ids)
+    found: dict[int, list[Pose]] = {tag_id: [] for tag_id in fit.ids}
+    for which in (0, 1):
+        wall_rotation = fit.rotation[which]
+        off = spread @ fit.amounts[which]
+        arms = (center + off[:, :3]) @ wall_rotation.T
+        turns = rotation_matrices(off[:, 3:])
+        jacobian = np.zeros((len(arms), 6, fit.covariance.shape[1]))
+        jacobian[:, :, :6] = np.eye(6)
+        jacobian[:, :3, 3:6] = -cross_matrices(arms)
+        jacobian[:, :3, 6:], jacobian[:, 3:, 6:] = wall_rotation @ spread[:, :3], wall_rotation @ spread[:, 3:]
+        covariance = jacobian @ fit.covariance[which] @ jacobian.swapaxes(1, 2)
+        for number, tag_id in enumerate(fit.ids):
+            found[tag_id].append((wall_rotation @ turns[number] @ rotation[number],
+                                  arms[number] + fit.translation[which], covariance[number]))
+    return {tag_id: (one, other, fit.weight) for tag_id, (one, other) in found.items()}
+
+
+def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats, Floats]:
+    """How far each of n > 1 tags is off the plane of the others, (n, 3), and the covariances, (n, 3, 3).
+
+    The three numbers are the height over the plane, meters, and two components
+    of the normal, in ``axes``, (3, 3), whose z is near their normal. ``poses``:
+    rotations (n, 3, 3), translations (n, 3), covariances (n, 6, 6). ``bulge``:
+    (3, 3), the covariance of each tag's paper relative to its wall.
+    """
+    rotation, translation, covariance = poses
+    arms, normals = (translation - translation.mean(axis=0)) @ axes, rotation[..., 2] @ axes
+    seen = np.concatenate([arms[:, 2:], normals[:, :2]], axis=1)[..., None]
+    jacobian = np.zeros((len(seen), 3, 6))
+    jacobian[:, 0, :3], jacobian[:, 1:, 3:] = axes[:, 2], -axes[:, :2].T @ cross_matrices(rotation[..., 2])
+    spread = jacobian @ covariance @ jacobian.swapaxes(1, 2) + bulge
+    model = np.tile(np.eye(3), (len(seen), 1, 1))  # the derivatives of those numbers by the plane's own
+    model[:, 0, 1:] = -arms[:, :2]
+    weighted = model.swapaxes(1, 2) @ np.linalg.inv(spread)
+    information, vector = weighted @ model, weighted @ seen
+    others = np.linalg.inv(information.sum(axis=0) - information)
+    off = seen - model @ others @ (vector.sum(axis=0) - vector)
+    return off[..., 0], spread + model @ others @ model.swapaxes(1, 2)
+
+
+def off_plane(one: Pose, others: Pose) -> tuple[Floats, Floats]:
+    """How far n tags are off a plane, in its axes; returns the same as off_others.
+
+    ``one``: the plane's rotation (3, 3), translation (3,), covariance (6, 6). ``others``: the same of n tags.
+    """
+    rotation, translation, covariance = one
+    other_rotation, other_translation, other_covariance = others
+    toward, between, normals = rotation.T, other_translation - translation, other_rotation[..., 2]
+    off = np.concatenate([(between @ rotation)[:, 2:], (normals @ rotation)[:, :2]], axis=1)
+    # The derivatives by both poses. The plane turns about its origin, a tag's normal with the tag.
+    jacobian, other_jacobian = np.zeros((2, len(off), 3, 6))
+    other_jacobian[:, 0, :3], other_jacobian[:, 1:, 3:] = toward[2], -toward[:2] @ cross_matrices(normals)
+    jacobian[:] = -other_jacobian
+    jacobian[:, 0, 3:] = toward[2] @ cross_matrices(between)
+    return off, (jacobian @ covariance @ jacobian.swapaxes(1, 2)
+                 + other_jacobian @ other_covariance @ other_jacobian.swapaxes(1, 2) + BULGE)
+
+
+def squared(off: Floats, spread: Floats) -> Floats:
+    """(n,): the squared Mahalanobis lengths of vectors, (n, k), with covariances (n, k, k)."""
+    return (off * np.linalg.solve(spread, off[..., None])[..., 0]).sum(axis=1)
+
+
+def height_deviation(spread: Floats) -> Floats:
+    """(n,) meters: the standard deviation of a tag's height over a plane, if it is parallel to the plane.
+
+    ``spread``: (n, 3, 3), as from off_others.
+    """
+    return np.linalg.inv(spread)[:, 0, 0]**-0.5

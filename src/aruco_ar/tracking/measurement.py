@@ -1,0 +1,51 @@
+"""The tags in a frame as a measurement for AreaMotion, and which of them are consistent with each other."""
+from __future__ import annotations
+
+from typing import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats
+from aruco_ar.tags.edges import side_of
+
+from .layout import Layout, tolerance_of
+from .motion import AreaMotion
+
+# The bias of a corner, which is the same in every frame: this much for a tag with a side of SMALL_PX, and four
+# times as much for a tag half as large.
+BIAS_PX, SMALL_PX = 0.10, 30.0
+# If more tags than this contradict each other, several are left out at once.
+MANY_TAGS = 12
+
+
+def measurement(layout: Layout, seen: Mapping[int, Floats],
+                ids: Iterable[int]) -> tuple[Floats, Floats, Floats, Floats]:
+    """The first arguments of AreaMotion.correct, for some tags: points, pixels, deviation and bias.
+
+    ``seen``: {id: (4, 2) pixels}, the corners of tags. ``ids``: the tags to take.
+    """
+    quads = np.array([seen[tag_id] for tag_id in ids], np.float64)
+    side = side_of(quads)
+    deviation, bias = 0.15 + 0.002 * side, BIAS_PX * (SMALL_PX / side)**2
+    return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4), np.repeat(bias, 4))
+
+
+def consistent_tags(layout: Layout, seen: Mapping[int, Floats], motion: AreaMotion, limit: float) -> list[int]:
+    """The ids of the tags that are, all together, not more unlikely than ``limit`` in that motion.
+
+    ``seen``: {id: (4, 2) pixels}, the corners of known tags.
+    """
+    def unlikeliness(some: Sequence[int]) -> float:
+        points, pixels, _, _ = measurement(layout, seen, some)
+        deviation = np.repeat(tolerance_of(pixels.reshape(-1, 4, 2)) / 3, 4)
+        return motion.unlikeliness(points, pixels, deviation)
+    ids = list(seen)
+    if len(ids) > MANY_TAGS:  # leaving out each of them in turn would take too long
+        alone = {tag_id: unlikeliness([tag_id]) for tag_id in ids}
+        ids.sort(key=alone.__getitem__)
+        while len(ids) > MANY_TAGS and unlikeliness(ids) > limit:
+            del ids[-(len(ids) // MANY_TAGS):]
+    while ids and unlikeliness(ids) > limit:
+        ids = min(([other for other in ids if other != tag_id] for tag_id in ids),
+                  key=lambda some: unlikeliness(some) if some else 0)
+    return ids

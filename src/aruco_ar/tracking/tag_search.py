@@ -1,0 +1,119 @@
+"""The search for tags in a frame: where they are expected, near there, or in the whole frame."""
+from __future__ import annotations
+
+from typing import Any, Callable, Mapping, Sequence
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.tags.detector import Detector
+from aruco_ar.tags.edges import side_of
+from aruco_ar.tags.tag import Tag
+
+from .layout import Layout
+from .motion import AreaMotion
+
+MAX_SUBSTITUTES = 8       # if one of the four tags is missing, at most this many other tags are fitted
+MIN_SIDE_PX = 8           # a tag that is expected to be smaller is not searched for
+EXPECTED_LIKENESS = 0.6   # a tag in its expected place must have more than this likeness (see fit_tags)
+NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
+NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
+SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
+
+
+class TagSearch:
+    """Searches frames for tags with a Detector.
+
+    ``shows_area``: says whether a list of Tag is enough to find the area. The other arguments are those of
+    Detector.
+    """
+
+    def __init__(self, shows_area: Callable[[list[Tag]], bool], dictionary: str, **detection: Any) -> None:
+        self._shows_area = shows_area
+        self._detector = Detector(dictionary, **detection)
+        self._never_fine = detection.get('search', 'normal') != 'normal'
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget how earlier frames were searched."""
+        self._searches, self._has_some = 0, False  # whether the last usual search found any tags
+
+    def fit_expected(self, frame: Image, layout: Layout,
+                     motion: AreaMotion | None) -> tuple[dict[int, Floats], list[int]]:
+        """{id: corners} of the tags in their expected places, and the ids of the four tags that are missing.
+
+        A tag is missing if it should be in the frame, but is not in its place.
+        """
+        if motion is None:
+            return {}, []
+        expected = _expected_in_frame(frame, layout, motion)
+        four = [tag_id for tag_id in layout.ids if tag_id in expected]
+        seen = self._fit(frame, four, expected)
+        missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
+        others = [tag_id for tag_id in expected if tag_id not in layout.ids]
+        if missing and others:  # the tags nearest to a missing one show most about that corner of the area
+            gaps, places = layout.quads(missing).mean(axis=1), layout.quads(others).mean(axis=1)
+            distance = np.linalg.norm(places[:, None] - gaps, axis=2).min(axis=1)
+            nearest = np.argsort(distance)[:MAX_SUBSTITUTES]
+            seen.update(self._fit(frame, [others[number] for number in nearest], expected))
+        return seen, [tag_id for tag_id in four if tag_id not in seen]
+
+    def find_near(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
+        """The tags found near their expected places, {id: (4, 2) pixels}."""
+        found = []
+        for tag_id, quad in expected.items():
+            side = side_of(quad[None])[0]
+            low = np.maximum(quad.min(axis=0) - NEAR_SIDES * side, 0).astype(int)
+            high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, frame.shape[1::-1]).astype(int)
+            tags = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
+            found += [Tag(tag_id, tag.corners + np.float32(low)) for tag in tags if tag.id == tag_id]
+        return found
+
+    def find_like(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
+        """The tags in the whole frame that are not much smaller than those expected, (4, 2) pixels each.
+
+        Tags of any size are found if none are expected.
+        """
+        if not expected:
+            return self.find_all(frame)
+        return self._detector.search(frame, max(side_of(np.array(expected)).min(), MIN_SIDE_PX))
+
+    def find_all(self, frame: Image) -> list[Tag]:
+        """The tags in the whole frame.
+
+        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual search
+        found some in the last frame, and the fine search shows no area in this one, both are done.
+        """
+        self._searches += 1
+        if self._never_fine or self._searches % 2:
+            tags = self._detector.detect(frame)
+            self._has_some = len(tags) > 0
+            return tags
+        tags = self._detector.search(frame, SMALL_SIDE_PX)
+        if self._has_some and not self._shows_area(tags):
+            known = {tag.id for tag in tags}
+            tags += [tag for tag in self._detector.detect(frame) if tag.id not in known]
+        return tags
+
+    def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Floats]:
+        """{id: corners} of those of the tags that are in their expected places, {id: (4, 2) pixels}."""
+        if not ids:
+            return {}
+        quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
+        found &= likeness > EXPECTED_LIKENESS
+        return {tag_id: quad for tag_id, quad, is_found in zip(ids, quads, found) if is_found}
+
+
+def expected_places(layout: Layout, motion: AreaMotion | None) -> dict[int, Floats]:
+    """{id: (4, 2) pixels}: where the known tags should be, inside or outside of the frame."""
+    ids = list(layout.places)
+    return {} if motion is None else dict(zip(ids, motion.project(layout.quads(ids))))
+
+
+def _expected_in_frame(frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
+    """{id: (4, 2) pixels}: where those known tags should be that are in the frame and large enough."""
+    ids = list(layout.places)
+    quads = motion.project(layout.quads(ids))
+    inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
+    inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
+    return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
