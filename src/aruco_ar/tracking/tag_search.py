@@ -81,8 +81,8 @@ class TagSearch:
     def find_all(self, frame: Image) -> list[Tag]:
         """The tags in the whole frame.
 
-        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual search
-        found some in the last frame, and the fine search shows no area in this one, both are done.
+        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual
+        search found some in the last frame, and the fine search shows no area in this one, both are done.
         """
         self._searches += 1
         if self._never_fine or self._searches % 2:
