@@ -10,7 +10,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
 from aruco_ar.painting.picture import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
-from aruco_node.health.faults import guarded
+from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
 from aruco_node.parameters.settings import TOPIC
 from aruco_node.ros_internals.tolerant import tolerant
@@ -79,7 +79,7 @@ class Node:
             if isinstance(value, str) and taken.get(name) != value:
                 raise InputError('%s does not take "%s"; its log says why.' % (self.name, value))
 
-    @guarded
+    @fault_barrier
     def _on_update(self, config):
         self._values = values_of(config)
         self._on_change()

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_node.health.faults import guarded
+from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX
 from aruco_node.ros_internals.master import published_topics
@@ -85,7 +85,7 @@ class Watched:
         except Exception as error:  # the master is away; whatever its client raises
             rospy.logwarn('%s cannot be subscribed to, or left: %s', self.name, error)
 
-    @guarded
+    @fault_barrier
     def _on_message(self, message):
         self._loop.call_soon_threadsafe(self._take, message)
 

@@ -99,7 +99,7 @@ class HostileMessages(NodeTest):
         """aruco_ros publishes NaN; ar_track_alvar never recovers."""
         self.before_a_calibrated_camera()
         self.publish_info(K=[0.0] * 9)
-        until(lambda: self.see(scene(), 'tags') and self.said('K is that of no camera'))
+        until(lambda: self.see(scene(), 'tags') and self.said('K is not a camera matrix'))
         self.taken('poses')
         self.assertEqual(self.sees(scene()), IDS)
         self.assertFalse(self.taken('poses'))
