@@ -118,12 +118,12 @@ class PageHttp(ServerTest):
         self.listed('/eye/image')
         words = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(words.unregister)
-        until(lambda: b'only one of type' in ask(self.port, '/stream?topic=/words')[2])
+        until(lambda: b'its type is' in ask(self.port, '/stream?topic=/words')[2])
         for path, status, sentence in (
                 ('/stream?topic=/nowhere', 404, 'There is no image topic /nowhere'),
                 ('/snapshot?topic=/nowhere', 404, 'There is no image topic /nowhere'),
                 ('/stream_viewer?topic=/nowhere', 404, 'There is no image topic /nowhere'),
-                ('/stream?topic=/words', 404, 'only one of type std_msgs/String'),
+                ('/stream?topic=/words', 404, 'its type is std_msgs/String'),
                 ('/stream', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%00%3Cb%3E', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%ff', 400, 'The server cannot answer this (400'),
