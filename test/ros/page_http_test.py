@@ -126,7 +126,7 @@ class PageHttp(ServerTest):
                 ('/stream?topic=/words', 404, 'its type is std_msgs/String'),
                 ('/stream', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%00%3Cb%3E', 404, 'Give the name of an image topic'),
-                ('/stream?topic=%ff', 400, 'The server cannot answer this (400'),
+                ('/stream?topic=%ff', 400, 'The server cannot answer this request (400'),
                 ('/stream?topic=/eye/image&quality=101', 400,
                  'quality is "101"; it must be a whole number from 1 to 100'),
                 ('/stream?topic=/eye/image&width=-5', 400, 'width is "-5"'),
