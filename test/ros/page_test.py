@@ -112,7 +112,7 @@ class Page(BrowserTest):
         green = {'name': 'green.png', 'mimeType': 'image/png', 'buffer': png}
         self.page.locator('#file').set_input_files(green)
         self.wait_for_color((10, 200, 30))
-        self.wait_for_text('#status', 'green.png is the picture now.')
+        self.wait_for_text('#status', 'green.png is painted now.')
         blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
         self.page.evaluate(
             '''(bytes) => {
