@@ -117,7 +117,7 @@ class Hostile(NodeTest):
     def test_what_ros_itself_makes_nothing_of_ends_a_node_with_a_sentence(self):
         self.assertTrue(set_parameter('/exercise5_2/scale', 10**30))
         nodes = [(words, self.start('exercise5_2.py', *arguments)) for words, *arguments in (
-            ('set it anew: rosparam set /exercise5_2/scale VALUE',),
+            ('Set it again: rosparam set /exercise5_2/scale VALUE',),
             ('not a valid ROS name', CAMERA[1:] + ':=//bad name'),
             ('not a valid ROS name', '__name:=bad name'), ('cannot start', '_scale:=[1, 2', '__name:=one'),
             ('cannot start', '_scale:=99999999999', '__name:=two'))]
