@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A live page in the browser: the images of all exercises side by side, driving, and the choice of the picture."""
+"""A live page in the browser: the images of all exercises, driving, and the choice of the picture."""
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import run_node
 from page_server.server import Settings, serve
