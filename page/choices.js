@@ -1,4 +1,4 @@
-// What can be chosen: the picture to paint, and what the simulation looks like.
+// The choices: which picture is painted, and how the simulation looks.
 const SLIDE_MS = 150;
 
 export function choices(send, say) {
@@ -6,12 +6,12 @@ export function choices(send, say) {
   const group = section.querySelector('.pictures');
   const file = document.getElementById('file');
   const simulation = document.getElementById('simulation');
-  let named = '';
+  let shownNames = '';
 
   function show({ pictures, picture, sliders }) {
     section.hidden = picture === null;
-    if (pictures.join('/') !== named) {
-      named = pictures.join('/');
+    if (pictures.join('/') !== shownNames) {
+      shownNames = pictures.join('/');
       group.replaceChildren(...pictures.map(choice));
     }
     for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
@@ -20,7 +20,7 @@ export function choices(send, say) {
       const value = sliders[label.dataset.slider];
       label.hidden = value === undefined;
       if (value !== undefined && !label.matches(':active')) label.querySelector('input').value = value;
-      write(label);
+      writeValue(label);
     }
   }
 
@@ -35,13 +35,13 @@ export function choices(send, say) {
 
   async function upload(picture) {
     if (!picture) return;
-    say(`Sending ${picture.name} …`);
+    say(`Uploading ${picture.name} …`);
     try {
       const answer = await fetch('/picture', { method: 'POST', body: picture });
-      if (answer.ok) say(`${picture.name} is the picture now.`);
+      if (answer.ok) say(`${picture.name} is painted now.`);
       else say((await answer.text()).trim(), true);
     } catch {
-      say(`${picture.name} could not be sent; is it too large?`, true);
+      say(`${picture.name} could not be uploaded. Is it too large?`, true);
     }
   }
 
@@ -51,14 +51,14 @@ export function choices(send, say) {
   document.addEventListener('dragleave', dragging(false));
   document.addEventListener('drop', (event) => { dragging(false)(event); upload(event.dataTransfer.files[0]); });
 
-  // Who has chosen by mouse or finger wants the arrow keys to drive again.
+  // After a choice by mouse or touch, give up the focus, so that the arrow keys drive again.
   for (const part of [section, simulation]) {
     part.addEventListener('click', ({ pointerType }) => {
       if (pointerType) setTimeout(() => document.activeElement.blur());
     });
   }
 
-  function write(label) {
+  function writeValue(label) {
     label.querySelector('.value').textContent = label.querySelector('input').value;
   }
 
@@ -66,7 +66,7 @@ export function choices(send, say) {
     const input = label.querySelector('input');
     let timer = null;
     input.addEventListener('input', () => {
-      write(label);
+      writeValue(label);
       timer ??= setTimeout(() => { timer = null; send({ slide: [label.dataset.slider, Number(input.value)] }); }, SLIDE_MS);
     });
   }

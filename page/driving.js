@@ -1,17 +1,17 @@
-// Driving: while a key or button is held, the server is told again and again; it stops the robot when that ends.
-const AGAIN_MS = 100;
+// Driving: while a key or button is held, commands are repeated. The server stops the robot when they end.
+const REPEAT_MS = 100;
 const KEYS = { ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1] };
-const OWN_KEYS = 'input, select, textarea, [contenteditable]';  // what uses arrow keys itself
+const OWN_KEYS = 'input, select, textarea, [contenteditable]';  // elements that use the arrow keys themselves
 
 export function driving(send) {
   const section = document.getElementById('drive');
-  const held = new Map();  // what is held -> [forward, left]
+  const held = new Map();  // key or button -> [forward, left]
   let timer = null;
 
   function hold(what, direction) {
     if (section.hidden || held.has(what)) return;
     held.set(what, direction);
-    timer ??= setInterval(command, AGAIN_MS);
+    timer ??= setInterval(command, REPEAT_MS);
     command();
   }
 
@@ -37,10 +37,10 @@ export function driving(send) {
   }
 
   document.addEventListener('keydown', (event) => {
-    if (event.metaKey) stop();  // while it is held, macOS tells of no key that is let go
+    if (event.metaKey) stop();  // while Command is held, macOS reports no released keys
     if (section.hidden || !KEYS[event.key] || event.target.closest(OWN_KEYS)
         || event.ctrlKey || event.altKey || event.metaKey) return;
-    event.preventDefault();  // no scrolling
+    event.preventDefault();  // the page must not scroll
     hold(event.key, KEYS[event.key]);
   });
   document.addEventListener('keyup', ({ key }) => release(key));
@@ -60,7 +60,7 @@ export function driving(send) {
       if (event.key === ' ' || event.key === 'Enter') { event.preventDefault(); hold(button, direction); }
     });
     button.addEventListener('keyup', ({ key }) => { if (key === ' ' || key === 'Enter') release(button); });
-    button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch
+    button.addEventListener('contextmenu', (event) => event.preventDefault());  // a long touch opens no menu
   }
 
   return { allow(drive) { section.hidden = !drive; if (!drive) stop(); } };

@@ -1,4 +1,4 @@
-// The pictures: drawn as they come, one large on click; only those in view are asked for.
+// The tiles: each shows a topic. A click enlarges one. Only frames of visible tiles are requested.
 export function tiles(send) {
   const all = new Map();
 
@@ -11,10 +11,10 @@ export function tiles(send) {
   }
   const observer = new IntersectionObserver((entries) => {
     for (const { target, isIntersecting } of entries) all.get(target.dataset.topic).inView = isIntersecting;
-    look();
+    requestFrames();
   }, { rootMargin: '100px' });
   for (const { element } of all.values()) observer.observe(element);
-  document.addEventListener('visibilitychange', look);
+  document.addEventListener('visibilitychange', requestFrames);
   document.addEventListener('keydown', ({ key }) => { if (key === 'Escape') enlarge(null); });
 
   function enlarge(large) {
@@ -28,11 +28,11 @@ export function tiles(send) {
       tile.button.setAttribute('aria-label', `${name}: ${tile === large ? 'make small' : 'enlarge'}`);
     }
     if (large) large.element.scrollIntoView({ block: 'nearest' });
-    look();
+    requestFrames();
   }
 
-  // Tell the server what is looked at: with one picture large, that alone.
-  function look() {
+  // Tell the server which topics are visible. While one tile is large, this is the only one.
+  function requestFrames() {
     const large = [...all.values()].find(({ element }) => element.classList.contains('large'));
     const seen = document.hidden ? [] : large ? [large] : [...all.values()].filter((tile) => tile.inView);
     send({ look: seen.map(({ topic }) => topic) });
@@ -58,7 +58,7 @@ export function tiles(send) {
     write('.tags', head.tags === null ? '' : head.tags.length ? `tags ${head.tags.join(' ')}` : 'no tags');
   }
 
-  function without(topic, why) {
+  function showProblem(topic, why) {
     const tile = all.get(topic);
     if (!tile) return;
     tile.why.textContent = why;
@@ -70,5 +70,5 @@ export function tiles(send) {
     for (const figure of tile.element.querySelectorAll('.figures span')) figure.textContent = '–';
   }
 
-  return { frame, without, look, lost() { for (const topic of all.keys()) without(topic, 'No connection to the server.'); } };
+  return { frame, showProblem, requestFrames, lost() { for (const topic of all.keys()) showProblem(topic, 'No connection to the server.'); } };
 }

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Look at all frames in bags: what an exercise makes of them, and where the tags are.
+"""Run an exercise on all frames in bags.
 
-Needs no roscore. Writes, into a folder, NAME.bag with the images of the exercise
-(and NAME.mp4 with --video) for each NAME.bag, and tags.csv with every tag in
-every frame of all of them. Started again, it goes on where it was.
+Needs no roscore. For each NAME.bag it writes a NAME.bag with the images of the
+exercise into a folder, and with --video a NAME.mp4. The table tags.csv has every
+tag in every frame of all bags. If it is interrupted, the same command continues.
 """
 import argparse
 import os
@@ -17,8 +17,8 @@ import aruco_program  # noqa: F401  before all else
 import yaml
 from aruco_ar import InputError
 from aruco_bags.bag_reader import PIECE_S
-from aruco_bags.job import jobs_of, kept
-from aruco_bags.task import Task, check
+from aruco_bags.job import jobs_of, locked
+from aruco_bags.task import Task, check_picture
 from aruco_bags.workers import work, workers
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.nodes.manual import parameter_rows, table
@@ -62,7 +62,7 @@ def parse(argv):
 
 
 def settings(argv):
-    """BagSettings of what is _NAME:=VALUE among arguments. Raises InputError."""
+    """BagSettings from the arguments of the form _NAME:=VALUE. Raises InputError."""
     given = {}
     for name, text in (arg.split(':=', 1) for arg in argv if ':=' in arg):
         if name.startswith('__'):  # roslaunch adds __name and __log
@@ -74,7 +74,7 @@ def settings(argv):
         except (yaml.YAMLError, ValueError):
             given[name[1:]] = text
     if isinstance(given.get('picture'), str) and os.path.exists(given['picture']):
-        given['picture'] = os.path.abspath(given['picture'])  # else it may be one of the package's own
+        given['picture'] = os.path.abspath(given['picture'])  # otherwise it may be a picture of the package
     return read(BagSettings, given.get)
 
 
@@ -93,16 +93,16 @@ def main(argv):
         if fault:
             print('annotate_bags: %s' % fault, file=sys.stderr)
         task = Task(exercise(args.exercise), settings(argv))
-        check(task)
+        check_picture(task)
         jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
         began = time.monotonic()
-        with kept(args.out), workers(args.scheduler, args.workers) as client:
+        with locked(args.out), workers(args.scheduler, args.workers) as client:
             frames, is_all = work(jobs, client, args.out)
             count = len(client.nthreads())
     except InputError as error:
         sys.exit('annotate_bags: %s' % error)
     except KeyboardInterrupt:
-        print('annotate_bags: ended; the same command goes on where this one was.', file=sys.stderr)
+        print('annotate_bags: interrupted. The same command continues from here.', file=sys.stderr)
         sys.exit(130)
     seconds = time.monotonic() - began
     if frames:

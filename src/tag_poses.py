@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Where the tags are, and where the camera is before their wall.
+"""Finds where the tags are, and where the camera is relative to their wall.
 
-From frames and the camera's calibration: the pose of every tag in sight, of the
-area, of the camera and of the robot, as messages, TF frames, markers for RViz,
-and axes drawn on the frame.
+From frames and the camera's calibration it computes the poses of every tag in
+sight, of the area, of the camera and of the robot. It publishes them as
+messages, TF frames and markers for RViz, and draws axes on the frame.
 """
 import time
+from dataclasses import dataclass, field, replace
+from typing import Any, Dict, List, Optional
 
 import aruco_program  # noqa: F401  before all else
 import rospy
@@ -13,12 +15,12 @@ import tf2_ros
 from aruco_ar import InputError, PoseEstimator
 from aruco_ar.base.errors import shorten
 from aruco_ar.base.files import in_package
-from aruco_ar.exercise import TRACKER, Result, find_tags
+from aruco_ar.exercise import TRACKER, Exercise, Result, find_tags
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.wall_watch import WallWatch
 from aruco_ar.walls.wall import load_wall
 from aruco_node.health.diagnostics import ERROR, WARN
-from aruco_node.health.faults import say_once
+from aruco_node.health.faults import log_once
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages import pose_messages
 from aruco_node.messages.frame_names import frame_name
@@ -40,162 +42,194 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~markers', MarkerArray, 'tags and area, for RViz'),
           ('~camera_pose', PoseWithCovarianceStamped, 'the camera in the frame of the wall'),
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
-LEARNED = 'learned_wall'  # another frame than that of a known wall: its origin is a tag
-# Parameters after whose change the places of the tags are learned anew.
-BEGINS = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
+# The TF frame of a learned wall. A known wall has another: the origin of a learned one is a tag.
+LEARNED_WALL_FRAME = 'learned_wall'
+# After a change of one of these parameters, the places of the tags are learned anew.
+RELEARN_AFTER = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
+
+
+@dataclass(frozen=True)
+class PoseResult(Result):
+    """A Result with poses.
+
+    ``lens``: the Lens of the frame, None until the camera's calibration is known. ``poses``: a TagPose for
+    each tag, by id. ``area_pose``: an AreaPose. ``camera``: the camera's pose relative to the wall. Each of
+    the two is None if it is not known. ``problems``: sentences about what is wrong, by kind.
+    """
+
+    lens: Optional[Any] = None
+    poses: List[Any] = field(default_factory=list)
+    area_pose: Optional[Any] = None
+    camera: Optional[Any] = None
+    problems: Dict[str, str] = field(default_factory=dict)
 
 
 class TagPoses(CameraNode):
-    """Publishes the poses of what it sees."""
+    """Publishes the poses of the tags, the area, the camera and the robot."""
 
     def __init__(self):
-        super().__init__([TRACKER], ['image'], PoseSettings)
+        super().__init__(Exercise('tag_poses', self._locate, [TRACKER]), PoseSettings)
         self._wall = _load_wall(self.settings)
-        self._estimator, self._watch = self._begin(self.settings, self._wall)
+        self._estimator, self._watch = self._new_estimator(self.settings, self._wall)
         self._calibration = Calibration(self.settings, self.camera)
-        self._faults = {}  # what is wrong, by its kind
+        self._problems = {}  # sentences about what is wrong, by kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
-        self.results = [publisher.resolved_name for publisher in self._publishers.values()]
-        self._transforms, self._framed = tf2_ros.TransformBroadcaster(), None  # the stamp of the last
-        # The TF of others, while the robot's pose is wanted.
-        self._frames, self._listener = tf2_ros.Buffer(), None
+        self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
+        self._transforms = tf2_ros.TransformBroadcaster()
+        self._last_tf_stamp = None
+        # Transforms of other nodes, which are received only while somebody listens to ~robot_pose.
+        self._tf_buffer, self._tf_listener = tf2_ros.Buffer(), None
 
     def is_wanted(self):
-        others = self._transforms.pub_tf.get_num_connections() - (self._listener is not None)
-        return super().is_wanted() or others > 0 or \
+        # The node's own TF listener counts as a connection, too.
+        tf_listeners = self._transforms.pub_tf.get_num_connections() - (self._tf_listener is not None)
+        return super().is_wanted() or tf_listeners > 0 or \
             any(publisher.get_num_connections() for publisher in self._publishers.values())
 
-    def follow(self, wanted):
-        super().follow(wanted)
-        self._calibration.follow(wanted)
-        placed = self._publishers['robot_pose'].get_num_connections() > 0
-        if placed and self._listener is None:
-            self._listening_since = time.monotonic()
-            self._listener = OthersFrames(self._frames)
-        elif not placed and self._listener is not None:
-            self._listener.unregister()
-            self._listener = None
+    def update_subscriptions(self, wanted):
+        super().update_subscriptions(wanted)
+        self._calibration.update_subscription(wanted)
+        needs_tf = self._publishers['robot_pose'].get_num_connections() > 0
+        if needs_tf and self._tf_listener is None:
+            self._tf_listening_since = time.monotonic()
+            self._tf_listener = OthersFrames(self._tf_buffer)
+        elif not needs_tf and self._tf_listener is not None:
+            self._tf_listener.unregister()
+            self._tf_listener = None
 
     def prepare(self, settings):
-        changes = super().prepare(settings)
-        if all(getattr(settings, name) == getattr(self.settings, name) for name in BEGINS):
-            return changes
+        apply_to_stages = super().prepare(settings)
+        if all(getattr(settings, name) == getattr(self.settings, name) for name in RELEARN_AFTER):
+            return apply_to_stages
         wall = self._wall if settings.wall == self.settings.wall else _load_wall(settings)
-        begun = self._begin(settings, wall)
+        estimator, watch = self._new_estimator(settings, wall)
 
-        def change():
-            self._wall, (self._estimator, self._watch) = wall, begun
-        return changes + [change]
+        def apply():
+            apply_to_stages()
+            self._wall, self._estimator, self._watch = wall, estimator, watch
+        return apply
 
     def reset(self):
         super().reset()
-        self._estimator, self._watch = self._begin(self.settings, self._wall)
+        self._estimator, self._watch = self._new_estimator(self.settings, self._wall)
 
-    def step(self, scene, header):
+    def answer(self, results, header):
+        result, = results  # PoseSettings have no areas file, so there is one area
+        answer = super().answer(results, header)
+
+        def publish():
+            problems = dict(result.problems)
+            if result.lens is not None:
+                self._publish_poses(result, header, problems)
+            answer.publish()
+            for kind, sentence in problems.items():
+                log_once(kind, sentence, rospy.logwarn)
+            self._problems = problems
+        return replace(answer, publish=publish,
+                       is_complete=result.lens is not None or bool(result.problems))
+
+    def report(self):
+        level, sentence, values = super().report()
+        problems = list(self._problems.values())
+        # Missing poses matter more than dropped frames, but less than an error.
+        return (WARN, problems[0], values) if problems and level < ERROR else (level, sentence, values)
+
+    def _locate(self, scene):
+        """The step of this node's Exercise: the PoseResult of a Scene."""
         tags, area = find_tags(scene), scene.tracker.update(scene.frame, scene.stamp)
-        faults: dict[str, str] = {}
-        lens = self._lens(scene.frame.shape[1::-1], faults)
-        self.ready = lens is not None or bool(faults)
-        poses, on_wall, camera = [], None, None
+        problems: Dict[str, str] = {}
+        lens = self._lens(scene.frame.shape[1::-1], problems)
+        poses, area_pose, camera = [], None, None
         if lens is not None:
             estimator = self._estimator
             poses = sorted(estimator.update(tags, lens, scene.stamp), key=lambda pose: pose.id)
             camera = estimator.camera()
-            on_wall = None if area is None else estimator.area(area, lens)
+            area_pose = None if area is None else estimator.area(area, lens)
             misfit = self._watch.check(poses, camera, scene.stamp)
             if misfit:
-                faults[misfit] = misfit
-        self._made = poses, on_wall, camera, lens, faults
-        image = mark_poses(scene.image, tags, poses, lens, area) if self.is_seen('image') else scene.image
-        return Result([image], tags, area)
+                problems[misfit] = misfit
+        image = scene.image
+        if self.is_image_wanted('image'):
+            image = mark_poses(image, tags, poses, lens, area)
+        return PoseResult([image], tags, area, lens, poses, area_pose, camera, problems)
 
-    def publish(self, messages, header):
-        poses, area, camera, lens, faults = self._made
-        if lens is not None:
-            self._publish_poses(poses, area, camera, lens, header, faults)
-        super().publish(messages, header)
-        for kind, sentence in faults.items():
-            say_once(kind, sentence, rospy.logwarn)
-        self._faults = faults
-
-    def report(self):
-        level, sentence, values = super().report()
-        faults = list(self._faults.values())
-        # Frames that are dropped are not worth a word where all poses are missing.
-        return (WARN, faults[0], values) if faults and level < ERROR else (level, sentence, values)
-
-    def _begin(self, settings, wall):
-        """A PoseEstimator and a WallWatch. Raises InputError if the wall has tags of another dictionary."""
+    def _new_estimator(self, settings, wall):
+        """(PoseEstimator, WallWatch). Raises InputError if the wall's tags are of another dictionary."""
         if wall is not None and wall.dictionary != settings.dictionary:
-            raise InputError('The tags of the wall "%s" are of %s, those that are looked for of %s; give the '
-                             'same: dictionary:=%s.' % (settings.wall, wall.dictionary, settings.dictionary,
-                                                        wall.dictionary))
+            raise InputError('The wall "%s" has tags of the dictionary %s, but the node looks for tags of %s. '
+                             "Give the wall's dictionary: dictionary:=%s."
+                             % (settings.wall, wall.dictionary, settings.dictionary, wall.dictionary))
         return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
 
-    def _lens(self, size, faults):
-        """The Lens of frames of that size, or None."""
+    def _lens(self, size, problems):
+        """The Lens of frames of this size, (width, height) pixels, or None. Adds to ``problems`` why."""
         try:
-            return self._calibration.lens(size, self.scale)
+            return self._calibration.lens(size, self.frame_scale)
         except InputError as error:
-            faults[error.kind] = 'Tags are found, but no poses: %s: %s.' % (self._calibration.topic, error)
+            problems[error.kind] = 'Tags are found, but no poses: %s: %s.' % (self._calibration.topic, error)
             return None
 
-    def _publish_poses(self, poses, area, camera, lens, header, faults):
+    def _publish_poses(self, result, header, problems):
+        """Publish the poses on the topics that somebody listens to. Adds to ``problems`` what is missing."""
         publish = {name: publisher.publish for name, publisher in self._publishers.items()
                    if publisher.get_num_connections()}
         if 'poses' in publish:
-            publish['poses'](pose_messages.tag_poses(poses, lens, header))
+            publish['poses'](pose_messages.tag_poses(result.poses, result.lens, header))
         if 'area' in publish:
-            publish['area'](pose_messages.area_pose(area, lens, header))
+            publish['area'](pose_messages.area_pose(result.area_pose, result.lens, header))
         if 'markers' in publish:
-            publish['markers'](pose_messages.markers(poses, area, header))
-        named = header.frame_id.lstrip('/')
-        if not named:
-            faults['frame_id'] = 'Frames come without a frame_id, so no TF frames of tags are published; set ' \
-                                 'it in the camera driver.'
+            publish['markers'](pose_messages.markers(result.poses, result.area_pose, header))
+        camera_frame = header.frame_id.lstrip('/')
+        if camera_frame:
+            self._publish_transforms(result.poses, header)
         else:
-            self._publish_frames(poses, header)
-        if camera is None:
+            problems['frame_id'] = 'The frames of the camera have no frame_id, so no TF frames of tags are ' \
+                                   'published. Set frame_id in the camera driver.'
+        if result.camera is None:
             return
         name = self.settings.wall_frame
-        wall = frame_name(name if name != AUTO else LEARNED if self.settings.wall == LEARN else WALL_FRAME)
+        if name == AUTO:
+            name = LEARNED_WALL_FRAME if self.settings.wall == LEARN else WALL_FRAME
+        wall = frame_name(name)
         if 'camera_pose' in publish:
-            publish['camera_pose'](pose_messages.stamped(camera, header.stamp, wall))
-        if 'robot_pose' in publish and named:
-            robot = self._robot(camera, header, faults)
+            publish['camera_pose'](pose_messages.stamped(result.camera, header.stamp, wall))
+        if 'robot_pose' in publish and camera_frame:
+            robot = self._robot(result.camera, camera_frame, problems)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
-    def _publish_frames(self, poses, header):
-        """The tags as TF frames; of two with one id nobody could say which the frame is of.
+    def _publish_transforms(self, poses, header):
+        """Publish the tags as TF frames.
 
-        TF takes no two of one stamp, and says a line for each, to everybody who listens.
+        A tag whose id is in sight twice has none: nobody could tell which of the two the frame means. Nothing
+        is published for a stamp that comes again, since every TF listener would log a warning for each
+        transform.
         """
         stamp = header.stamp or rospy.Time.now()
         ids = [pose.id for pose in poses]
-        single = [pose for pose in poses if ids.count(pose.id) == 1]
-        if single and stamp != self._framed:
-            self._framed = stamp
-            names = [frame_name(self.settings.tag_frame.replace(ID, str(pose.id))) for pose in single]
+        unique = [pose for pose in poses if ids.count(pose.id) == 1]
+        if unique and stamp != self._last_tf_stamp:
+            self._last_tf_stamp = stamp
+            names = [frame_name(self.settings.tag_frame.replace(ID, str(pose.id))) for pose in unique]
             self._transforms.sendTransform([pose_messages.transform(pose, stamp, header.frame_id, name)
-                                            for pose, name in zip(single, names)])
+                                            for pose, name in zip(unique, names)])
 
-    def _robot(self, camera, header, faults):
-        """The robot's pose by the camera's, or None if nobody knows where on the robot the camera is."""
+    def _robot(self, camera, camera_frame, problems):
+        """The robot's pose by the camera's pose; None if TF does not say where the camera is mounted."""
         frame = frame_name(self.settings.robot_frame)
         try:
-            found = self._frames.lookup_transform(header.frame_id.lstrip('/'), frame, rospy.Time(0)).transform
-        except (tf2_ros.TransformException, ValueError) as error:  # of a null character in a frame_id
-            if time.monotonic() - self._listening_since > SILENCE_S:
-                faults['robot'] = 'The pose of the robot is not known: no transform from %s to %s (%s). Is ' \
-                                  'robot_frame right?' % (frame, shorten(header.frame_id, 40),
-                                                          shorten(str(error), 200))
+            found = self._tf_buffer.lookup_transform(camera_frame, frame, rospy.Time(0)).transform
+        except (tf2_ros.TransformException, ValueError) as error:  # ValueError: a null character in a name
+            if time.monotonic() - self._tf_listening_since > SILENCE_S:
+                problems['robot'] = 'The pose of the robot is not known: there is no transform from %s to %s ' \
+                                    '(%s). Is the parameter ~robot_frame right?' % (
+                                        frame, shorten(camera_frame, 40), shorten(str(error), 200))
             return None
         return camera.carry(*pose_messages.from_transform(found))
 
 
 def _load_wall(settings):
-    """The Wall that settings name, or None where it is learned. Raises InputError if there is no such wall."""
+    """The Wall that settings name, or None if it is learned. Raises InputError if the file holds no wall."""
     if settings.wall == LEARN:
         return None
     return load_wall(in_package(settings.wall))
@@ -205,8 +239,8 @@ if __name__ == '__main__':
     keep_memory()
     run_node('tag_poses', lambda: TagPoses().spin(), camera_manual(
         ['image'], PoseSettings, True,
-        [('camera/rgb/camera_info', 'sensor_msgs/CameraInfo', "the camera's calibration, beside its images"),
-         ('/tf', 'tf2_msgs/TFMessage', 'where on the robot the camera is, for ~robot_pose'),
+        [('camera/rgb/camera_info', 'sensor_msgs/CameraInfo', 'the calibration of the camera'),
+         ('/tf', 'tf2_msgs/TFMessage', 'where the camera is mounted on the robot, for ~robot_pose'),
          ('/tf_static', 'tf2_msgs/TFMessage', 'the same')],
         [(topic, kind._type, what) for topic, kind, what in TOPICS] +
         [('/tf', 'tf2_msgs/TFMessage', 'the tags, tag_1 and so on, in the frame of the camera')]))

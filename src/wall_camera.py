@@ -25,7 +25,7 @@ from aruco_ar.simulation.robot import (
 )
 from aruco_ar.walls.wall import load_wall
 from aruco_node.health.diagnostics import OK, PERIOD_S, WARN, WINDOW_S, Diagnostics
-from aruco_node.health.faults import guarded
+from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.publishing import ImagePublisher
 from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_transform
 from aruco_node.nodes.frame_node import CAMERA
@@ -103,7 +103,7 @@ class Driver:
         self._started = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
-    @guarded
+    @fault_barrier
     def _on_command(self, command):
         speed = np.array([command.linear.x, command.angular.z])
         if not np.all(np.isfinite(speed)):
@@ -192,7 +192,7 @@ class WallCamera:
                 return
             self._publish(stamp)
 
-    @guarded
+    @fault_barrier
     def _publish(self, stamp):
         settings, seconds = self._settings, stamp.to_sec() % LOOP_S
         pose, linear, angular = self._driver.now(stamp)

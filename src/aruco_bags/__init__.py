@@ -1,4 +1,4 @@
-"""Bags: their frames looked at without a roscore, piece by piece, on as many processor cores as there are."""
+"""Runs an exercise on the frames of bags, without a roscore: piece by piece, in several processes."""
 from aruco_ar.base.versions import need
 
 need('distributed')

@@ -1,4 +1,4 @@
-"""What is in a bag, and reading it in pieces that are the same wherever and by however many they are read."""
+"""Reads a bag in pieces. The pieces do not depend on how many processes read them, or where."""
 import os
 import stat
 import threading
@@ -16,18 +16,18 @@ from aruco_node.nodes.calibration import info_topic
 from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
 
-PIECE_S = 60.0         # of a bag's own time
-RUN_IN_NS = 3 * 10**9  # before a piece its frames are looked at as well, for what is learned from them
+PIECE_S = 60.0         # length of a piece, in the bag's time
+RUN_IN_NS = 3 * 10**9  # frames before a piece, from which the tracker learns
 TRANSPORT_OF = {kind: name for name, kind in IMAGE_TYPES.items()}
-_LAST = threading.local()  # of each thread of a Dask worker: the bag that is open, and what it was opened for
+_LAST = threading.local()  # for each thread of a Dask worker, the bag that is open, and its key
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The frames on a topic of a bag from a time on and before another.
+    """The frames on a topic of a bag from the time ``begin`` on and before the time ``end``.
 
-    ``camera``: what the topics of what is made of it are called after. ``info``: the topic of its
-    calibration, if there is one, and ``known``: when that last came before.
+    ``camera``: the name that the output topics end with. ``info``: the topic of the camera's calibration, if
+    there is one. ``known``: the time of the last calibration in an earlier piece, if there is one.
     """
 
     bag: str
@@ -42,15 +42,15 @@ class Piece:
 
 
 def pieces_of(path, seconds=PIECE_S):
-    """All Pieces, of so many seconds, of all image topics of a bag. Raises InputError if it cannot be read."""
+    """All Pieces of all image topics of a bag. Raises InputError if the bag cannot be read."""
     length = round(seconds * 1e9)
     with opened(path) as bag:
         kinds = bag.topics()
         topics = {topic: TRANSPORT_OF[kind] for topic, kind in kinds.items() if kind in TRANSPORT_OF}
         if not topics:
-            raise InputError('it has no images, no topic of %s.' % ' or '.join(IMAGE_TYPES.values()))
+            raise InputError('it has no images: no topic has the type %s.' % ' or '.join(IMAGE_TYPES.values()))
         first = bag.begin().to_nsec()
-        # Of each topic: the numbers of the pieces that it has messages in, and when the last is.
+        # For each topic: {number of a piece that has messages of it: time of the last of these messages}.
         infos = {topic: info_topic(raw_topic(topic)) for topic in topics}
         infos = {topic: info for topic, info in infos.items() if kinds.get(info) == CameraInfo._type}
         last: Dict[str, Dict[int, Any]] = {topic: {} for topic in (*topics, *infos.values())}
@@ -60,7 +60,7 @@ def pieces_of(path, seconds=PIECE_S):
     pieces = []
     for topic, transport in topics.items():
         info = infos.get(topic)
-        camera = _named(topic if raw_topic(topic) in topics else raw_topic(topic))
+        camera = _absolute(topic if raw_topic(topic) in topics else raw_topic(topic))
         known = sorted(last[info].items()) if info else []
         for number in sorted(last[topic]):
             before = bisect_left(known, (number,))
@@ -71,9 +71,9 @@ def pieces_of(path, seconds=PIECE_S):
 
 
 def messages(piece):
-    """Images and calibrations of a Piece and its run-in: (message, time, whether it is of the piece itself).
+    """(message, time, is_in_piece) of the images and calibrations of a Piece and its run-in.
 
-    ``time``: genpy.Time, the bag's.
+    ``time``: the genpy.Time of the bag. ``is_in_piece``: False for the run-in.
     """
     begin = _time(max(piece.begin.to_nsec() - RUN_IN_NS, 0))
     with opened(piece.bag) as bag:
@@ -85,13 +85,13 @@ def messages(piece):
                 yield message, time, time >= piece.begin
 
 
-def to_frame(piece):
-    """The function that makes a frame of an image message of a Piece."""
+def decoder_of(piece):
+    """The function that decodes the image messages of a Piece to frames."""
     return TRANSPORTS[piece.transport][2]
 
 
-def _named(topic):
-    """A topic's whole name; in bags it may lack the first slash."""
+def _absolute(topic):
+    """The absolute name of a topic. In bags the first slash may be missing."""
     return '/' + topic.lstrip('/')
 
 
@@ -101,14 +101,14 @@ def _time(nanoseconds):
 
 @contextmanager
 def opened(path):
-    """An IndexedBag. Raises InputError, also where the block finds it broken.
+    """A context manager with an IndexedBag. Raises InputError, also if reading fails within the block.
 
-    The last one stays open: how a long bag begins takes long to read, and its pieces come in turn.
+    The last bag stays open, since opening a long bag takes long, and the next piece is usually of the same bag.
     """
     try:
         about = os.stat(path)
         if not stat.S_ISREG(about.st_mode):
-            raise InputError('it is not a file but a folder, pipe or device.')
+            raise InputError('it is a folder, pipe or device, not a file.')
         key = path, about.st_size, about.st_mtime_ns
         if getattr(_LAST, 'key', None) != key:
             if hasattr(_LAST, 'bag'):
@@ -117,10 +117,10 @@ def opened(path):
             _LAST.bag, _LAST.key = IndexedBag(path), key
         yield _LAST.bag
     except rosbag.ROSBagUnindexedException:
-        raise InputError('it has no index, as where its recording was cut off. Make one: rosbag reindex "%s"'
+        raise InputError('it has no index; perhaps its recording was interrupted. Make one: rosbag reindex "%s"'
                          % path) from None
     except InputError:
         raise
-    except Exception as error:  # rosbag raises many kinds
+    except Exception as error:  # rosbag raises exceptions of many kinds
         raise InputError('it cannot be read (%s).' % (' '.join(str(error).split()) or type(error).__name__)) \
             from None

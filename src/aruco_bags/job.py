@@ -1,4 +1,4 @@
-"""What is made of a bag in a folder, piece by piece, and what of that is done already."""
+"""The output of a bag in a folder: which of it is done, and putting it together from its pieces."""
 import fcntl
 import hashlib
 import json
@@ -15,14 +15,17 @@ from .bag_reader import pieces_of
 from .pieces import join_bags, join_tables, make_video
 from .task import COLUMNS, annotate, drafted
 
-HIDDEN = '.unit5'      # in the folder of what is made: what is half done, and how the rest was
-LOCK = '.lock'         # no bag is called so
+HIDDEN = '.unit5'      # subfolder of the output folder: drafts, and notes on what is done
+LOCK = '.lock'         # no bag can have this name
 TABLE = 'tags.csv'
-DONE = 'done.json'     # what was made, {name of the file: bytes}
+DONE = 'done.json'     # the files that are done, {name: size in bytes}
 
 
 class Job:
-    """A bag, and what is made of it in a folder."""
+    """A bag to process, and its output files in a folder.
+
+    If the bag, the Task or the options change, the notes of the Job get another folder, so it is done again.
+    """
 
     def __init__(self, path, task, folder, video, seconds):
         self.path, self._task, self._folder, self._video = path, task, folder, video
@@ -37,19 +40,19 @@ class Job:
         self._drafts = os.path.join(self._hidden, 'drafts')
 
     def is_done(self):
-        """Whether all is made, of this bag as it is and as it is wanted now."""
+        """Whether all output files exist, made from the bag as it is now, with the same Task and options."""
         return _is_whole(self._hidden, self._folder)
 
     def pieces(self):
-        """See pieces_of."""
+        """The Pieces of the bag: see pieces_of."""
         return pieces_of(self.path, self._seconds)
 
     def annotate(self, piece):
-        """See annotate."""
+        """Process a Piece: see annotate in task.py."""
         return annotate(piece, self._task, self._folder_of(piece))
 
     def join(self, pieces):
-        """Put together what was made of all Pieces. Raises InputError if a video cannot be written."""
+        """Join the output of all Pieces to the output files. Raises InputError if a video cannot be written."""
         self._forget_others()
         pieces = sorted(pieces, key=lambda piece: (piece.number, piece.topic))
         parts = [os.path.join(self._folder_of(piece), '%06d' % piece.number) for piece in pieces]
@@ -71,7 +74,7 @@ class Job:
         shutil.rmtree(self._drafts)
 
     def _forget_others(self):
-        """Remove what was noted of this bag otherwise made, of which the files are replaced now."""
+        """Remove the notes on output of this bag with other options, since its files are replaced now."""
         others, own = os.path.split(self._hidden)
         for name in set(os.listdir(others)) - {own}:
             shutil.rmtree(os.path.join(others, name))
@@ -81,44 +84,45 @@ class Job:
 
 
 def jobs_of(paths, task, folder, video, seconds):
-    """Jobs for bags, each cut into pieces of so many seconds; what is made of them goes into one folder.
+    """Jobs for the bags with these paths, with all output in one folder.
 
-    Raises InputError if that cannot be.
+    ``video``: whether to write MP4s. ``seconds``: the length of a piece. Raises InputError if two output files
+    would have the same name, or if one would replace a bag.
     """
     folder = os.path.realpath(folder)
     names: Dict[str, str] = {}
     for path in map(os.path.realpath, paths):
         name = os.path.splitext(os.path.basename(path))[0]
         if names.setdefault(name, path) != path:
-            raise InputError('Two bags are called "%s"; give them one after the other, each with its own --out.'
+            raise InputError('Two bags are called "%s". Run the command for each of them, with its own --out.'
                              % os.path.basename(path))
         if os.path.dirname(path) == folder:
-            raise InputError('The bag "%s" is in the folder where all goes; give another --out.' % path)
+            raise InputError('The bag "%s" is in the output folder. Give another --out.' % path)
     return [Job(path, task, folder, video, seconds) for path in names.values()]
 
 
 @contextmanager
-def kept(folder):
-    """Make a folder, if there is none, and keep it from others who would make something there at the same time.
+def locked(folder):
+    """A context manager that makes a folder if it does not exist, and locks it against other processes.
 
-    Raises InputError if that cannot be, or somebody does.
+    Raises InputError if the folder cannot be written, or if another process has locked it.
     """
     with ExitStack() as stack:
         try:
             os.makedirs(os.path.join(folder, HIDDEN), exist_ok=True)
             lock = stack.enter_context(open(os.path.join(folder, HIDDEN, LOCK), 'w'))
         except OSError as error:
-            raise InputError('Nothing can be written into "%s": %s.' % (folder, error.strerror)) from None
+            raise InputError('The folder "%s" cannot be written: %s.' % (folder, error.strerror)) from None
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise InputError('Another annotate_bags is at work in "%s". Wait for it, or give another --out.'
-                             % folder) from None
+            raise InputError('Another annotate_bags works in the folder "%s". Wait for it, or give another '
+                             '--out.' % folder) from None
         yield
 
 
 def write_table(folder):
-    """Write the table of all bags of which what was made is in a folder. Raises InputError if it cannot be."""
+    """Write the table of all bags whose output is in a folder. Raises InputError if it cannot be written."""
     hidden = os.path.join(folder, HIDDEN)
     made = [os.path.join(hidden, name, digest) for name in sorted(os.listdir(hidden)) if name != LOCK
             for digest in sorted(os.listdir(os.path.join(hidden, name)))]
@@ -130,7 +134,7 @@ def write_table(folder):
 
 
 def _is_whole(hidden, folder):
-    """Whether all that was noted as made is there."""
+    """Whether all files that are noted as done exist, with the size that was noted."""
     try:
         with open(os.path.join(hidden, DONE)) as file:
             return all(os.path.getsize(os.path.join(folder, name)) == size
@@ -140,7 +144,7 @@ def _is_whole(hidden, folder):
 
 
 def _state(path):
-    """What tells a file from what it was before."""
-    if not os.path.exists(path):  # who reads it says so
+    """Size and time of a file, which show whether it has changed."""
+    if not os.path.exists(path):  # an error is raised when it is read
         return []
     return [os.stat(path).st_size, os.stat(path).st_mtime_ns]

@@ -1,4 +1,4 @@
-"""An exercise on the frames of a piece of a bag."""
+"""Runs an exercise on the frames of a piece of a bag."""
 import csv
 import os
 from contextlib import contextmanager, suppress
@@ -19,7 +19,7 @@ from aruco_node.nodes.calibration import is_rectified, lens_from_info
 from aruco_node.parameters.settings import TOPIC
 from sensor_msgs.msg import CameraInfo
 
-from .bag_reader import messages, to_frame
+from .bag_reader import decoder_of, messages
 
 CORNERS = [(number, axis) for number in range(4) for axis in 'xy']
 COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in CORNERS),
@@ -29,27 +29,27 @@ COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in
 
 @dataclass(frozen=True)
 class Task:
-    """An Exercise of aruco_ar, with the BagSettings to do it with."""
+    """What to do with each bag: an Exercise of aruco_ar, and BagSettings for it."""
 
     exercise: Exercise
     settings: Any
 
 
-def check(task):
+def check_picture(task):
     """Raises InputError if the picture of a Task cannot be painted into bags."""
     if PICTURE in task.exercise.needs:
         given = task.settings.picture
         if given.startswith(TOPIC) or not isinstance(open_source(in_package(given)), Still):
-            raise InputError('The parameter ~picture is "%s"; into bags pictures are painted that stand still: '
-                             'give a JPEG or PNG.' % given)
+            raise InputError('The parameter ~picture is "%s", but only still pictures can be painted into '
+                             'bags. Give a JPEG or PNG.' % given)
 
 
 def annotate(piece, task, folder):
-    """Write what a Task makes of a Piece into a folder, NUMBER.bag and NUMBER.csv, unless it is there.
+    """Run a Task on a Piece, and write NUMBER.bag and NUMBER.csv into a folder, unless they exist.
 
-    Returns how many frames were looked at, and sentences about what could not be.
+    Returns how many frames were processed, and a list of sentences about problems.
     """
-    cv2.setNumThreads(1)  # the other cores have pieces of their own
+    cv2.setNumThreads(1)  # the other cores work on other pieces
     path = os.path.join(folder, '%06d' % piece.number)
     if os.path.exists(path + '.csv'):
         return 0, []
@@ -60,7 +60,7 @@ def annotate(piece, task, folder):
 
 
 class _Annotator:
-    """Follows the frames of one camera through a Piece."""
+    """Processes the frames of one Piece in order."""
 
     def __init__(self, piece, task, rows, output):
         exercise, settings = task.exercise, task.settings
@@ -69,13 +69,14 @@ class _Annotator:
         self._estimator = PoseEstimator(settings.tag_size, dict(settings.tag_sizes))
         self._rectified = is_rectified(settings, raw_topic(piece.topic))
         self._info = self._lens = self._size = None
-        self._faults = {}  # kind: sentence
+        self._faults = {}  # {kind: sentence}
 
     def run(self):
-        decode, frames = to_frame(self._piece), 0
-        for message, time, counts in messages(self._piece):
+        """Process all frames. Returns how many, and a list of sentences about problems."""
+        decode, frames = decoder_of(self._piece), 0
+        for message, time, is_in_piece in messages(self._piece):
             if message._type == CameraInfo._type:
-                message.header = None  # else each is another
+                message.header = None  # the stamp would make every message look like a new calibration
                 if message != self._info:
                     self._info, self._size = message, None
                 continue
@@ -83,17 +84,17 @@ class _Annotator:
                 frame = decode(message)
             except InputError as error:
                 self._faults.setdefault(
-                    error.kind, 'frames on %s are passed over: %s' % (self._piece.topic, error))
+                    error.kind, 'frames on %s are skipped: %s' % (self._piece.topic, error))
                 continue
             stamp = message.header.stamp or time
-            found = self._look(frame, stamp.to_sec())
-            if counts:
+            found = self._process(frame, stamp.to_sec())
+            if is_in_piece:
                 self._write(message.header, time, stamp, *found)
                 frames += 1
         return frames, list(self._faults.values())
 
-    def _fit(self, size):
-        """Have the lens be that of frames of that size, as far as it is known."""
+    def _update_lens(self, size):
+        """Make the lens for frames of this size, (width, height) pixels, if the calibration is known."""
         if self._info is None or size == self._size:
             return
         self._lens, self._size = None, size
@@ -101,11 +102,12 @@ class _Annotator:
             self._lens = lens_from_info(self._info, size, self._rectified)
         except InputError as error:
             self._faults.setdefault(
-                error.kind, 'there are no poses on %s, for its camera_info cannot be used: %s'
+                error.kind, 'there are no poses for %s, since its camera_info cannot be used: %s'
                 % (self._piece.topic, error))
 
-    def _look(self, frame, stamp):
-        self._fit(frame.shape[1::-1])
+    def _process(self, frame, stamp):
+        """(images, tags, {id: TagPose}, area) of a frame."""
+        self._update_lens(frame.shape[1::-1])
         result = self._exercise.step(self._stage.scene(frame, frame, stamp))
         area = result.area if TRACKER in self._exercise.needs else find_area(result.tags)
         poses = {}
@@ -129,7 +131,7 @@ class _Annotator:
 
 
 def _numbers(pose):
-    """Place and turn of a TagPose, or None, as text."""
+    """Position and orientation of a TagPose as 7 texts, which are empty for None."""
     if pose is None:
         return [''] * 7
     message = pose_message(pose)
@@ -139,9 +141,10 @@ def _numbers(pose):
 
 @contextmanager
 def drafted(path, folder):
-    """The path of a draft in a folder; what the block has written there becomes that file, unless it fails.
+    """A context manager with the path of a new draft in a folder. After the block, the draft becomes ``path``.
 
-    It is nobody else's: where a cluster has lost a worker, another may do the same while the first goes on.
+    No other process has the same draft. When a cluster loses contact with a worker, another worker starts the
+    same piece, although the first one may still be writing.
     """
     draft = os.path.join(folder, os.urandom(8).hex() + os.path.splitext(path)[1])
     try:

@@ -1,4 +1,4 @@
-"""Bags looked at by many, with Dask: what is to do, and who does it."""
+"""Processes bags in several processes, or on a cluster, with Dask."""
 import asyncio
 import logging
 import os
@@ -12,47 +12,52 @@ from distributed import Client, KilledWorker, LocalCluster, as_completed
 
 from .job import write_table
 
-PATIENCE_S = 10  # with a scheduler
-BEGIN_S = 30     # that processes here may take to begin
-# Of the processes here: what they would log is said here; notes of their time would take ever more memory.
+SCHEDULER_S = 10  # time limit for a scheduler to answer, and to have a worker
+START_S = 30      # time limit for the processes on this machine to start
+# For the processes on this machine. This module prints what matters of their logs; a profile of their work
+# would take ever more memory.
 QUIET = {'DASK_LOGGING__DISTRIBUTED': 'critical', 'DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED': 'False'}
-_ENDED = 'The processes that looked at it have ended, several times. Is there enough memory?'
+_CRASHED = 'The processes that worked on it have crashed several times. Is there enough memory?'
 
 
 @contextmanager
 def workers(scheduler, count):
-    """A Client of that scheduler or, where it is None, of so many processes here. Raises InputError."""
-    logging.disable(logging.CRITICAL)  # what the end of a worker or of the scheduler means is said here
+    """A context manager with a Dask Client: of a scheduler or, if that is None, of ``count`` processes here.
+
+    Raises InputError if there are no workers.
+    """
+    logging.disable(logging.CRITICAL)  # this module says what it means when a worker or the scheduler ends
     if scheduler is None:
         with _processes(count) as client:
             yield client
         return
     try:
-        client = Client(scheduler, timeout=PATIENCE_S)
-    except Exception as error:  # OSError, and of an odd address others
+        client = Client(scheduler, timeout=SCHEDULER_S)
+    except Exception as error:  # OSError, or another one if the address is malformed
         raise InputError('The scheduler %s does not answer (%s). Start it: dask scheduler'
                          % (scheduler, _sentence(error))) from None
     with client:
-        _await_one(client, PATIENCE_S, 'The scheduler %s has no workers. Start some: dask worker %s '
-                                       '--nthreads 1' % (scheduler, scheduler))
+        _await_worker(client, SCHEDULER_S, 'The scheduler %s has no workers. Start some: dask worker %s '
+                                           '--nthreads 1' % (scheduler, scheduler))
         yield client
 
 
 @contextmanager
 def _processes(count):
     os.environ.update(QUIET)
-    # They inherit that Ctrl-C is not for them: it goes to all processes of a terminal, and this one ends them.
-    resource_tracker.ensure_running()  # which would unblock it again
+    # The processes inherit the blocked signal. Ctrl-C goes to all processes of a terminal, but only this one
+    # must react: it ends the others.
+    resource_tracker.ensure_running()  # now, since starting it later would unblock the signal
     signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     with LocalCluster(n_workers=0, threads_per_worker=1, dashboard_address='127.0.0.1:0',
-                      host='127.0.0.1', death_timeout=BEGIN_S) as cluster, Client(cluster) as client:
+                      host='127.0.0.1', death_timeout=START_S) as cluster, Client(cluster) as client:
         cluster.scale(count)
-        _await_one(client, BEGIN_S, 'The processes that look at bags do not begin. Is there enough memory?')
+        _await_worker(client, START_S, 'The processes that work on bags do not start. Is there enough memory?')
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
         yield client
 
 
-def _await_one(client, seconds, sentence):
+def _await_worker(client, seconds, sentence):
     try:
         client.wait_for_workers(1, timeout=seconds)
     except asyncio.TimeoutError:
@@ -60,10 +65,10 @@ def _await_one(client, seconds, sentence):
 
 
 def work(jobs, client, folder):
-    """Do Jobs, and write the table of all that is in their folder; prints what becomes of each.
+    """Do Jobs, and write the table of all bags in their folder. Prints how each Job ends.
 
-    Returns how many frames were looked at, and whether all Jobs are done. Raises InputError if the table
-    cannot be written, or the scheduler is gone.
+    Returns how many frames were processed, and whether all Jobs are done. Raises InputError if the table
+    cannot be written, or if the scheduler has ended.
     """
     for job in jobs:
         if job.is_done():
@@ -74,28 +79,28 @@ def work(jobs, client, folder):
 
 
 class _Work:
-    """Jobs on their way."""
+    """Submits the parts of Jobs, and collects their results."""
 
     def __init__(self, client):
-        self._client, self._frames, self._failed, self._said = client, 0, set(), set()
+        self._client, self._frames, self._failed, self._printed = client, 0, set(), set()
 
     def do(self, jobs):
-        """Do them; how many frames were looked at."""
-        plans = dict(self._done({self._submit(job.pieces): job for job in jobs}, 'bags, to look into'))
-        # In the order in which they were given, not that in which their plans were made.
+        """Do the Jobs. Returns how many frames were processed."""
+        plans = dict(self._done({self._submit(job.pieces): job for job in jobs}, 'bags, to index'))
+        # In the order in which the bags were given, not in which they were indexed.
         pieces = {self._submit(job.annotate, piece): job for job in jobs for piece in plans.get(job, [])}
         left, joins = {job: len(plan) for job, plan in plans.items()}, {}
         for job, (frames, faults) in self._done(pieces, 'pieces'):
             self._frames += frames
             for fault in faults:
-                if (job, fault) not in self._said:
-                    self._said.add((job, fault))
-                    tell('Of the bag "%s": %s' % (job.path, fault))
+                if (job, fault) not in self._printed:
+                    self._printed.add((job, fault))
+                    tell('Bag "%s": %s' % (job.path, fault))
             left[job] -= 1
             if not left[job]:
-                # Before further pieces: until then this bag takes its place on the disk twice.
+                # Before further pieces, since until then this bag's output is on the disk twice.
                 joins[self._submit(job.join, plans[job], priority=1)] = job
-        for job, _ in self._done(joins, 'bags, to put together'):
+        for job, _ in self._done(joins, 'bags, to join'):
             tell('Wrote %s' % job.bag)
         return self._frames
 
@@ -103,23 +108,26 @@ class _Work:
         return self._client.submit(_tried, work, *arguments, pure=False, priority=priority)
 
     def _done(self, futures, title):
-        """(job, result) of futures, {future: job}, as they come; the first that fails of a job is said."""
+        """(job, result) of futures, {future: job}, as they finish. Prints the first failure of each Job."""
         for future in progress(as_completed(futures), title, len(futures)):
             job = futures[future]
             if future.status not in ('finished', 'error'):
-                raise InputError('The scheduler is gone. When it is back, the same command goes on where this '
-                                 'one was.')
-            error = future.exception()  # of a worker, not of what it did
+                raise InputError('The scheduler has ended. When it runs again, the same command continues from '
+                                 'here.')
+            error = future.exception()  # of a worker; errors of the work are in the result
             result, sentence = (None, _sentence(error)) if error else future.result()
             if sentence is None:
                 yield job, result
             elif job not in self._failed:
                 self._failed.add(job)
-                tell('The bag "%s" cannot be done: %s' % (job.path, sentence))
+                tell('The bag "%s" cannot be processed: %s' % (job.path, sentence))
 
 
 def _tried(work, *arguments):
-    """What work returns, and None; or None, and what was wrong. Dask would print all that it knows of that."""
+    """(what ``work`` returns, None), or (None, a sentence) if it raises.
+
+    Dask would print the whole traceback.
+    """
     try:
         return work(*arguments), None
     except Exception as error:
@@ -127,4 +135,4 @@ def _tried(work, *arguments):
 
 
 def _sentence(error):
-    return _ENDED if isinstance(error, KilledWorker) else ' '.join(str(error).split()) or type(error).__name__
+    return _CRASHED if isinstance(error, KilledWorker) else ' '.join(str(error).split()) or type(error).__name__

@@ -1,4 +1,4 @@
-"""The node layer: everything between ROS and ``aruco_ar``, which knows nothing of ROS."""
+"""Everything between ROS and ``aruco_ar``, which does not use ROS."""
 import aruco_program  # noqa: F401  before all else
 
 from .nodes.exercise import run

@@ -1,4 +1,4 @@
-"""What is chosen on the page: the picture to paint, and what the simulation looks like."""
+"""The choices on the page: which picture is painted, and how the simulation looks."""
 import asyncio
 import gc
 import os
@@ -10,7 +10,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
 from aruco_ar.painting.picture import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
-from aruco_node.health.faults import guarded
+from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
 from aruco_node.parameters.settings import TOPIC
 from aruco_node.ros_internals.tolerant import tolerant
@@ -30,26 +30,26 @@ THUMBNAIL_PX = 160
 ANSWER_S = 5.0
 
 
-class Node:
-    """The dynamic_reconfigure of another node, as far as it is there."""
+class RemoteParameters:
+    """The parameters of another node, by dynamic_reconfigure. The node may be absent."""
 
     def __init__(self, name, on_change):
         self.name = rospy.resolve_name(name)
         self._values, self._on_change = {}, on_change
         self._updates = rospy.Subscriber(self.name + '/parameter_updates', tolerant(Config), self._on_update)
         self._service = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
-        self._worker = ThreadPoolExecutor(1, name)  # its own: a node that hangs holds up no other
+        self._worker = ThreadPoolExecutor(1, name)  # so that this node delays no other
         self._lock, self._wanted, self._job = threading.Lock(), {}, None
 
     @property
     def values(self):
-        """{parameter: value}, empty while the node is not running."""
+        """{parameter: value}; empty while the node is not running."""
         return dict(self._values) if self._updates.get_num_connections() else {}
 
     async def set(self, **values):
-        """Set parameters, texts or numbers. Raises InputError if the node does not take them.
+        """Set parameters, texts or numbers. Raises InputError if the node refuses them or does not answer.
 
-        What is wished for while the node is at the wish before goes to it together.
+        While the node works on one request, all further values are collected for the next one.
         """
         with self._lock:
             job = self._job if self._wanted else None
@@ -77,9 +77,9 @@ class Node:
             raise InputError('%s does not answer: %s.' % (self.name, why)) from None
         for name, value in values.items():
             if isinstance(value, str) and taken.get(name) != value:
-                raise InputError('%s does not take "%s"; its log says why.' % (self.name, value))
+                raise InputError('%s refuses "%s". Its log says why.' % (self.name, value))
 
-    @guarded
+    @fault_barrier
     def _on_update(self, config):
         self._values = values_of(config)
         self._on_change()
@@ -91,18 +91,19 @@ def values_of(config):
 
 
 class Choices:
-    """What there is to choose, for all browsers."""
+    """What can be chosen, and what is chosen. All browsers share it."""
 
     def __init__(self, on_change):
-        """``on_change`` is called, from any thread, when something has been chosen, here or elsewhere."""
+        """``on_change`` is called, from any thread, when a choice has changed, on the page or elsewhere."""
         self._worker = ThreadPoolExecutor(1, 'pictures')
-        self._painter, self._simulation = Node(PAINTER, on_change), Node(SIMULATION, on_change)
+        self._painter = RemoteParameters(PAINTER, on_change)
+        self._simulation = RemoteParameters(SIMULATION, on_change)
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
-        self._drops = 0  # of which the last can be chosen again
+        self._drops = 0  # how many pictures were dropped. Only the last one is kept, and can be chosen again
 
     def state(self):
-        """What there is to choose, and what is chosen, for the page."""
+        """The part of the page's state with what can be chosen, and what is chosen."""
         picture = self._painter.values.get('picture')
         simulation = self._simulation.values
         return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
@@ -115,7 +116,7 @@ class Choices:
             files = sorted(entry.name for entry in os.scandir(folder)
                            if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.')
                            and os.path.dirname(os.path.realpath(entry.path)) == os.path.realpath(folder))
-        except OSError:  # the page is good for other things as well
+        except OSError:  # the rest of the page still works
             files = []
         return files + [self._drop_name()] * (self._drops > 0)
 
@@ -126,9 +127,9 @@ class Choices:
         await self._painter.set(picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
 
     async def drop(self, parts):
-        """Have the picture with these bytes painted: a list, which is emptied.
+        """Have a new picture painted. ``parts``: a list with the bytes of its file, which is emptied.
 
-        Raises InputError if they are none that can be taken.
+        Raises InputError if they are not a usable picture.
         """
         picture = await self._in_worker(self._decode, parts)
         self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
@@ -138,7 +139,10 @@ class Choices:
         await self._painter.set(picture=self._drop_topic())
 
     async def slide(self, name, value):
-        """Set one of SLIDERS. Raises InputError if there is no simulation."""
+        """Set one of SLIDERS.
+
+        Other names and values are ignored. Raises InputError if there is no simulation.
+        """
         if name in SLIDERS and isinstance(value, (int, float)) and abs(value) < 1e6:
             await self._simulation.set(**{name: value})
 
@@ -149,9 +153,9 @@ class Choices:
             path = os.path.join(package_folder(), FOLDER, name)
             self._thumbnails[name] = self._in_worker(lambda: _shrink(open_source(path).at(0)))
         try:
-            return await asyncio.shield(self._thumbnails[name])  # for all who ask meanwhile
+            return await asyncio.shield(self._thumbnails[name])  # shield: other requests may wait for it, too
         except Exception:
-            self._thumbnails.pop(name, None)  # the file may be mended
+            self._thumbnails.pop(name, None)  # the file may be repaired later
             raise
 
     def _drop_name(self):
@@ -168,26 +172,26 @@ class Choices:
         return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)
 
     def _name_of(self, picture):
-        """What the page calls the picture that exercise 5.6 paints, or '' if it has no name for it."""
+        """The page's name for the picture that exercise 5.6 paints, or '' if it is not one of ``pictures``."""
         if picture == self._drop_topic():
             return self._drop_name()
         folder, name = os.path.split(os.path.join(package_folder(), picture))
         return name if folder == os.path.join(package_folder(), FOLDER) else ''
 
     def _decode(self, parts):
-        gc.collect()  # what was dropped before, if it was refused, is in the frames of that error still
+        gc.collect()  # the traceback of an earlier refusal may still hold that picture
         data = b''.join(parts)
         parts.clear()
-        try:  # the header alone, before memory is taken for the pixels
+        try:  # only the header, before memory is allocated for the pixels
             with open_header(data, FORMATS) as image:
                 pixels = image.width * image.height
         except DecompressionBombError:
             pixels = MAX_PIXELS + 1
-        except Exception:  # Pillow raises many kinds
-            raise InputError('That is no picture; drop a JPEG or PNG. Videos and GIFs go into %s/.'
+        except Exception:  # Pillow raises exceptions of many kinds
+            raise InputError('This file is not a picture. Drop a JPEG or PNG. Put videos and GIFs into %s/.'
                              % FOLDER) from None
         if pixels > MAX_PIXELS:
-            raise InputError('The picture is too large; drop one of at most %d million pixels.'
+            raise InputError('The picture is too large. Drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
         return decode_picture(data, 'dropped')
 

@@ -1,4 +1,4 @@
-"""What the server answers to HTTP: the page, image topics under web_video_server's addresses, pictures."""
+"""The HTTP handlers: the page, pictures, and image topics under the addresses of web_video_server."""
 import asyncio
 from contextlib import contextmanager
 from urllib.parse import quote
@@ -7,32 +7,32 @@ from aruco_ar.base.errors import InputError
 from tornado.iostream import StreamClosedError
 from tornado.web import Finish, RequestHandler, stream_request_body
 
+from .access import is_own_name, is_same_site
 from .choices import MAX_BYTES
-from .guard import is_own_name, is_same_site
 from .topics import MAX_SIDE_PX
 
 BOUNDARY = 'boundarydonotcross'  # web_video_server's
-MAX_UPLOADS = 2                  # at a time
-MAX_VIEWERS = 64                 # of streams and snapshots, at a time
-STALLED_S = 30.0                 # a browser that takes nothing for so long is given up
-SILENT_S = 5.0                   # for so long a snapshot waits for a frame
+MAX_UPLOADS = 2                  # at the same time
+MAX_VIEWERS = 64                 # streams and snapshots at the same time
+STALLED_S = 30.0                 # a browser that receives nothing for so long is disconnected
+SILENT_S = 5.0                   # a snapshot waits for a frame for so long
 POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
           "connect-src 'self' ws://%s wss://%s; base-uri 'none'; form-action 'self'; frame-ancestors 'self'")
 
 
 def refusal_of(request):
-    """The sentence with which a request is refused, or None."""
+    """Why a request is refused, in a sentence; None if it is not."""
     if not is_own_name(request.host):
-        return ('This server does not go by the name "%s"; open it by its IP address or as localhost.'
+        return ('"%s" is not a name of this server. Open it by its IP address or as localhost.'
                 % request.host)
-    acts = request.method != 'GET' or 'Upgrade' in request.headers
-    if acts and not is_same_site(request.headers.get('Origin'), request.host):
-        return 'Only the page of this server itself may do that, not one of "%s".' % request.headers['Origin']
+    has_effect = request.method != 'GET' or 'Upgrade' in request.headers
+    if has_effect and not is_same_site(request.headers.get('Origin'), request.host):
+        return 'Only pages of this server may do that, but this is a page of "%s".' % request.headers['Origin']
     return None
 
 
-class Guarded(RequestHandler):
-    """What all have in common, HTTP and websockets alike. A refusal is a sentence in plain text."""
+class BaseHandler(RequestHandler):
+    """The base of all handlers, for HTTP and for the websocket: access, headers, and refusals in plain text."""
 
     def prepare(self):
         refusal = refusal_of(self.request)
@@ -46,7 +46,7 @@ class Guarded(RequestHandler):
         self.set_header('Cache-Control', 'no-store')
 
     def refuse(self, status, sentence):
-        """Answer with a status other than 200 and a sentence."""
+        """Answer with an error status and a sentence."""
         self.set_status(status)
         self.set_header('Content-Type', 'text/plain; charset=utf-8')
         self.finish(sentence + '\n')
@@ -55,27 +55,32 @@ class Guarded(RequestHandler):
         if status_code == 405:
             self.set_header('Allow', ', '.join(
                 method for method in self.SUPPORTED_METHODS
-                if getattr(type(self), method.lower()) is not RequestHandler.options))  # which nobody has
-        self.refuse(status_code, 'The server cannot answer this (%d: %s).' % (status_code, self._reason))
+                # No handler has OPTIONS, so this is what a method that is not supported looks like.
+                if getattr(type(self), method.lower()) is not RequestHandler.options))
+        self.refuse(status_code, 'The server cannot answer this request (%d: %s).'
+                    % (status_code, self._reason))
 
 
-class Handler(Guarded):
-    """What those have in common that answer for themselves."""
+class Handler(BaseHandler):
+    """The base of the handlers that use Parts."""
 
     def initialize(self, parts):
         self.parts = parts
-        self.gone = False
+        self.is_closed = False
 
     def on_connection_close(self):
-        self.gone = True
+        self.is_closed = True
 
     def show(self, template, **names):
-        """Answer with a page made of that template."""
+        """Answer with a page made from a template."""
         self.set_header('Content-Type', 'text/html; charset=utf-8')
         self.render(template, **names)
 
     def number(self, name, high):
-        """A whole number among the query's arguments, 1 to high, or None if it is not there."""
+        """An argument of the query, a whole number from 1 to ``high``, or None if it is not given.
+
+        Raises InputError if it is not valid.
+        """
         text = self.get_query_argument(name, '')
         if not text:
             return None
@@ -84,7 +89,7 @@ class Handler(Guarded):
         return int(text)
 
     async def image(self):
-        """The ImageTopic that the query names, and its options; None, None if that was refused."""
+        """(ImageTopic, options) by the query; (None, None) if the request has been refused."""
         try:
             options = {'quality': self.number('quality', 100), 'width': self.number('width', MAX_SIDE_PX),
                        'height': self.number('height', MAX_SIDE_PX)}
@@ -93,39 +98,39 @@ class Handler(Guarded):
             return None, None
         kind = self.get_query_argument('type', 'mjpeg')
         if kind not in ('mjpeg', 'ros_compressed'):
-            self.refuse(400, 'There is no stream of type "%s"; take mjpeg, or leave it out.' % kind)
+            self.refuse(400, 'There is no stream of type "%s". Use mjpeg, or leave out type.' % kind)
             return None, None
         try:
             name = self.get_query_argument('topic', '')
             return await self.parts.topics.image(name, exact=options['quality'] is not None), options
         except LookupError as error:
-            self.refuse(404, error.args[0] + ' The page / lists those there are.')
+            self.refuse(404, error.args[0] + ' The page / lists all image topics.')
         except InputError as error:
             self.refuse(503, str(error))
         return None, None
 
     @contextmanager
-    def looking(self, topic):
-        """Watch a topic for as long as the ``with`` block lasts. Ends the request if all places are taken."""
+    def subscribed_to(self, topic):
+        """A context manager that subscribes to a topic. Ends the request if there are too many viewers."""
         if len(self.parts.viewers) >= MAX_VIEWERS:
-            self.refuse(503, 'There are %d streams and snapshots already, and no more at a time; try again.'
-                        % MAX_VIEWERS)
+            self.refuse(503, 'There are %d streams and snapshots already, and there cannot be more. Try again '
+                        'later.' % MAX_VIEWERS)
             raise Finish
         self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]  # as below
         try:
-            with topic.watched():
+            with topic.subscribed():
                 yield
         finally:
             del self.parts.viewers[self]
 
 
 class Unknown(Handler):
-    """Whatever else is asked for."""
+    """Answers all other addresses."""
 
     def prepare(self):
         super().prepare()
         if not self._finished:
-            self.refuse(404, 'There is no such page. / lists the image topics there are.')
+            self.refuse(404, 'There is no such page. The page / lists all image topics.')
 
 
 class Page(Handler):
@@ -152,19 +157,19 @@ class StreamViewer(Handler):
 
 
 class Stream(Handler):
-    """An image topic as MJPEG, each frame as soon as the browser has taken the one before."""
+    """An image topic as MJPEG. Each frame is sent as soon as the browser has received the one before."""
 
     async def get(self):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.looking(topic):
+        with self.subscribed_to(topic):
             self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
             number = topic.number
             try:
                 self.write('--%s\r\n' % BOUNDARY)
                 await self.flush()
-                while not self.gone:
+                while not self.is_closed:
                     if await topic.newer(number, 1.0):
                         number = topic.number
                         await self._send(topic, options)
@@ -177,7 +182,7 @@ class Stream(Handler):
         stamp = topic.message.header.stamp
         try:
             jpeg = await topic.jpeg(**options)
-        except InputError:  # a frame that cannot be used; the next one may
+        except InputError:  # skip this frame; the next one may be usable
             return
         self.write('Content-type: image/jpeg\r\nX-Timestamp: %d.%09d\r\nContent-Length: %d\r\n\r\n'
                    % (stamp.secs, stamp.nsecs, len(jpeg)))
@@ -193,7 +198,7 @@ class Snapshot(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.looking(topic):
+        with self.subscribed_to(topic):
             if not await topic.newer(topic.number, SILENT_S):
                 self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
                 return
@@ -210,14 +215,14 @@ class Snapshot(Handler):
 
 @stream_request_body
 class Picture(Handler):
-    """GET: a small view of a file in images/. POST: have the picture in the body painted."""
+    """GET: a thumbnail of a picture. POST: have the picture in the body painted."""
 
     def initialize(self, parts):
         super().initialize(parts)
-        self._body, self._bytes, self._whole = [], 0, False
+        self._body, self._bytes, self._is_complete = [], 0, False
 
     def prepare(self):
-        # Else tornado refuses without a word. The connection is an HTTP1Connection.
+        # Otherwise tornado refuses without a sentence. The connection is an HTTP1Connection.
         self.request.connection.set_max_body_size(1 << 62)  # type: ignore[union-attr]
         super().prepare()
         announced = self.request.headers.get('Content-Length', '0')
@@ -226,7 +231,7 @@ class Picture(Handler):
         if not self._finished and self.request.method == 'POST':
             if len(self.parts.uploads) >= MAX_UPLOADS:
                 self.set_header('Connection', 'close')
-                self.refuse(503, 'Other pictures are just being sent; try again.')
+                self.refuse(503, 'Other pictures are being uploaded. Try again later.')
             else:
                 self.parts.uploads.add(self)
 
@@ -235,7 +240,7 @@ class Picture(Handler):
 
     def on_connection_close(self):
         super().on_connection_close()
-        if not self._whole:  # else somebody works at it still
+        if not self._is_complete:  # otherwise post() still uses it
             self._body = []
             self.parts.uploads.discard(self)
 
@@ -258,7 +263,7 @@ class Picture(Handler):
     async def post(self):
         if self._finished:
             return
-        body, self._body, self._whole = self._body, [], True
+        body, self._body, self._is_complete = self._body, [], True
         try:
             await self.parts.choices.drop(body)
         except InputError as error:

@@ -1,9 +1,17 @@
-"""The page's websocket: frames, figures and choices to the browser; what is looked at, driving, choices back.
+"""The page's websocket.
 
-From the browser come JSON objects: {"look": [topics]}, {"shown": topic},
-{"drive": [forward, left]}, {"picture": name}, {"slide": [name, value]}. To it
-go {"state": ...}, {"problem": sentence}, {"without": topic, "why": sentence},
-and frames: four bytes with the length of a JSON object, that object, a JPEG.
+The browser sends JSON objects:
+  {"look": [topics]}           the topics whose frames it wants, and no others
+  {"shown": topic}             it shows the last frame of this topic, so it can take the next one
+  {"drive": [forward, left]}   each from -1 to 1
+  {"picture": name}            the picture to paint
+  {"slide": [name, value]}     a slider of the simulation
+
+The server sends JSON objects:
+  {"state": ...}                           what can be chosen, and what is chosen
+  {"problem": sentence}                    why a choice has failed
+  {"without": topic, "why": sentence}      why this topic has no frames
+It sends frames as binary messages: the length of a JSON object in four bytes, the object, and a JPEG.
 """
 import asyncio
 import json
@@ -15,20 +23,21 @@ import rospy
 from aruco_ar.base.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
-from .handlers import STALLED_S, Guarded
+from .handlers import STALLED_S, BaseHandler
 
-SHOWN_S = 5.0       # for so long the browser may take to show a frame before it is sent another
-SILENT_S = 3.0      # without a frame for so long, the page says so
-STALE_S = 1.0       # which tags were in sight longer ago, nobody wants to know
-MAX_LATENCY_S = 60  # more than that: the stamps are of another clock
-MAX_LOOKS = 16
+SHOWN_S = 5.0       # a browser that shows no frame for so long is sent the next one anyway
+SILENT_S = 3.0      # after so long without a frame, the page says so
+STALE_S = 1.0       # ids of tags are not sent if they are older
+MAX_LATENCY_S = 60  # a frame that seems older was stamped by another clock
+MAX_VIEWS = 16      # of one browser
 MAX_BROWSERS = 64
-MAX_UNTOLD = 64     # more than that a browser cannot have waiting: it takes nothing, and asks for ever more
-MAX_CHOICES = 64    # at a time, of one browser: a slider makes seven a second, a node may take five to answer
+MAX_UNSENT = 64     # a browser with more unsent JSON objects receives nothing, and is disconnected
+# Choices of one browser that are being made. A slider sends seven a second; a node may take 5 s for each.
+MAX_CHOICES = 64
 
 
 class View:
-    """What one browser sees of one topic."""
+    """One topic as one browser shows it."""
 
     def __init__(self, name, tags):
         self.name, self.tags = name, tags
@@ -38,16 +47,16 @@ class View:
         self.task = None
 
     def figures(self, topic):
-        """The JSON object that goes with the topic's newest frame."""
-        known = self.tags is not None and self.tags.age < STALE_S
-        ids = sorted(tag.id for tag in self.tags.message.tags) if known else None
+        """The JSON object that is sent with the topic's newest frame."""
+        has_tags = self.tags is not None and self.tags.age < STALE_S
+        ids = sorted(tag.id for tag in self.tags.message.tags) if has_tags else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
         return {'topic': self.name, 'stamp': topic.message.header.stamp.to_sec(),
                 'rate': round(topic.rate, 1), 'tags': ids,
                 'latency': None if latency is None else round(1000 * latency)}
 
     def on_shown(self):
-        """The browser shows the frame sent last."""
+        """The browser shows the last frame that was sent."""
         if self.stamp is not None:
             latency = (rospy.Time.now() - self.stamp).to_sec()
             if 0 <= latency < MAX_LATENCY_S:
@@ -56,22 +65,22 @@ class View:
         self.shown.set()
 
 
-class Live(Guarded, WebSocketHandler):
-    """One browser's connection."""
+class Live(BaseHandler, WebSocketHandler):
+    """The websocket of one browser."""
 
     def initialize(self, parts):
         self.parts = parts
         self._views = {}
-        self._tasks = set()  # asyncio itself forgets those that nobody else keeps
-        self._untold = self._choices = 0
+        self._tasks = set()  # asyncio itself keeps no reference to running tasks
+        self._unsent = self._choices = 0
 
     def prepare(self):
         super().prepare()
         if not self._finished and len(self.parts.browsers) >= MAX_BROWSERS:
-            self.refuse(503, 'There are %d pages open already, and no more at a time.' % MAX_BROWSERS)
+            self.refuse(503, 'There are %d pages open already, and there cannot be more.' % MAX_BROWSERS)
 
     def check_origin(self, origin):
-        return True  # prepare has refused what is not of this site
+        return True  # prepare has refused other sites
 
     def open(self):
         self.set_nodelay(True)
@@ -80,41 +89,41 @@ class Live(Guarded, WebSocketHandler):
 
     def on_close(self):
         self.parts.browsers.discard(self)
-        self._look([])
-        if self.parts.driver:
-            self.parts.driver.leave(self)
+        self._set_views([])
+        if self.parts.drive_control:
+            self.parts.drive_control.release(self)
 
     async def on_message(self, message):
-        await asyncio.sleep(0)  # others have their turn between any two
+        await asyncio.sleep(0)  # let other tasks run between two messages
         if self not in self.parts.browsers:
-            return  # it has gone meanwhile
+            return  # it has been closed meanwhile
         try:
-            said = json.loads(message)
-            if 'look' in said:
-                self._look([str(name) for name in said['look']][:MAX_LOOKS])
-            elif 'shown' in said and said['shown'] in self._views:
-                self._views[said['shown']].on_shown()
-            elif 'drive' in said and self.parts.driver:
-                self.parts.driver.command(self, *said['drive'])
-            elif 'picture' in said:
-                self._begin(self._choose(self.parts.choices.choose, said['picture']))
-            elif 'slide' in said:
-                name, value = said['slide']
-                self._begin(self._choose(self.parts.choices.slide, name, value))
+            request = json.loads(message)
+            if 'look' in request:
+                self._set_views([str(name) for name in request['look']][:MAX_VIEWS])
+            elif 'shown' in request and request['shown'] in self._views:
+                self._views[request['shown']].on_shown()
+            elif 'drive' in request and self.parts.drive_control:
+                self.parts.drive_control.command(self, *request['drive'])
+            elif 'picture' in request:
+                self._start(self._choose(self.parts.choices.choose, request['picture']))
+            elif 'slide' in request:
+                name, value = request['slide']
+                self._start(self._choose(self.parts.choices.slide, name, value))
         except (ValueError, TypeError, OverflowError, RecursionError):
-            self.close(1003, 'not the language of this page')
+            self.close(1003, 'not a message of this page')
 
-    def _begin(self, work):
-        """Have a coroutine run, and wait for nothing; its task."""
-        task = asyncio.ensure_future(work)
+    def _start(self, coroutine):
+        """Run a coroutine in the background. Returns its task."""
+        task = asyncio.ensure_future(coroutine)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
     async def _choose(self, choose, *arguments):
-        """Await a choice, which may take a while: driving does not wait for it."""
+        """Make a choice, and report its failure. It runs in the background, since it may take seconds."""
         if self._choices >= MAX_CHOICES:
-            self.tell({'problem': 'That is too much at once; try again.'})
+            self.tell({'problem': 'There are too many changes at once. Try again.'})
             return
         self._choices += 1
         try:
@@ -124,8 +133,8 @@ class Live(Guarded, WebSocketHandler):
         finally:
             self._choices -= 1
 
-    def _look(self, names):
-        """Send frames of these topics and no others."""
+    def _set_views(self, names):
+        """Send frames of these topics, and of no others."""
         for name in set(self._views) - set(names):
             self._views.pop(name).task.cancel()
         for name in set(names) - set(self._views):
@@ -133,27 +142,30 @@ class Live(Guarded, WebSocketHandler):
             view.task = asyncio.ensure_future(self._show(view))
 
     async def _show(self, view):
-        """Send frames of a topic, the next when the browser shows the one before, as long as it looks."""
-        with view.tags.watched() if view.tags else nullcontext():
+        """Send frames of a topic until the view is closed.
+
+        The browser shows each one before the next is sent.
+        """
+        with view.tags.subscribed() if view.tags else nullcontext():
             await self._show_frames(view)
 
     async def _show_frames(self, view):
-        # Until it is cancelled; but before Python 3.12 asyncio.wait_for may keep that to itself.
-        def looks():
+        # The task is cancelled to end it, but before Python 3.12 asyncio.wait_for may swallow the cancellation.
+        def is_open():
             return self._views.get(view.name) is view
-        while looks():
+        while is_open():
             try:
                 topic = await self.parts.topics.image(view.name)
             except (LookupError, InputError) as error:
                 self.tell({'without': view.name, 'why': error.args[0]})
                 await asyncio.sleep(SILENT_S)
                 continue
-            with topic.watched():
+            with topic.subscribed():
                 number = topic.number
-                while looks() and await topic.newer(number, SILENT_S):
+                while is_open() and await topic.newer(number, SILENT_S):
                     number = topic.number
                     await self._show_frame(view, topic)
-            if looks():
+            if is_open():
                 self.tell({'without': view.name, 'why': 'Nothing arrives on %s.' % view.name})
 
     async def _show_frame(self, view, topic):
@@ -174,24 +186,24 @@ class Live(Guarded, WebSocketHandler):
 
     def tell(self, message):
         """Send the page a JSON object."""
-        if self._untold >= MAX_UNTOLD:
-            self._give_up()
+        if self._unsent >= MAX_UNSENT:
+            self._disconnect()
             return
-        self._untold += 1
-        self._begin(self._send(json.dumps(message))).add_done_callback(self._on_told)
+        self._unsent += 1
+        self._start(self._send(json.dumps(message))).add_done_callback(self._on_sent)
 
-    def _on_told(self, _):
-        self._untold -= 1
+    def _on_sent(self, _):
+        self._unsent -= 1
 
     async def _send(self, message):
-        """Send text or bytes; a browser that does not take them for long is given up."""
+        """Send text or bytes. A browser that does not receive them within STALLED_S is disconnected."""
         try:
             await asyncio.wait_for(self.write_message(message, binary=isinstance(message, bytes)), STALLED_S)
         except WebSocketClosedError:
             pass
         except asyncio.TimeoutError:
-            self._give_up()
+            self._disconnect()
 
-    def _give_up(self):
+    def _disconnect(self):
         if self.ws_connection is not None and self.ws_connection.stream is not None:  # not closed meanwhile
             self.ws_connection.stream.close()

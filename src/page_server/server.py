@@ -1,4 +1,4 @@
-"""The server: puts its parts together and answers until ROS shuts down."""
+"""The server: connects its parts, and serves the page until ROS shuts down."""
 import asyncio
 import logging
 import mimetypes
@@ -21,19 +21,19 @@ from tornado.ioloop import PeriodicCallback
 from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 
+from .access import is_loopback
 from .choices import Choices
-from .driving import Driver
-from .guard import is_loopback
-from .handlers import STALLED_S, Guarded, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
+from .driving import DriveControl
+from .handlers import STALLED_S, BaseHandler, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
 from .live import Live
 from .topics import Topics
 
-SEND_BUFFER_BYTES = 128 * 1024  # what has been written waits there, and grows old
-IDLE_S = 20         # for so long a request may take to be made, beginning with the end of the one before
-BODY_S = 60         # and for so long, what is sent with it
+SEND_BUFFER_BYTES = 128 * 1024  # small, since frames that wait in it become stale
+IDLE_S = 20         # time limit from the end of one request to the end of the next one's header
+BODY_S = 60         # time limit for the body of a request
 MAX_CONNECTIONS = 256
 PING_S = 5
-LOOK_MS = 2000
+STATE_MS = 2000
 DIAGNOSTICS_MS = 250
 
 
@@ -53,7 +53,7 @@ class Settings:
 
 
 class Tile(NamedTuple):
-    """One of the pictures side by side; ``tags``: the topic that says which tags are in sight."""
+    """One of the image topics that the page shows. ``tags``: the topic with the tags in sight."""
 
     number: str
     title: str
@@ -71,58 +71,57 @@ TILES = [('5.1', 'The wall with the generated tags', CAMERA, 'exercise5_2/tags')
 
 @dataclass
 class Parts:
-    """What the handlers share. ``driver`` is None where driving is off."""
+    """What the handlers share. ``drive_control`` is None if driving is off."""
 
     topics: Topics
-    driver: Optional[Driver]
+    drive_control: Optional[DriveControl]
     tiles: List[Tile]
-    choices: Choices = field(init=False)  # which tells the browsers
+    choices: Choices = field(init=False)  # set later, since it notifies the browsers of these Parts
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
-    viewers: Any = field(default_factory=dict)  # who waits for frames, by HTTP -> their connection
-    told: Any = None
+    viewers: Any = field(default_factory=dict)  # {handler that sends frames by HTTP: its connection}
+    last_state: Any = None  # that was sent to the browsers
 
     def tags_beside(self, name):
-        """The Watched topic with the tags that are in sight on an image topic, or None."""
+        """The SharedTopic with the tags in sight on an image topic, or None if there is none."""
         beside = [tile.tags for tile in self.tiles if tile.topic == name]
         return self.topics.tags(beside[0]) if beside else None
 
     def state(self):
-        """What there is to choose, what is chosen, and whether the page may drive."""
-        return dict(self.choices.state(), drive=self.driver is not None)
+        """What can be chosen, what is chosen, and whether the page may drive."""
+        return dict(self.choices.state(), drive=self.drive_control is not None)
 
     def tell_browsers(self):
-        """Send the state to all, if it is another than before."""
+        """Send the state to all browsers, if it has changed."""
         state = self.state()
-        if state != self.told:
-            self.told = state
+        if state != self.last_state:
+            self.last_state = state
             for browser in list(self.browsers):
                 browser.tell({'state': state})
 
 
 class Server(HTTPServer):
-    """Has so many connections at a time and no more, so that it never runs out of file descriptors.
+    """An HTTP server with at most MAX_CONNECTIONS, so that it never runs out of file descriptors.
 
-    For one more, that one is closed which has been without a new request for
-    longest, be it that it is silent, says one slowly, or takes the answer
-    slowly: nobody keeps others out. Whoever looks at a stream stays.
+    For one connection more, it closes the one whose last request began longest ago, whether that is idle, sends
+    slowly or receives slowly. So no client can lock out others. Connections that show a stream stay.
     """
 
-    def initialize(self, *arguments, viewers, **options):  # type: ignore[override]  # called by our own call alone
+    def initialize(self, *arguments, viewers, **options):  # type: ignore[override]  # only our own code calls it
         super().initialize(*arguments, **options)
-        self._viewers, self._streams = viewers, {}  # the latest request last
+        self._viewers, self._streams = viewers, {}  # ordered by their last request
 
     @property
     def count(self):
-        """How many connections there are, without websockets."""
+        """The number of connections, without websockets."""
         return len(self._streams)
 
     def handle_stream(self, stream, address):
         if self.count >= MAX_CONNECTIONS:
-            staying = set(self._viewers.values())
-            longest = next(each for each in self._streams if each not in staying)
-            del self._streams[longest]
-            longest.close()
+            viewing = set(self._viewers.values())
+            oldest = next(each for each in self._streams if each not in viewing)
+            del self._streams[oldest]
+            oldest.close()
         self._streams[stream] = None
         super().handle_stream(stream, address)
 
@@ -137,59 +136,61 @@ class Server(HTTPServer):
         super().on_close(server_conn)
 
 
-class Files(Guarded, StaticFileHandler):
+class Files(BaseHandler, StaticFileHandler):
     """The files in page/."""
 
     def should_return_304(self):
         try:
             return super().should_return_304()
-        except (TypeError, ValueError):  # before tornado 6.5, of a date that is none
+        except (TypeError, ValueError):  # before tornado 6.5, if the header holds no date
             return False
 
 
 def serve():
-    """Serve the page until ROS shuts down. Raises InputError if that is not possible."""
+    """Serve the page until ROS shuts down. Raises InputError if it cannot be served."""
     settings = read(Settings, parameter)
     address, port = settings.address, int(settings.port)
-    for name in ('tornado.application', 'asyncio'):  # a fault of ours shows where the node's others do
+    for name in ('tornado.application', 'asyncio'):  # their errors go where the node's other faults go
         logging.getLogger(name).parent = logging.getLogger('rosout')
         logging.getLogger(name).addFilter(_note_faults)
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
-    local, driver = is_loopback(address), None
+    local, drive_control = is_loopback(address), None
     if local if settings.drive == AUTO else settings.drive:
-        driver = Driver()
-        driver.set_speeds(settings)
-    Reconfigurer(settings, driver.set_speeds if driver else lambda settings: None)
+        drive_control = DriveControl()
+        drive_control.set_speeds(settings)
+    Reconfigurer(settings, drive_control.set_speeds if drive_control else lambda settings: None)
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
-    parts = Parts(Topics(), driver, tiles)
+    parts = Parts(Topics(), drive_control, tiles)
     parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
-    # What is chosen elsewhere tells of itself; a node that ends does not.
-    PeriodicCallback(parts.tell_browsers, LOOK_MS).start()
+    # Nodes announce changes of their parameters, but not that they end. Hence this timer.
+    PeriodicCallback(parts.tell_browsers, STATE_MS).start()
     server = _listen(application(parts), parts.viewers, address, port)
     diagnostics = Diagnostics(lambda: (OK, 'The page is served.', {
-        'connections': server.count, 'pages open': len(parts.browsers), 'driving': 'on' if driver else 'off'}))
+        'connections': server.count, 'pages open': len(parts.browsers),
+        'driving': 'on' if drive_control else 'off'}))
     PeriodicCallback(diagnostics.update, DIAGNOSTICS_MS).start()
     rospy.on_shutdown(lambda: loop.call_soon_threadsafe(loop.stop))
     name = 'localhost' if local else socket.gethostname() if address in ('0.0.0.0', '::') else \
         '[%s]' % address if ':' in address else address
-    rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port, 'on' if driver else 'off')
+    rospy.loginfo('The page is at http://%s:%d (driving is %s)', name, port,
+                  'on' if drive_control else 'off')
     loop.run_forever()
     server.stop()
 
 
 def _note_faults(record):
-    """Whether a record is to be logged as it is: one of an exception is a fault like the node's others."""
+    """A filter of log records: notes an exception as a fault of the node, and does not log it a second time."""
     if record.exc_info:
         note_fault(record.exc_info[1])
     return not record.exc_info
 
 
 def application(parts):
-    """The tornado Application that answers with these Parts."""
+    """The tornado Application with all handlers."""
     page = os.path.join(package_folder(), 'page')
-    mimetypes.add_type('application/yaml', '.yaml')  # not all systems know it
+    mimetypes.add_type('application/yaml', '.yaml')  # not all systems define it
     shared = {'parts': parts}
     return Application([
         ('/', Page, shared), ('/live', Live, shared), ('/picture', Picture, shared),
@@ -204,11 +205,11 @@ def _listen(app, viewers, address, port):
     server = Server(app, viewers=viewers, idle_connection_timeout=IDLE_S, body_timeout=BODY_S,
                     max_header_size=16 * 1024, max_body_size=16 * 1024)
     try:
-        listening = bind_sockets(port, address, backlog=MAX_CONNECTIONS)  # so that no crowd knocks twice
+        listening = bind_sockets(port, address, backlog=MAX_CONNECTIONS)  # many may connect at once
     except OSError as error:
-        raise InputError('The page cannot be served at %s:%d: %s. Give another place: port:=8081.'
+        raise InputError('The page cannot be served at %s:%d: %s. Give another port: port:=8081.'
                          % (address, port, error.strerror)) from None
-    for each in listening:  # what comes in inherits it
+    for each in listening:  # each connection inherits the options
         each.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
         each.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, int(1000 * STALLED_S))
     server.add_sockets(listening)

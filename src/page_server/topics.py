@@ -1,4 +1,4 @@
-"""Topics that are subscribed to only while somebody watches them."""
+"""Topics that are subscribed to only while a browser needs them."""
 import asyncio
 import time
 from collections import deque
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import cv2
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_node.health.faults import guarded
+from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX
 from aruco_node.ros_internals.master import published_topics
@@ -17,106 +17,106 @@ from aruco_node.ros_internals.tolerant import tolerant
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
 
-LISTING_S = 1.0   # for which the master's list of topics is believed
-MASTER_S = 5.0    # for which the master may think about it
-RATE_S = 2.0      # over which a frame rate is measured
+LISTING_S = 1.0   # the master's list of topics is reused for so long
+MASTER_S = 5.0    # time limit for the master's answer
+RATE_S = 2.0      # frame rates are measured over so long
 MAX_SIDE_PX = 4096
 JPEG_START = b'\xff\xd8'
 
 
-class Watched:
-    """The newest message of a topic, for coroutines."""
+class SharedTopic:
+    """The newest message of a topic, for several coroutines."""
 
     def __init__(self, name, kind, registrar):
-        """``registrar``: an executor of one thread, which talks to the ROS master."""
+        """``registrar``: an executor with one thread, which talks to the ROS master."""
         self.name, self.message, self.number = name, None, 0
         self._kind, self._registrar, self._loop = kind, registrar, asyncio.get_event_loop()
-        self._watchers, self._subscriber, self._following = 0, None, False
+        self._users, self._subscriber, self._is_update_pending = 0, None, False
         self._arrival = self._loop.create_future()
         self._times: deque[float] = deque(maxlen=256)
 
     @contextmanager
-    def watched(self):
-        """Subscribe for as long as the ``with`` block lasts."""
-        self._watchers += 1
-        self._follow()
+    def subscribed(self):
+        """A context manager: the topic is subscribed to within the block."""
+        self._users += 1
+        self._request_update()
         try:
             yield
         finally:
-            self._watchers -= 1
-            if not self._watchers:
-                self.message = None  # what it shows is soon of long ago
-            self._follow()
+            self._users -= 1
+            if not self._users:
+                self.message = None  # it will be outdated when the next user comes
+            self._request_update()
 
     async def newer(self, number, seconds):
-        """Wait for a message after that of this ``number``: whether one came within that time."""
+        """Wait for a message newer than that with this ``number``. Returns whether one arrived in time."""
         if self.number == number:
             await asyncio.wait([self._arrival], timeout=seconds)
         return self.number != number
 
     @property
     def age(self):
-        """Seconds since the newest message came."""
+        """Seconds since the newest message arrived; inf if there is none."""
         return time.monotonic() - self._times[-1] if self.message is not None and self._times else float('inf')
 
     @property
     def rate(self):
-        """Messages a second, just now."""
+        """Messages per second during the last RATE_S."""
         now = time.monotonic()
         while len(self._times) > 1 and now - self._times[0] > RATE_S:
             self._times.popleft()
         span = self._times[-1] - self._times[0] if self._times else 0
         return (len(self._times) - 1) / span if span > 0 else 0.0
 
-    def _follow(self):
-        """Have the registrar subscribe, or leave, unless it is about to look at this topic anyway."""
-        if not self._following:
-            self._following = True
-            self._registrar.submit(self._follow_watchers)
+    def _request_update(self):
+        """Have the registrar subscribe or unsubscribe, unless such a request is pending."""
+        if not self._is_update_pending:
+            self._is_update_pending = True
+            self._registrar.submit(self._update_subscription)
 
-    def _follow_watchers(self):
-        self._following = False  # before it looks who watches
+    def _update_subscription(self):
+        self._is_update_pending = False  # first, so that no later change of the users is missed
         try:
-            if self._watchers and self._subscriber is None:
+            if self._users and self._subscriber is None:
                 self._subscriber = subscribe_newest(self.name, self._kind, self._on_message)
-            elif not self._watchers and self._subscriber is not None:
+            elif not self._users and self._subscriber is not None:
                 self._subscriber.unregister()
                 self._subscriber = None
-        except Exception as error:  # the master is away; whatever its client raises
-            rospy.logwarn('%s cannot be subscribed to, or left: %s', self.name, error)
+        except Exception as error:  # of any kind: the master does not answer
+            rospy.logwarn('The subscription to %s cannot be changed: %s', self.name, error)
 
-    @guarded
+    @fault_barrier
     def _on_message(self, message):
-        self._loop.call_soon_threadsafe(self._take, message)
+        self._loop.call_soon_threadsafe(self._store, message)
 
-    def _take(self, message):
+    def _store(self, message):
         self.message, self.number = message, self.number + 1
         self._times.append(time.monotonic())
         self._arrival.set_result(None)
         self._arrival = self._loop.create_future()
 
 
-class ImageTopic(Watched):
-    """An image topic whose newest frame is there as JPEG."""
+class ImageTopic(SharedTopic):
+    """An image topic, with its newest frame as JPEG."""
 
     def __init__(self, name, transport, registrar, encoder):
-        """``encoder``: an executor."""
+        """``transport``: a key of TRANSPORTS. ``encoder``: an executor that encodes JPEGs."""
         suffix, kind, self._to_frame = TRANSPORTS[transport]
         super().__init__(name + suffix, kind, registrar)
         self._transport, self._encoder = transport, encoder
-        self._encoded = {}  # options -> future; of the newest frame only
+        self._encoded = {}  # {options: future of a JPEG}, of the newest frame
         self._encoded_number = None
 
     async def jpeg(self, quality=None, width=None, height=None):
         """The newest frame as the bytes of a JPEG.
 
-        ``quality``: 1 to 100; ``width``, ``height``: pixels; None for what comes.
+        ``quality``: 1 to 100. ``width``, ``height``: pixels. None leaves each as the topic has it.
         Raises InputError if the frame cannot be used.
         """
         if self._encoded_number != self.number:
             self._encoded, self._encoded_number = {}, self.number
         options = quality, width, height
-        if options not in self._encoded:  # several who look at the same share the work
+        if options not in self._encoded:  # requests with the same options share the work
             self._encoded[options] = self._loop.run_in_executor(
                 self._encoder, self._encode, self.message, *options)
         return await asyncio.shield(self._encoded[options])
@@ -125,7 +125,7 @@ class ImageTopic(Watched):
         if self._transport == 'compressed' and not (quality or width or height) \
                 and bytes(message.data[:2]) == JPEG_START:
             check_compressed(message)
-            return bytes(message.data)  # somebody has encoded it already
+            return bytes(message.data)  # it is a JPEG already
         frame = self._to_frame(message)
         if width or height:
             size = (width or round(frame.shape[1] * height / frame.shape[0]),
@@ -136,7 +136,7 @@ class ImageTopic(Watched):
 
 
 def transports_of(name, published):
-    """In which of TRANSPORTS an image topic is there, by {name: type} of all topics."""
+    """The TRANSPORTS with which an image topic is published. ``published``: {name: type} of all topics."""
     return [transport for transport, (suffix, _, _) in TRANSPORTS.items()
             if published.get(name + suffix) == IMAGE_TYPES[transport]]
 
@@ -151,42 +151,43 @@ class Topics:
         self._published, self._listed, self._listing = {}, -LISTING_S, None
 
     async def published(self):
-        """{name: type} of all topics. Raises InputError where the ROS master does not answer."""
+        """{name: type} of all topics. Raises InputError if the ROS master does not answer."""
         if time.monotonic() - self._listed > LISTING_S:
-            if self._listing is None or self._listing.done():  # those who ask meanwhile wait for the same
+            if self._listing is None or self._listing.done():  # concurrent requests share one query
                 self._listing = asyncio.get_event_loop().run_in_executor(
                     self._registrar, published_topics)
             try:
                 self._published = await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S)
-            except asyncio.TimeoutError:  # another who talks to it, before, waits still
+            except asyncio.TimeoutError:  # or the registrar is still busy with another request to it
                 raise InputError('The ROS master does not answer.') from None
             self._listed = time.monotonic()
         return self._published
 
     async def images(self):
-        """The sorted names of all image topics; one that is only there compressed goes by its raw name."""
+        """The sorted raw names of all image topics, also of those that are published only as compressed."""
         published = await self.published()
         names = set(published) | {name[:-len(SUFFIX)] for name in published if name.endswith(SUFFIX)}
         return sorted(name for name in names if transports_of(name, published))
 
     async def image(self, name, exact=False):
-        """The ImageTopic of that name: its compressed form, unless ``exact`` is wished for and it has another.
+        """The ImageTopic with this raw name, subscribed to as compressed if that is published.
 
-        Raises LookupError, with a sentence, if there is none.
+        ``exact``: prefer the raw topic. Raises LookupError, with a sentence, if there is no such image topic,
+        and InputError if the ROS master does not answer.
         """
         if not name or not is_legal_name(name):
             raise LookupError('Give the name of an image topic: ?topic=/camera/rgb/image_raw.')
         name, published = rospy.resolve_name(name), await self.published()
-        there = transports_of(name, published)
-        if not there:
+        transports = transports_of(name, published)
+        if not transports:
             raise LookupError('There is no image topic %s%s.' % (
-                name, ', only one of type ' + published[name] if name in published else ''))
-        transport = there[0 if exact else -1]
+                name, ': its type is ' + published[name] if name in published else ''))
+        transport = transports[0 if exact else -1]
         return self._get(name, ImageTopic, transport, self._registrar, self._encoder)
 
     def tags(self, name):
-        """The topic of a TagArray, whether it is published or not."""
-        return self._get(name, Watched, tolerant(TagArray), self._registrar)
+        """The SharedTopic of a TagArray, whether it is published or not."""
+        return self._get(name, SharedTopic, tolerant(TagArray), self._registrar)
 
     def _get(self, name, make, *arguments):
         key = name, arguments[0]

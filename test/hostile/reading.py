@@ -17,7 +17,7 @@ from aruco_node.nodes.calibration import Calibration
 from aruco_node.nodes.pictures import open_picture
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
-from page_server.guard import is_loopback
+from page_server.access import is_loopback
 
 MAX_SENTENCE = 500
 FRAME = np.full((48, 64, 3), 180, np.uint8)

@@ -164,11 +164,11 @@ def test_started_again_it_goes_on_where_it_was(package, recorded, done, tmp_path
     with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
         piece = wait_for_piece(tmp_path)
-        assert 'Another annotate_bags is at work' in annotated(package, tmp_path, recorded, code=1)
+        assert 'Another annotate_bags works in the folder' in annotated(package, tmp_path, recorded, code=1)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         said, _ = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130
-    assert said == 'annotate_bags: ended; the same command goes on where this one was.\n'
+    assert said == 'annotate_bags: interrupted. The same command continues from here.\n'
     assert [path.name for path in tmp_path.iterdir()] == ['.unit5']
     made = piece.stat().st_mtime_ns
     with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded)) as process:
@@ -208,8 +208,8 @@ def test_bags_that_are_broken_are_said_and_the_others_done(package, recorded, fr
     paths = [tmp_path / name for name in (*broken, 'blind.bag', 'gone.bag', 'raw.bag')]
     said = annotated(package, tmp_path / 'out', *paths, code=1)
     for name in (*broken, 'blind.bag', 'gone.bag'):
-        assert '%s" cannot be done: it ' % name in said
-    assert 'rosbag reindex' in said and 'it has no images' in said
+        assert '%s" cannot be processed: it ' % name in said
+    assert 'rosbag reindex' in said and 'it has no images: no topic' in said
     assert 'Traceback' not in said
     assert sorted(path.name for path in (tmp_path / 'out').glob('*.*')) == ['.unit5', 'raw.bag', 'tags.csv']
     assert {row['bag'] for row in rows_of(tmp_path / 'out')} == {'raw.bag'}
@@ -229,9 +229,9 @@ def test_all_image_topics_are_looked_at_whatever_they_are_called(package, frames
             depth.encoding = '32FC1'
             bag.write('/depth', depth, stamp)
     said = annotated(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
-    assert said.count('Of the bag "%s": ' % path) == 3
-    assert 'frames on /depth are passed over: ' in said and '32FC1' in said
-    assert 'there are no poses on /eye/image, for its camera_info cannot be used: its K is that of no' in said
+    assert said.count('Bag "%s": ' % path) == 3
+    assert 'frames on /depth are skipped: ' in said and '32FC1' in said
+    assert 'there are no poses for /eye/image, since its camera_info cannot be used: its K is not a' in said
     assert {row['topic'] for row in rows_of(tmp_path / 'out')} == {
         '/eye/image', '/eye/image/compressed', '/eye_image'}
     with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
@@ -259,9 +259,9 @@ def test_no_bag_is_written_over(package, recorded, tmp_path):
     (tmp_path / 'bags' / 'drive.bag').symlink_to(recorded)
     os.link(recorded, str(tmp_path / 'one.bag'))
     (tmp_path / 'here').symlink_to(tmp_path)
-    assert 'give another --out' in annotated(package, tmp_path / 'here', tmp_path / 'one.bag', code=1)
+    assert 'Give another --out' in annotated(package, tmp_path / 'here', tmp_path / 'one.bag', code=1)
     link, folder = tmp_path / 'bags' / 'drive.bag', os.path.dirname(recorded)
-    assert 'give another --out' in annotated(package, folder, link, code=1)
+    assert 'Give another --out' in annotated(package, folder, link, code=1)
 
 
 def test_what_was_made_otherwise_is_made_anew(package, recorded, done, tmp_path):

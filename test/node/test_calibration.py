@@ -60,12 +60,12 @@ def test_binning_and_a_region_are_in_the_frame_already():
 
 
 @pytest.mark.parametrize('message, words', [
-    (CameraInfo(), 'for what size'), (info(K=[0.0] * 9), 'K is that of no camera'),
-    (info(K=[float('nan')] * 9), 'K is that of no camera'),
+    (CameraInfo(), 'for what size'), (info(K=[0.0] * 9), 'K is not a camera matrix'),
+    (info(K=[float('nan')] * 9), 'K is not a camera matrix'),
     (info(width=1280, height=960), 'for frames of 1280 x 960'),
-    (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is that of no camera'),
-    (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is that of no camera'),
-    (info(D=[0.1] * 3), '"plumb_bob" of 3 numbers'), (info(D=[float('inf')] * 5), 'distortion'),
+    (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is not a camera matrix'),
+    (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is not a camera matrix'),
+    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
     (info(distortion_model='mirror ball'), '"mirror ball"')])
 def test_what_is_wrong_with_a_camera_info_is_said(message, words):
     with pytest.raises(InputError, match=words) as error:

@@ -111,13 +111,13 @@ GOOD = message(COLORS, 'bgr8')
 
 @pytest.mark.parametrize('change, words', [
     (dict(width=0, height=0, step=0, data=b''), '0 x 0'),
-    (dict(data=GOOD.data[:-1]), '4607 bytes where its step and height promise 4608'),
+    (dict(data=GOOD.data[:-1]), '4607 bytes, but by its step and height it must have 4608'),
     (dict(encoding='32FC1', width=36), '"32FC1".*such as rgb8'),
     (dict(encoding='16UC1', width=72), '"16UC1"'),
     (dict(encoding='nonsense'), '"nonsense"'),
     (dict(encoding=''), '""'),
-    (dict(step=10), 'step of 10 bytes where 48 pixels'),
-    (dict(width=10**4), 'step of 144 bytes where 10000'),
+    (dict(step=10), 'step of 10 bytes, but 48 pixels'),
+    (dict(width=10**4), 'step of 144 bytes, but 10000'),
     (dict(width=10**6), '1000000 x 32 pixels is too large'),
 ])
 def test_a_frame_that_cannot_be_used_is_explained(change, words):
@@ -146,7 +146,7 @@ def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
 
 @pytest.mark.parametrize('data', [b'', b'no picture', b'\xff\xd8\xff\xe0'])
 def test_compressed_data_that_cannot_be_decoded_is_explained(data):
-    with pytest.raises(InputError, match='must be a whole JPEG or PNG'):
+    with pytest.raises(InputError, match='must be a complete JPEG or PNG'):
         frame_from_compressed(CompressedImage(data=data))
 
 

@@ -14,12 +14,12 @@ def clock(monkeypatch):
 
 def drive(count, clock, period, pipeline, numbers, tags=4):
     """Frames with these numbers, one each ``period``, answered after ``pipeline`` seconds."""
-    count.begin()
+    count.restart()
     for number in numbers:
         began = clock[0]
-        missing = count.came(number)
+        missing = count.on_arrival(number)
         clock[0] += pipeline
-        count.answered(began, None, missing, tags, tags > 0)
+        count.on_answer(began, None, missing, tags, tags > 0)
         clock[0] += period - pipeline
 
 

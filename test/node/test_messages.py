@@ -99,7 +99,7 @@ def test_bytes_between_rows_are_no_pixels(random):
                                       'rgb8\n[ERROR]'])
 def test_what_is_no_color_is_refused_in_one_short_line(encoding):
     values = np.float32([[np.nan, np.inf, 0, 1]])
-    with pytest.raises(InputError, match='set the camera driver to one such as rgb8') as error:
+    with pytest.raises(InputError, match='Set the camera driver to an encoding such as rgb8') as error:
         frame_from_image(image(values, encoding))
     assert error.value.kind == 'encoding' and len(str(error.value)) < 200 and str(error.value).isprintable()
 

@@ -74,14 +74,14 @@ class CameraInfos(NodeTest):
         self.assertEqual(self.count(frame), 4)
         self.show_until_said(frame, 'nothing arrives on it')
         for wrong, words in ((CameraInfo(), 'for what size of frames'),
-                             (CameraInfo(width=640, height=480), 'K is that of no camera'),
+                             (CameraInfo(width=640, height=480), 'K is not a camera matrix'),
                              (camera_info(Camera(width=1280, height=960), None), 'for frames of 1280 x 960')):
             for _ in range(3):
                 self.infos.publish(wrong)
                 self.show_until_said(frame, words)
         self.assertTrue(self.seen['poses'].empty())
         self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
-        for words in 'nothing arrives on it', 'for what size', 'K is that of no camera', '1280 x 960':
+        for words in 'nothing arrives on it', 'for what size', 'K is not a camera matrix', '1280 x 960':
             told = [line for line in self.node.lines if words in line]
             self.assertEqual(len(told), 1, told)
             self.assertIn('/eye/camera_info', told[0])
@@ -152,7 +152,7 @@ class CameraInfos(NodeTest):
         self.assert_right(self.show_until_posed(frame, camera_info(Camera(), None)))
         while not frames.empty():
             frames.next()
-        self.show_until_said(frame, 'Frames come without a frame_id', frame_id='')
+        self.show_until_said(frame, 'frames of the camera have no frame_id', frame_id='')
         self.assertFalse([each for message in list(frames.queue) for each in message.transforms
                           if not each.header.frame_id])
 

@@ -66,7 +66,7 @@ class Diagnosed(NodeTest):
         self.diagnoses.wait('exercise5_2', 'frames a second')
         self.publisher.publish(Image(height=1, width=1, step=4, encoding='32FC1', data=b'1234'))
         node.wait_for('32FC1')
-        values = self.diagnoses.wait('exercise5_2', '32FC1', 'set the camera driver', level=ERROR)
+        values = self.diagnoses.wait('exercise5_2', '32FC1', 'Set the camera driver', level=ERROR)
         self.assertEqual(int(values['frames in']), int(values['frames out']) + 1)
         self.see(scene())
         self.diagnoses.wait('exercise5_2', 'frames a second')

@@ -117,9 +117,9 @@ class Hostile(NodeTest):
     def test_what_ros_itself_makes_nothing_of_ends_a_node_with_a_sentence(self):
         self.assertTrue(set_parameter('/exercise5_2/scale', 10**30))
         nodes = [(words, self.start('exercise5_2.py', *arguments)) for words, *arguments in (
-            ('set it anew: rosparam set /exercise5_2/scale VALUE',),
-            ('no name of ROS', CAMERA[1:] + ':=//bad name'),
-            ('no name of ROS', '__name:=bad name'), ('cannot start', '_scale:=[1, 2', '__name:=one'),
+            ('Set it again: rosparam set /exercise5_2/scale VALUE',),
+            ('not a valid ROS name', CAMERA[1:] + ':=//bad name'),
+            ('not a valid ROS name', '__name:=bad name'), ('cannot start', '_scale:=[1, 2', '__name:=one'),
             ('cannot start', '_scale:=99999999999', '__name:=two'))]
         for words, node in nodes:
             self.assertEqual(node.ends(), 1, words)
@@ -130,7 +130,7 @@ class Hostile(NodeTest):
         self.addCleanup(rospy.delete_param, '/use_sim_time')
         rospy.set_param('/use_sim_time', 'no')
         node = self.start('exercise5_2.py')
-        node.wait_for('/use_sim_time is "no", which counts as true', 'must be true or false')
+        node.wait_for('/use_sim_time is "no"', 'takes it for true', 'must be true or false')
 
 
 if __name__ == '__main__':

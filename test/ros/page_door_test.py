@@ -75,12 +75,12 @@ class PageDoor(ServerTest):
         self.assertIn('state', asyncio.run(self.talk([])))
 
     def test_only_pictures_of_a_bearable_size_are_taken(self):
-        for data, status, words in ((b'no picture', 422, 'That is no picture'),
-                                    (b'', 422, 'That is no picture'),
+        for data, status, words in ((b'no picture', 422, 'not a picture'),
+                                    (b'', 422, 'not a picture'),
                                     (bomb(30000), 422, 'at most 32 million pixels'),
                                     (bomb(6000), 422, 'at most 32 million pixels'),
-                                    (cv2.imencode('.png', PICTURE)[1].tobytes()[:200], 422, 'cannot be read'),
-                                    (b'<svg xmlns="http://www.w3.org/2000/svg"/>', 422, 'That is no picture')):
+                                    (cv2.imencode('.png', PICTURE)[1].tobytes()[:200], 422, 'no picture'),
+                                    (b'<svg xmlns="http://www.w3.org/2000/svg"/>', 422, 'not a picture')):
             answered, _, body = ask(self.port, '/picture', data)
             self.assertEqual(answered, status, body)
             self.assertIn(words, body.decode())

@@ -118,15 +118,15 @@ class PageHttp(ServerTest):
         self.listed('/eye/image')
         words = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(words.unregister)
-        until(lambda: b'only one of type' in ask(self.port, '/stream?topic=/words')[2])
+        until(lambda: b'its type is' in ask(self.port, '/stream?topic=/words')[2])
         for path, status, sentence in (
                 ('/stream?topic=/nowhere', 404, 'There is no image topic /nowhere'),
                 ('/snapshot?topic=/nowhere', 404, 'There is no image topic /nowhere'),
                 ('/stream_viewer?topic=/nowhere', 404, 'There is no image topic /nowhere'),
-                ('/stream?topic=/words', 404, 'only one of type std_msgs/String'),
+                ('/stream?topic=/words', 404, 'its type is std_msgs/String'),
                 ('/stream', 404, 'Give the name of an image topic'),
                 ('/stream?topic=%00%3Cb%3E', 404, 'Give the name of an image topic'),
-                ('/stream?topic=%ff', 400, 'The server cannot answer this (400'),
+                ('/stream?topic=%ff', 400, 'The server cannot answer this request (400'),
                 ('/stream?topic=/eye/image&quality=101', 400,
                  'quality is "101"; it must be a whole number from 1 to 100'),
                 ('/stream?topic=/eye/image&width=-5', 400, 'width is "-5"'),

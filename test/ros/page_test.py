@@ -112,7 +112,7 @@ class Page(BrowserTest):
         green = {'name': 'green.png', 'mimeType': 'image/png', 'buffer': png}
         self.page.locator('#file').set_input_files(green)
         self.wait_for_color((10, 200, 30))
-        self.wait_for_text('#status', 'green.png is the picture now.')
+        self.wait_for_text('#status', 'green.png is painted now.')
         blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
         self.page.evaluate(
             '''(bytes) => {
@@ -124,7 +124,7 @@ class Page(BrowserTest):
         self.wait_for_color((220, 30, 10))
         self.expected = '422'  # the browser tells its console of answers that are none
         self.page.locator('#file').set_input_files({'name': 'no.png', 'mimeType': 'image/png', 'buffer': b'no'})
-        self.wait_for_text('#status', 'That is no picture')
+        self.wait_for_text('#status', 'This file is not a picture')
         self.wait_for_color((220, 30, 10))
         self.page.get_by_text('earth', exact=True).click()
         self.wait_for_chosen('earth.jpg')

@@ -124,10 +124,10 @@ class Picture(unittest.TestCase):
             screen.publish(Image(height=9, width=9, step=9, encoding='nonsense', data=bytes(81)))
             screen.publish(Image())
             color()
-        self.node.wait_for('A picture on /other/camera is passed over')
+        self.node.wait_for('A picture on /other/camera is skipped')
         screen.unregister()
         self.assert_near(color(), GREEN)  # it stalls: the last one stays
-        self.assertEqual(len([line for line in self.node.lines if 'passed over' in line]), 1)
+        self.assertEqual(len([line for line in self.node.lines if 'is skipped' in line]), 1)
         self.assertIsNone(self.node.process.poll())
 
     def test_a_compressed_topic_is_listened_to_only_while_somebody_looks(self):
@@ -209,12 +209,12 @@ class Picture(unittest.TestCase):
         client = Client('/exercise5_6', timeout=WAIT_S)
         self.addCleanup(client.close)
         self.assertEqual(client.update_configuration({'picture': red})['picture'], 'images/earth.jpg')
-        self.node.wait_for('Each area has a picture of its own')
+        self.node.wait_for('has no effect: the file that ~areas names gives each area a picture')
 
     def test_what_cannot_be_painted_ends_it_with_a_sentence(self):
         few = self.file('few.yaml', lambda path: Path(path).write_text('areas: [{ids: [1, 2, 3]}]'))
         for argument, words in (('_picture:=' + self.file('bomb.png', bomb), 'at most 36 million pixels'),
-                                ('_picture:=topic:a b', 'no name of a topic'),
+                                ('_picture:=topic:a b', 'must be topic:TOPIC'),
                                 ('_picture:=topic:/exercise5_6/image', 'publishes itself'),
                                 ('_areas:=' + few, 'four different'),
                                 ('_areas:=' + self.file('pipe.yaml', os.mkfifo), 'not a file but a folder')):

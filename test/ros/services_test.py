@@ -87,7 +87,7 @@ class Services(NodeTest):
         self.start('tag_poses.py', '_folder:=' + self.folder)
         answer = self.call('/tag_poses/snapshot')
         self.assertFalse(answer.success)
-        self.assertIn('No frame came within 5 s. Waiting for frames on %s: nothing publishes it' % CAMERA,
+        self.assertIn('No frame arrived within 5 s. Waiting for frames on %s: nothing publishes it' % CAMERA,
                       answer.message)
         self.publisher, connections = self.camera()
         answers = []

@@ -81,7 +81,8 @@ class WorkerFault(NodeTest):
 
     def test_an_exercise_goes_on_when_its_loop_its_frames_or_its_services_fail(self):
         node = 'aruco_node.nodes.camera_node:CameraNode.'
-        update, write = 'aruco_ar.tracking.tracker:Tracker.update', 'aruco_node.health.snapshot:Snapshot._write'
+        update = 'aruco_ar.tracking.tracker:Tracker.update'
+        write = 'aruco_node.health.snapshot:SnapshotService._write'
         self.publisher, self.connections = self.camera()
         self.start_failing('exercise5_6', [update, write] + [
             node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])

@@ -1,1 +1,1 @@
-"""What a node says about itself: faults, diagnostics, why no frames arrive, snapshots."""
+"""How a node reports on itself: faults, diagnostics, why no frames arrive, and snapshots."""

@@ -1,4 +1,4 @@
-"""How a node is doing, for /diagnostics."""
+"""The node's status on /diagnostics."""
 import threading
 import time
 from collections import deque
@@ -8,42 +8,42 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import Updater
 
-from .faults import guarded, last_fault
+from .faults import fault_barrier, last_fault
 
 PERIOD_S = 1.0
-WINDOW_S = 5.0       # what is said about rates and times is about the frames of so long
-NO_TAGS_S = 10.0     # without a tag in sight for so long something may be wrong
-MAX_DROPPED = 0.1    # of the frames: a node that drops more is too slow
-BUSY = 0.5           # of the time: a node that is at it less is not slow
-MAX_MISSING = 1000   # more frames than that are not missing between two: another camera counts otherwise
-MAX_LATENCY_S = 60.0  # frames older than that are stamped by another clock, or come from a bag
+WINDOW_S = 5.0       # rates and times are computed from the frames of the last WINDOW_S
+NO_TAGS_S = 10.0     # after so long without a tag in sight, there is a warning
+MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
+BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
+MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
+MAX_LATENCY_S = 60.0  # a frame that seems older was stamped by another clock, or comes from a bag
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
 class Diagnostics:
-    """Publishes, about once a second, what a function says of the node.
-
-    ``report`` returns a level, a sentence and {name: value}. A fault of the
-    node itself goes before.
-    """
+    """Publishes the node's status about once a second."""
 
     def __init__(self, report):
+        """``report`` returns the status: level, sentence, {name: value}.
+
+        A recent fault of the node replaces it.
+        """
         self._updater = Updater()
         self._updater.setHardwareID('none')
         self._updater.add('frames', self._fill)
-        self._report = guarded(report)
+        self._report = fault_barrier(report)
         self._due = 0.0
 
-    @guarded
+    @fault_barrier
     def update(self):
-        """Publish if it is time to, by a clock that does not stop: simulated time may."""
+        """Publish if PERIOD_S has passed on the monotonic clock: simulated time may stand still."""
         if time.monotonic() >= self._due:
             self._due = time.monotonic() + PERIOD_S
             self._updater.force_update()
 
     def _fill(self, status):
-        level, sentence, values = self._report() or (ERROR, 'It cannot be said how the node is doing.', {})
+        level, sentence, values = self._report() or (ERROR, 'The status of the node is unknown.', {})
         fault = last_fault()
         status.summary(*(ERROR, fault) if fault else (level, sentence))
         for name, value in values.items():
@@ -52,70 +52,71 @@ class Diagnostics:
 
 
 class FrameCount:
-    """Counts the frames that come in, go out and are dropped, and how long they take.
+    """Counts the frames that arrive, are answered and are dropped, and measures how long they take."""
 
-    ``tags``: how many are in sight so far; None where none are looked for.
-    """
-
-    def __init__(self, tags=0):
-        self._lock = threading.Lock()  # frames come in one thread, the report is made in another
-        self._came = self._answered = self._dropped = self._left_out = 0
-        self._number = None
-        # When, pipeline s, latency s or nan, dropped before it.
+    def __init__(self, looks_for_tags=True):
+        """``looks_for_tags``: whether to report tags and the area, too."""
+        self._lock = threading.Lock()  # frames arrive in one thread, reports are made in another
+        self._arrived = self._answered = self._dropped = 0
+        self._dropped_since_answer = 0
+        self._sequence = None
+        # For each answer: when, processing time in s, latency in s or nan, frames dropped before it.
         self._recent: deque[tuple[float, float, float, int]] = deque()
-        self._tags, self._sighted, self._area_seen = tags, time.monotonic(), None
+        self._tags = 0 if looks_for_tags else None
+        self._tag_seen, self._area_seen = time.monotonic(), None
 
-    def begin(self):
-        """Frames are awaited from now on, or not any more: what was published before is not dropped."""
+    def restart(self):
+        """Start measuring again. Frames of a pause do not count as dropped."""
         with self._lock:
-            self._number, self._sighted = None, time.monotonic()
+            self._sequence, self._tag_seen = None, time.monotonic()
             self._recent.clear()
-            self._left_out = 0
+            self._dropped_since_answer = 0
 
-    def came(self, number):
-        """A frame has come with that number, which its publisher counts up; returns how many are missing."""
+    def on_arrival(self, sequence):
+        """A frame with this header.seq has arrived. Returns how many were lost since the one before."""
         with self._lock:
-            missing = 0 if self._number is None else number - self._number - 1
+            missing = 0 if self._sequence is None else sequence - self._sequence - 1
             missing = missing if 0 < missing < MAX_MISSING else 0
-            self._number = number
-            self._came += 1
+            self._sequence = sequence
+            self._arrived += 1
             self._dropped += missing
         return missing
 
-    def left_out(self):
-        """It is not answered."""
+    def on_drop(self):
+        """The node drops the frame that arrived last."""
         with self._lock:
             self._dropped += 1
-            self._left_out += 1
+            self._dropped_since_answer += 1
 
-    def answered(self, began, stamp, missing, tags, area):
-        """It has been answered. ``began``: when it came, monotonic.
+    def on_answer(self, arrival, stamp, missing, tags, has_area):
+        """The frame that arrived last has been answered.
 
-        ``tags``, ``area``: how many are in sight, and whether one is; None where none are looked for.
+        ``arrival``: when it arrived, monotonic seconds. ``stamp``: its rospy.Time. ``missing``: what on_arrival
+        returned. ``tags``: how many are in sight. ``has_area``: whether the area is known.
         """
         now = time.monotonic()
         latency = (rospy.Time.now() - stamp).to_sec() if stamp else np.nan
         latency = latency if 0 <= latency < MAX_LATENCY_S else np.nan
         with self._lock:
             self._answered += 1
-            self._recent.append((now, now - began, latency, missing + self._left_out))
-            self._left_out = 0
+            self._recent.append((now, now - arrival, latency, missing + self._dropped_since_answer))
+            self._dropped_since_answer = 0
             self._tags = tags
             if tags:
-                self._sighted = now
-            if area:
+                self._tag_seen = now
+            if has_area:
                 self._area_seen = now
 
     def report(self):
-        """(level, sentence, {name: value}) while frames are wanted."""
+        """(level, sentence, {name: value}) for Diagnostics, while the node listens to the camera."""
         now = time.monotonic()
         with self._lock:
             while self._recent and now - self._recent[0][0] > WINDOW_S:
                 self._recent.popleft()
             recent = np.array(self._recent).reshape(-1, 4)
-            unseen, area_seen = now - self._sighted, self._area_seen
+            unseen, area_seen = now - self._tag_seen, self._area_seen
             values: dict[str, object] = {
-                'frames in': self._came, 'frames out': self._answered, 'frames dropped': self._dropped}
+                'frames in': self._arrived, 'frames out': self._answered, 'frames dropped': self._dropped}
             tags = self._tags
         rate = (len(recent) - 1) / max(np.ptp(recent[:, 0]), 1e-3) if len(recent) > 1 else 0.0
         values['frame rate (Hz)'] = '%.1f' % rate
@@ -129,11 +130,11 @@ class FrameCount:
             values['area last seen (s ago)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
-            # Where most of the time is left, it is not the node that drops them.
+            # A node that is idle most of the time is not what drops them.
             busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
-            remedy = 'A lower ~rate helps.' if tags is None else 'A smaller ~scale helps, or ~search fast.'
+            remedy = 'Lower ~rate.' if tags is None else 'Lower ~scale, or set ~search to fast.'
             why = 'Slow: %s were dropped within %d s. ' + remedy if busy else \
-                '%s did not arrive within %d s: lost or left out on their way, by their header.seq.'
+                '%s did not arrive within %d s: the gaps in header.seq show that they were lost on the way.'
             return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
         if tags is not None and unseen > NO_TAGS_S:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values

@@ -1,4 +1,4 @@
-"""What is wrong is said once; and where one of the node's own threads raises, the node goes on."""
+"""Faults are logged once, and a node goes on where one of its threads raises an exception."""
 import threading
 import time
 import traceback
@@ -9,60 +9,60 @@ import rospy
 from aruco_ar.base.errors import InputError
 from rospy.core import is_shutdown_requested
 
-LASTS_S = 3.0    # so long /diagnostics says a fault, if it does not come again
-MAX_KINDS = 100  # of what is wrong are logged; /diagnostics says the others, too
+RECENT_S = 3.0   # /diagnostics shows a fault for so long after it last occurred
+MAX_KINDS = 100  # so many kinds of faults are logged; /diagnostics shows the others, too
 
-_kinds: Set[Any] = set()
-_last: List[Tuple[float, str]] = []  # when and what; one at most
+_logged_kinds: Set[Any] = set()
+_last: List[Tuple[float, str]] = []  # the last fault, if there was one: when, monotonic seconds, and a sentence
 _lock = threading.Lock()
 
 
 def note_fault(error, *_):
-    """Take note of an exception: the log has the traceback of each kind once; returns a sentence, or None.
+    """Log an exception, each kind once, and keep it for /diagnostics. Returns a sentence about it.
 
-    None while ROS shuts down: while all topics are closed, whatever is
-    published fails. It may be the ``error_handler`` of a service.
+    It can be the ``error_handler`` of a service. While ROS shuts down, it does nothing and returns None: topics
+    are closed then, so whatever is still published fails.
     """
     if is_shutdown_requested():
         return None
     if isinstance(error, InputError):
         sentence, whole, kind = str(error), str(error), error.kind
     else:
-        sentence = 'A fault of this node, of which its log says more: %s' % \
+        sentence = 'A fault of this node; its log has the traceback: %s' % \
             traceback.format_exception_only(type(error), error)[-1].strip()
-        whole = 'A fault of this node, which goes on:\n' + \
+        whole = 'A fault of this node, which continues to run:\n' + \
             ''.join(traceback.format_exception(type(error), error, error.__traceback__)).rstrip()
-        # Its place in the code: the text may be another each time.
+        # The kind is the place in the code, since the text may differ each time.
         kind = (type(error), *((frame.f_code, line) for frame, line in traceback.walk_tb(error.__traceback__)))
     with _lock:
         _last[:] = [(time.monotonic(), sentence)]
-    say_once(kind, whole)
+    log_once(kind, whole)
     return sentence
 
 
-def say_once(kind, sentence, log=rospy.logerr):
-    """Log a sentence, unless one of that kind has been logged, or MAX_KINDS others."""
+def log_once(kind, sentence, log=rospy.logerr):
+    """Log a sentence, unless one of this kind, or of MAX_KINDS other kinds, has been logged before."""
     with _lock:
-        is_new = kind not in _kinds and len(_kinds) < MAX_KINDS
+        is_new = kind not in _logged_kinds and len(_logged_kinds) < MAX_KINDS
         if is_new:
-            _kinds.add(kind)
+            _logged_kinds.add(kind)
     if is_new:
         log('%s', sentence)
 
 
 def last_fault():
-    """The sentence of the last fault, or None where there was none for LASTS_S."""
+    """A sentence about the last fault, or None if there was none within RECENT_S."""
     with _lock:
-        return next((sentence for when, sentence in _last if time.monotonic() - when < LASTS_S), None)
+        return next((sentence for when, sentence in _last if time.monotonic() - when < RECENT_S), None)
 
 
-def guarded(work):
-    """The function, but where it raises, that is noted, and it returns None."""
+def fault_barrier(work):
+    """Wrap a function so that an exception does not leave it: the fault is noted, and None is returned."""
     @wraps(work)
-    def guard(*arguments):
+    def wrapper(*arguments):
         try:
             return work(*arguments)
         except Exception as error:
             note_fault(error)
             return None
-    return guard
+    return wrapper

@@ -1,34 +1,33 @@
-"""Why no frames arrive, in a sentence for who waits for them."""
+"""Explains why no frames arrive."""
 import re
 
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
 
-OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # no cameras
-SILENCE_S = 5.0  # after so long it is time to say why
+OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # not cameras
+SILENCE_S = 5.0  # after so long without a message, the node says why
 
 
 def explain_silence(camera, transport, published, own=()):
-    """A sentence that says why nothing arrives, and what to do.
+    """A sentence that says why no frames arrive, and what to do.
 
-    ``camera``: the resolved name of the camera's raw topic. ``transport``:
-    raw or compressed. ``published``: {topic: type} of all topics that have a
-    publisher. ``own``: topics not to suggest as a camera.
+    ``camera``: the resolved name of the camera's raw topic. ``transport``: raw or compressed. ``published``:
+    {topic: type} of all topics that have a publisher. ``own``: the node's topics, which are not cameras.
     """
     wanted = camera + (SUFFIX if transport == 'compressed' else '')
     waiting = 'Waiting for frames on %s: ' % wanted
     if wanted in published:
         if transport == 'raw' and wanted.endswith(SUFFIX) and published[wanted] == IMAGE_TYPES['compressed']:
-            return waiting + 'that is its compressed form. Give camera:=%s transport:=compressed.' % \
+            return waiting + 'this is a compressed topic. Give camera:=%s transport:=compressed.' % \
                 raw_topic(wanted)
         if published[wanted] != IMAGE_TYPES[transport]:
             return waiting + ('it is published as %s, but must be %s. Give the topic of a camera: '
                               'camera:=TOPIC.' % (published[wanted], IMAGE_TYPES[transport]))
         return waiting + 'it has a publisher, but nothing arrives. Is the camera running?'
     if transport == 'raw' and camera + SUFFIX in published:
-        return waiting + ('only its compressed form %s is published. Use that: '
+        return waiting + ('only its compressed form %s is published. Give '
                           'transport:=compressed.' % (camera + SUFFIX))
     if transport == 'compressed' and camera in published:
-        return waiting + 'only its raw form %s is published. Use that: transport:=raw.' % camera
+        return waiting + 'only its raw form %s is published. Give transport:=raw.' % camera
     cameras = sorted(topic for topic, kind in published.items()
                      if kind == IMAGE_TYPES[transport] and topic not in own and not OURS.search(topic))
     if cameras:

@@ -1,4 +1,4 @@
-"""Saving what a node sees and shows, when somebody asks for it."""
+"""The service that saves a frame, and what the node makes of it."""
 import os
 import threading
 from datetime import datetime
@@ -11,52 +11,55 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .faults import note_fault
 
-WAIT_S = 5.0
+WAIT_S = 5.0  # for a frame, from the call of the service
 
 
-class Snapshot:
-    """The service ~snapshot: the next frame and what is made of it, as PNG."""
+class SnapshotService:
+    """The service ~snapshot: saves the next frame, and what the node makes of it, as PNG."""
 
     def __init__(self, wake):
         """``wake`` is called when a frame is wanted."""
         self._wake = wake
-        self._asking = threading.Lock()  # one at a time
+        self._calling = threading.Lock()  # calls of the service take turns
         self._frame = None
-        self._taken = threading.Event()
-        self.wanted = False
+        self._is_taken = threading.Event()
+        self.is_waiting = False  # whether somebody has called the service and waits for a frame
 
-    def serve(self, folder, why):
-        """Offer the service; ``folder`` to save into and ``why`` no frame came are asked when it is called."""
-        self._folder, self._why = folder, why
-        rospy.Service('~snapshot', Trigger, self._answer, error_handler=note_fault)
+    def offer(self, folder, why_silent):
+        """Advertise the service. When it is called, ``folder()`` is the path of the folder to save into.
 
-    def before(self, frame):
-        """A frame, before anybody paints into it."""
-        self._frame = frame.copy() if self.wanted else None
+        ``why_silent()``: a sentence that says why no frame arrived.
+        """
+        self._folder, self._why_silent = folder, why_silent
+        rospy.Service('~snapshot', Trigger, self._on_call, error_handler=note_fault)
 
-    def after(self, images):
-        """What was made of it: {name: (h, w, 3) BGR uint8}."""
-        if self.wanted and self._frame is not None:
-            self._images, self.wanted = dict(images, frame=self._frame), False
-            self._taken.set()
+    def keep_frame(self, frame):
+        """Keep a copy of a frame, before anything is drawn on it, if it is wanted."""
+        self._frame = frame.copy() if self.is_waiting else None
 
-    def _answer(self, request):
-        with self._asking:
-            self._taken.clear()
-            self.wanted = True
+    def keep_images(self, images):
+        """Keep what was made of that frame, {name: (h, w, 3) BGR uint8}, if it is wanted."""
+        if self.is_waiting and self._frame is not None:
+            self._images, self.is_waiting = dict(images, frame=self._frame), False
+            self._is_taken.set()
+
+    def _on_call(self, request):
+        with self._calling:
+            self._is_taken.clear()
+            self.is_waiting = True
             self._wake()
-            if not self._taken.wait(WAIT_S):
-                self.wanted = False
-                return TriggerResponse(False, 'No frame came within %d s. %s' % (WAIT_S, self._why()))
+            if not self._is_taken.wait(WAIT_S):
+                self.is_waiting = False
+                return TriggerResponse(False, 'No frame arrived within %d s. %s' % (WAIT_S, self._why_silent()))
             try:
                 return TriggerResponse(True, 'Wrote ' + ', '.join(self._write()))
             except InputError as error:
                 return TriggerResponse(False, str(error))
 
     def _write(self):
-        """Write the files, all or none; their paths."""
+        """Write the files, all or none. Returns their paths. Raises InputError if they cannot be written."""
         folder = os.path.abspath(os.path.expanduser(self._folder()))
-        # Not the frame's own time, which comes again where a bag is played over and over.
+        # Not the frame's own time: it recurs while a bag is played in a loop.
         start = '%s_%s' % (rospy.get_name()[1:].replace('/', '_'),
                            datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3])
         paths = []

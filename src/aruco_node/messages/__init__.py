@@ -1,1 +1,1 @@
-"""Between messages of ROS and arrays."""
+"""Conversion between ROS messages and arrays."""

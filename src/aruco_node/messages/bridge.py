@@ -1,4 +1,4 @@
-"""cv_bridge: what it makes of an Image's pixels, and whether it can work with the NumPy and OpenCV here."""
+"""Converts an Image's pixels with cv_bridge, if it works with the NumPy and OpenCV that are installed."""
 import importlib.util
 import sys
 from functools import lru_cache
@@ -10,23 +10,23 @@ import numpy as np
 from aruco_ar.base.errors import InputError, shorten
 from sensor_msgs.msg import Image
 
-NUMPY_2 = b'numpy._core'  # by this name only what is compiled for NumPy 2 calls it
-LAST_OPENCV = 4  # with 5 the numbers of its types are others
-YUY2, UYVY = 'yuv422_yuy2', 'yuv422'  # the same, but for each two bytes; cv_bridge knows the second
+NUMPY_2 = b'numpy._core'  # only a module that is compiled for NumPy 2 contains this name
+LAST_OPENCV = 4  # OpenCV 5 has other type numbers, which cv_bridge does not know
+YUY2, UYVY = 'yuv422_yuy2', 'yuv422'  # they differ in the order of each two bytes; cv_bridge knows only UYVY
 
 
 @lru_cache(maxsize=None)
 def fault_of_bridge():
-    """Why cv_bridge cannot be used, and the remedy, in a sentence; None where it can.
+    """Why cv_bridge cannot be used, and the remedy, in a sentence; None if it can be used.
 
-    It may be missing, or built for another Python, NumPy or OpenCV. What is compiled for NumPy 1 ends the
-    process when it is called with NumPy 2, and to ask it would be a call: so we look into its file. That can go
-    when no distribution has NumPy 1 any more.
+    It may be missing, or built for another Python, NumPy or OpenCV. A module that is compiled for NumPy 1
+    crashes the process when it is called with NumPy 2. So its file is searched, and nothing is called. This
+    can go when no distribution has NumPy 1 any more.
     """
     bridge = importlib.util.find_spec('cv_bridge')
     if bridge is None:
-        return 'There is no cv_bridge for %s; run script/setup, or install python3-cv-bridge, on Ubuntu ' \
-               'ros-noetic-cv-bridge.' % sys.executable
+        return 'There is no cv_bridge for %s; run script/setup, or install python3-cv-bridge (on Ubuntu: ' \
+               'ros-noetic-cv-bridge).' % sys.executable
     paths = [join(folder, 'boost', 'cv_bridge_boost' + suffix)
              for folder in bridge.submodule_search_locations or [] for suffix in EXTENSION_SUFFIXES]
     compiled = [path for path in paths if exists(path)]
@@ -41,7 +41,7 @@ def fault_of_bridge():
 
 
 def bytes_of_pixel(encoding):
-    """How many bytes a pixel of an Image takes. Raises InputError if cv_bridge cannot make color of it."""
+    """The bytes per pixel of an encoding. Raises InputError if cv_bridge cannot convert it to color."""
     fault = fault_of_bridge()
     if fault:
         raise InputError('A frame with the encoding "%s" cannot be used without cv_bridge. %s'
@@ -51,29 +51,34 @@ def bytes_of_pixel(encoding):
 
 
 def convert(rows, encoding, big, wanted):
-    """An Image's pixels, (h, bytes of a row) uint8, as (h, w, 3) bgr8 or (h, w, 4) bgra8, whichever is wanted.
+    """Convert an Image's pixels, (h, bytes per row) uint8, to the encoding that is wanted.
 
-    ``big``: whether the first byte of a number is the largest. ``encoding``: one that bytes_of_pixel knows.
+    This is bgr8, (h, w, 3) uint8, or bgra8, (h, w, 4) uint8. ``encoding``: one that bytes_of_pixel accepts.
+    ``big``: whether its numbers are big-endian.
     """
     kind, channels = _type_of(encoding)
     if encoding == YUY2:
         numbers, encoding = rows.reshape(len(rows), -1, 2)[..., ::-1], UYVY
-    else:  # in this machine's own order of bytes: with NumPy 2, cv_bridge fails at the other
+    else:  # in this machine's byte order, since with NumPy 2 cv_bridge fails for the other one
         numbers = rows.view(np.dtype(kind).newbyteorder('>' if big else '<')).astype(kind)
     return _bridge().imgmsg_to_cv2(_message(numbers.reshape(len(rows), -1, channels), encoding), wanted)
 
 
 @lru_cache(maxsize=64)
 def _type_of(encoding):
-    """The name of the dtype of an encoding, and how many numbers a pixel has."""
+    """(name of the dtype, numbers per pixel) of an encoding.
+
+    Raises InputError if cv_bridge cannot convert it.
+    """
     if encoding == YUY2:
         return _type_of(UYVY)
     try:
         kind, channels = _bridge().encoding_to_dtype_with_channels(encoding)
         _bridge().imgmsg_to_cv2(_message(np.zeros((2, 2, channels), kind), encoding), 'bgr8')
-    except Exception:  # CvBridgeError, and whatever else
-        raise InputError('A frame with the encoding "%s" cannot be used; set the camera driver to one such as '
-                         'rgb8, bgr8, mono8 or yuv422.' % shorten(encoding, 40), kind='encoding') from None
+    except Exception:  # CvBridgeError and others
+        raise InputError('A frame with the encoding "%s" cannot be used. Set the camera driver to an encoding '
+                         'such as rgb8, bgr8, mono8 or yuv422.' % shorten(encoding, 40),
+                         kind='encoding') from None
     return kind, channels
 
 
@@ -98,6 +103,6 @@ def _major(module):
 
 @lru_cache(maxsize=None)
 def _bridge():
-    # Only for frames that need it: it takes 0.2 s, and brings all of the system's OpenCV.
+    # Imported only when a frame needs it: this takes 0.2 s, and loads the system's OpenCV as well.
     from cv_bridge import CvBridge
     return CvBridge()

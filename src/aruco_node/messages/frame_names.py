@@ -4,9 +4,9 @@ from rosgraph.names import ns_join
 
 
 def frame_name(name):
-    """The name of a TF frame of this node: in a namespace with that before it, as topics have.
+    """The name of a TF frame of this node, with the node's namespace before it, as for topics.
 
-    So two robots before one master have each their own odom, base_link and
-    tags. A name that begins with a slash stays as it is, without the slash.
+    So two robots with one master have each their own odom, base_link and tags. A name that begins with a slash
+    gets no namespace, and loses the slash.
     """
     return ns_join(rospy.get_namespace(), name).lstrip('/')

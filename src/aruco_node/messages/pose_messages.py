@@ -1,4 +1,4 @@
-"""Poses as messages."""
+"""Conversion of poses to messages."""
 import cv2
 import numpy as np
 from aruco_ar.geometry.plane_pose import rotation_vector
@@ -20,10 +20,10 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from .images import points_from_pixels
 
-MARKER_S = 0.5    # a marker that is not renewed for so long goes
+MARKER_S = 0.5    # RViz removes a marker that is not renewed for so long
 THICKNESS_M = 0.002
 LINE_M = 0.01
-LABEL = 0.85      # sides of a tag that its number is above its center
+LABEL = 0.85      # distance of the label above the center of its tag, in sides of the tag
 TAG_COLOR, TEXT_COLOR, AREA_COLOR = (1, 1, 1, 0.8), (1, 0.8, 0, 1), (0.6, 0, 1, 1)
 
 
@@ -36,17 +36,17 @@ def quaternion(rotation):
 
 
 def pose_message(pose):
-    """Whatever has a rotation, (3, 3), and a translation, (3,) meters, as a geometry_msgs/Pose."""
+    """An object with rotation, (3, 3), and translation, (3,) meters, as a geometry_msgs/Pose."""
     return Pose(Point(*pose.translation), quaternion(pose.rotation))
 
 
 def pose_with_covariance(pose):
-    """The same with its covariance, (6, 6), as a geometry_msgs/PoseWithCovariance."""
+    """A pose with its covariance, (6, 6), as a geometry_msgs/PoseWithCovariance."""
     return PoseWithCovariance(pose_message(pose), pose.covariance.ravel().tolist())
 
 
 def stamped(pose, stamp, frame):
-    """The same in a TF frame, as a geometry_msgs/PoseWithCovarianceStamped."""
+    """A pose in the TF frame ``frame``, as a geometry_msgs/PoseWithCovarianceStamped."""
     return PoseWithCovarianceStamped(Header(stamp=stamp, frame_id=frame), pose_with_covariance(pose))
 
 
@@ -70,7 +70,7 @@ def _center(pose, lens):
 
 
 def transform(pose, stamp, parent, child):
-    """A pose in the frame ``parent`` as the geometry_msgs/TransformStamped of a TF frame."""
+    """The geometry_msgs/TransformStamped of a TF frame ``child`` that has this pose in the frame ``parent``."""
     message = TransformStamped(header=Header(stamp=stamp, frame_id=parent.lstrip('/')),
                                child_frame_id=child)
     message.transform.translation = Vector3(*pose.translation)
@@ -88,22 +88,25 @@ def from_transform(message):
 
 
 def markers(poses, area, header):
-    """What RViz shows: a plate and a number for each TagPose, and the outline of the AreaPose, or None."""
-    shown, ids = [], [pose.id for pose in poses]
+    """A visualization_msgs/MarkerArray for RViz: a plate and a label for each TagPose, and the area's outline.
+
+    ``area``: an AreaPose, or None for no outline.
+    """
+    found, ids = [], [pose.id for pose in poses]
     for count, pose in enumerate(poses):
-        number = pose.id if ids.count(pose.id) == 1 else -1 - count  # RViz shows one marker of a number
+        number = pose.id if ids.count(pose.id) == 1 else -1 - count  # RViz needs different ids
         plate = _marker(header, 'tags', number, Marker.CUBE, TAG_COLOR, pose)
         plate.scale = Vector3(pose.size, pose.size, THICKNESS_M)
         label = _marker(header, 'ids', number, Marker.TEXT_VIEW_FACING, TEXT_COLOR, pose)
         label.text, label.scale.z = str(pose.id), pose.size / 2
         label.pose.position = Point(*(pose.translation + LABEL * pose.size * pose.rotation[:, 1]))
-        shown += [plate, label]
+        found += [plate, label]
     if area is not None:
         outline = _marker(header, 'area', 0, Marker.LINE_STRIP, AREA_COLOR)
         outline.scale.x = LINE_M
         outline.points = [Point(*point) for point in area.points[[0, 1, 2, 3, 0]]]
-        shown.append(outline)
-    return MarkerArray(shown)
+        found.append(outline)
+    return MarkerArray(found)
 
 
 def _marker(header, kind, number, shape, color, pose=None):

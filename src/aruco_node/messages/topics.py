@@ -5,5 +5,5 @@ SUFFIX = '/compressed'
 
 
 def raw_topic(topic):
-    """The name of a camera's raw images, of those or of its compressed ones."""
+    """The name of a camera's raw image topic, given that or the name of its compressed one."""
     return topic[:-len(SUFFIX)] if topic.endswith(SUFFIX) else topic

@@ -1,4 +1,4 @@
-"""What the simulated camera publishes besides frames, as messages."""
+"""The messages that the simulated camera publishes besides frames."""
 from math import cos, sin
 
 from aruco_ar.simulation.render import project_rows
@@ -18,11 +18,11 @@ WALL_FRAME = 'wall'
 
 
 def observe(wall, camera, pose, linear, angular, stamp, first, last):
-    """What a robot with that Pose and speed (m/s, rad/s) publishes besides the frame.
+    """The messages that belong to a frame: (the frame's header, {topic: message}).
 
-    ``first``, ``last``: the views when the frame's first and last row are read.
-    Returns the frame's header and {topic: message}; ``~tags`` and ``~area``
-    are the truth about the frame. ``camera_info`` belongs beside the images.
+    ``pose``, ``linear``, ``angular``: the robot's Pose and speed, m/s and rad/s. ``first``, ``last``: the
+    views at the moments when the camera reads the frame's first and last row. ``~tags`` and ``~area`` hold the
+    true positions in the frame. ``camera_info`` must be published in the namespace of the images.
     """
     header = Header(stamp=stamp, frame_id=frame_name(CAMERA_FRAME))
     return header, {
@@ -34,7 +34,7 @@ def observe(wall, camera, pose, linear, angular, stamp, first, last):
 
 
 def camera_info(camera, header):
-    """A Camera's sensor_msgs/CameraInfo."""
+    """The sensor_msgs/CameraInfo of a simulated Camera."""
     matrix = camera.matrix
     projection = [list(row) + [0.0] for row in matrix]
     return CameraInfo(header=header, width=camera.width, height=camera.height,
@@ -44,7 +44,7 @@ def camera_info(camera, header):
 
 
 def odometry(pose, linear, angular, stamp):
-    """A Pose and its speed, m/s and rad/s, as nav_msgs/Odometry."""
+    """A Pose and a speed, m/s and rad/s, as nav_msgs/Odometry."""
     message = Odometry(header=Header(stamp=stamp, frame_id=frame_name(ODOMETRY_FRAME)),
                        child_frame_id=frame_name(ROBOT_FRAME))
     message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
@@ -54,23 +54,23 @@ def odometry(pose, linear, angular, stamp):
 
 
 def robot_transform(pose, stamp):
-    """The robot's Pose as the transform from odometry to it."""
+    """The robot's Pose as the transform from the odometry frame to the robot."""
     return _transform(ODOMETRY_FRAME, ROBOT_FRAME, (pose.x, pose.y, 0.0), _heading(pose.heading),
                       stamp)
 
 
 def fixed_transforms(stamp):
-    """The transforms that never change: robot to camera, and odometry to wall."""
+    """The static transforms: robot to camera, and odometry to wall."""
     return [
         _transform(ROBOT_FRAME, CAMERA_FRAME, (CAMERA_FORWARD_M, 0.0, CAMERA_HEIGHT_M),
                    Quaternion(-0.5, 0.5, -0.5, 0.5), stamp),
-        # x to the right is odometry's -y, y up its z, z out of the wall its -x.
+        # The wall's x (right) is odometry's -y, its y (up) is z, and its z (out of the wall) is -x.
         _transform(ODOMETRY_FRAME, WALL_FRAME, (0.0, 0.0, 0.0),
                    Quaternion(0.5, -0.5, -0.5, 0.5), stamp)]
 
 
 def true_tags(wall, first, last, camera, header):
-    """Where all corners of the tags before the camera are, in or out of the frame: a TagArray."""
+    """The true corners of all tags in front of the camera, inside or outside the frame, as a TagArray."""
     seen = []
     for tag in wall.tags:
         pixels, before_camera = project_rows(tag.corners, first, last, camera)
@@ -80,7 +80,10 @@ def true_tags(wall, first, last, camera, header):
 
 
 def true_area(wall, first, last, camera, header):
-    """Where the area's corners are, in or out of the frame; none if not all are before the camera."""
+    """The true corners of the area, inside or outside the frame, as a PolygonStamped.
+
+    It is empty if the wall has no area, or if not all corners are in front of the camera.
+    """
     pixels, before_camera = project_rows(wall.area_corners, first, last, camera) if wall.area else ([], True)
     return polygon_from_pixels(pixels if before_camera else [], header)
 

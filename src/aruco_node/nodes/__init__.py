@@ -1,1 +1,1 @@
-"""The nodes: what every node does, what those before a camera do, and the exercises."""
+"""The nodes: what all of them share, those that work on a camera's frames, and the exercises."""

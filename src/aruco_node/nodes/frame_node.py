@@ -1,18 +1,19 @@
-"""A node that looks at a camera's frames: topics, parameters, services, and everything that can go wrong."""
+"""The shell of a node that works on a camera's frames: topics, parameters, services and diagnostics."""
 import threading
 import time
-from typing import Optional, Sequence
+from dataclasses import dataclass
+from typing import Any, Callable, Optional, Sequence
 
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.lateness import Lateness
 
 from aruco_node.health.diagnostics import ERROR, OK, Diagnostics, FrameCount
-from aruco_node.health.faults import guarded, note_fault, say_once
+from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.health.silence import SILENCE_S, explain_silence
-from aruco_node.health.snapshot import Snapshot
+from aruco_node.health.snapshot import SnapshotService
 from aruco_node.messages.images import TRANSPORTS
-from aruco_node.messages.publishing import ImagePublisher, Listener
+from aruco_node.messages.publishing import ImagePublisher, ListenerEvents
 from aruco_node.parameters.parameters import read
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.ros_internals.master import is_there, published_topics
@@ -24,193 +25,212 @@ from .node import parameter
 CAMERA = 'camera/rgb/image_raw'
 
 
-class FrameNode:
-    """Answers the newest frame of the camera, while somebody listens.
+@dataclass(frozen=True)
+class Answer:
+    """What a node makes of one frame.
 
-    A subclass says by ``look`` what it makes of a frame. ``topics``: of the
-    images that it makes. ``kind_of_settings``: the class of its parameters.
+    ``images``: (h, w, 3) BGR uint8, one for each image topic. ``publish`` publishes everything else that
+    belongs to the frame; it is not called if the frame is stale by then. ``is_complete``: whether nothing is
+    missing that a snapshot should show, such as poses while the calibration has not arrived.
+    ``tags_in_sight``: how many, and ``has_area``: whether the area is known; both are None for a node that
+    does not look for tags.
     """
 
-    results: Sequence[str] = ()  # names of the topics of more than images, for who asks why nothing comes
-    advice = ''  # how to see what the node makes, where it is not for the eye
-    ready = True  # whether what is made of frames is all that there will be: a snapshot waits for that
-    # In the last frame, for diagnostics; None where none are looked for.
+    images: Sequence[Any]
+    publish: Callable[[], None] = lambda: None
+    is_complete: bool = True
     tags_in_sight: Optional[int] = None
     has_area: Optional[bool] = None
 
-    def __init__(self, topics, kind_of_settings):
+
+class FrameNode:
+    """The shell between ROS and what a node does with a frame. It works only while somebody listens.
+
+    It subscribes to the camera, drops stale frames, publishes answers, takes snapshots, and reports
+    diagnostics. A subclass implements ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``,
+    ``update_subscriptions``, ``prepare``, ``offer_services`` and ``report``.
+    """
+
+    result_topics: Sequence[str] = ()  # resolved names of the topics that are published besides images
+    viewing_hint = ''  # how to see what the node publishes, if the usual ways do not show it
+
+    def __init__(self, image_topics, kind_of_settings, looks_for_tags=False):
+        """``image_topics``: private names of the images. ``kind_of_settings``: the class of the parameters.
+
+        Raises InputError if a parameter is not valid.
+        """
         self.settings = read(kind_of_settings, parameter)
         self.camera = rospy.resolve_name(CAMERA)
-        suffix, self._kind, self._to_frame = TRANSPORTS[self.settings.transport]
+        suffix, self._message_class, self._decode = TRANSPORTS[self.settings.transport]
         self._topic = self.camera + suffix
         self._subscriber = None
-        self._last_sign = time.monotonic()  # of life from the camera
-        self._waiting = None  # why nothing arrives, and whether that is all right
-        self._unusable = None  # what is wrong with the last frame
-        self.wake = threading.Event()
-        self._outputs = {topic: ImagePublisher('~' + topic, self.wake.set) for topic in topics}
-        self._count, self._lateness = FrameCount(self.tags_in_sight), Lateness()
+        self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
+        self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
+        self._frame_problem = None  # why the last frame could not be used
+        self._wake = threading.Event()  # ends the main loop's sleep
+        self.outputs = {topic: ImagePublisher('~' + topic, self._wake.set) for topic in image_topics}
+        self._count, self._lateness = FrameCount(looks_for_tags), Lateness()
         self._diagnostics = Diagnostics(self.report)
-        self._snapshot = Snapshot(self.wake.set)
-        self._looking = threading.Lock()  # rospy calls from a thread of its own for each who publishes frames
+        self._snapshots = SnapshotService(self._wake.set)
+        self._processing = threading.Lock()  # rospy calls back in one thread for each publisher of frames
 
-    def look(self, frame, header, stamp):
-        """The images to publish, one for each topic; they are not where the frame turns out to be too old.
+    def process(self, frame, header, stamp):
+        """The Answer to a frame, (h, w, 3) BGR uint8, which may be drawn on.
 
-        ``frame``: (h, w, 3) BGR uint8, to write into. ``header``: the frame's.
-        ``stamp``: its time, seconds.
+        ``header``: the frame's. ``stamp``: its time in seconds.
         """
         raise NotImplementedError
 
-    def to_frame(self, message):
-        """The frame, (h, w, 3) BGR uint8, in a message. Raises InputError if there is none."""
-        return self._to_frame(message)
-
-    def publish(self, messages, header):
-        """Publish what was made of a frame: (publisher, message) of the images, and what else there is."""
-        for publisher, message in messages:
-            publisher.publish(message)
-
-    def is_wanted(self):
-        """Whether anybody listens to anything that comes of a frame."""
-        return self._snapshot.wanted or any(output.has_listeners() for output in self._outputs.values())
-
-    def is_seen(self, topic):
-        """Whether anybody looks at the images of that topic."""
-        return self._snapshot.wanted or self._outputs[topic].has_listeners()
+    def decode(self, message):
+        """The frame in a message, (h, w, 3) BGR uint8. Raises InputError if it holds no usable frame."""
+        return self._decode(message)
 
     def is_due(self, stamp):
-        """Whether a frame of that time, seconds, is one to answer."""
+        """Whether to process a frame with this time in seconds."""
         return True
 
-    def follow(self, wanted):
-        """Listen to what is needed besides the camera, or leave it; called about once a second."""
+    def is_wanted(self):
+        """Whether anybody listens to any topic that is published for each frame, or waits for a snapshot."""
+        return any(self.is_image_wanted(topic) for topic in self.outputs)
+
+    def is_image_wanted(self, topic):
+        """Whether anybody listens to the images on this topic, or waits for a snapshot."""
+        return self._snapshots.is_waiting or self.outputs[topic].has_listeners()
+
+    def update_subscriptions(self, wanted):
+        """Subscribe to topics other than the camera's, or leave them. Called about once a second."""
 
     def prepare(self, settings):
-        """Functions that change over to other settings. Raises InputError if they cannot be."""
-        return []
+        """Check new settings.
 
-    def serve(self):
-        """Offer the node's services."""
-        self._snapshot.serve(lambda: self.settings.folder, lambda: self._why_nothing_arrives()[0])
+        Returns the function that applies them. Raises InputError if they cannot be used.
+        """
+        return lambda: None
 
-    def advertise(self, topic, kind):
-        """A Publisher of messages of that kind; the node takes note of who comes to listen, and goes."""
-        return rospy.Publisher(topic, kind, Listener(self.wake.set), queue_size=1)
+    def offer_services(self):
+        """Advertise the node's services. Called once, before the first frame."""
+        self._snapshots.offer(lambda: self.settings.folder, lambda: self._explain_no_frames()[0])
+
+    def report(self):
+        """(level, sentence, values) for Diagnostics."""
+        level, sentence, values = self._count.report()
+        if self._silence:
+            sentence, is_fine = self._silence
+            level = OK if is_fine else ERROR
+        elif self._subscriber is None:
+            level, sentence = OK, 'Nobody listens, so nothing is computed.'
+        elif self._frame_problem:
+            level, sentence = ERROR, self._frame_problem
+        return level, sentence, values
+
+    def advertise(self, topic, message_class):
+        """A rospy.Publisher. The node notices at once when somebody starts or stops listening to it."""
+        return rospy.Publisher(topic, message_class, ListenerEvents(self._wake.set), queue_size=1)
 
     def spin(self):
-        """Subscribe while somebody listens, and say so when nothing arrives, until shutdown."""
-        self.serve()
+        """Process frames until shutdown."""
+        self.offer_services()
         Reconfigurer(self.settings, self._reconfigure)
-        rospy.on_shutdown(self.wake.set)
+        rospy.on_shutdown(self._wake.set)
         rospy.loginfo('Ready: %s -> %s', self._topic,
-                      ', '.join(output.name for output in self._outputs.values()))
+                      ', '.join(output.name for output in self.outputs.values()))
         while not rospy.is_shutdown():
-            self._follow_listeners()
-            if time.monotonic() - self._last_sign > SILENCE_S:
-                self._explain_silence()
+            self._subscribe_if_wanted()
+            if time.monotonic() - self._silent_since > SILENCE_S:
+                self._log_silence()
             self._diagnostics.update()
-            self.wake.wait(1.0)
-            self.wake.clear()
+            self._wake.wait(1.0)
+            self._wake.clear()
 
     def _reconfigure(self, settings):
-        for change in self.prepare(settings):
-            change()
+        apply = self.prepare(settings)
+        apply()
         self.settings = settings
-        self.wake.set()
+        self._wake.set()
 
-    @guarded
-    def _follow_listeners(self):
+    @fault_barrier
+    def _subscribe_if_wanted(self):
         wanted = self.is_wanted()
         if wanted != (self._subscriber is not None) and not is_there():
-            return  # rospy would wait for the master, and with it all that is done here
-        self.follow(wanted)
+            return  # to subscribe, rospy would wait for the master, and block the main loop meanwhile
+        self.update_subscriptions(wanted)
         if wanted and self._subscriber is None:
-            self._last_sign = time.monotonic()
-            self._count.begin()
-            self._subscriber = subscribe_newest(self._topic, self._kind, self._on_message)
+            self._silent_since = time.monotonic()
+            self._count.restart()
+            self._subscriber = subscribe_newest(self._topic, self._message_class, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
-            self._subscriber = self._unusable = None
-            self._count.begin()
+            self._subscriber = self._frame_problem = None
+            self._count.restart()
 
-    def _why_nothing_arrives(self):
-        """A sentence, and whether that is all right."""
-        if self._unusable:
-            return self._unusable, False
+    def _explain_no_frames(self):
+        """(why no frames arrive, in a sentence, and whether that is all right)."""
+        if self._frame_problem:
+            return self._frame_problem, False
         try:
             published = published_topics()
         except InputError as error:
             return str(error), False
-        own = [output.name for output in self._outputs.values()]
-        if self._subscriber is None and published.get(self._topic) == self._kind._type:
+        own = [output.name for output in self.outputs.values()]
+        if self._subscriber is None and published.get(self._topic) == self._message_class._type:
             return 'Nobody listens to %s, so nothing is computed. To see it: %s' % (
-                ', '.join([*self.results, *own]),
-                self.advice or 'open the page, or rosrun image_view image_view image:=' + own[-1]), True
+                ', '.join([*self.result_topics, *own]),
+                self.viewing_hint or 'open the page, or rosrun image_view image_view image:=' + own[-1]), True
         return explain_silence(self.camera, self.settings.transport, published,
                                own + [name + '/compressed' for name in own]), False
 
-    @guarded
-    def _explain_silence(self):
-        """Say why nothing arrives, again only when the reason has become another."""
-        self._last_sign = time.monotonic()  # look again after another SILENCE_S
-        self._unusable = None  # that was before the silence
-        waiting = self._why_nothing_arrives()
-        if waiting != self._waiting:
-            self._waiting = waiting
-            sentence, is_right = waiting
-            (rospy.loginfo if is_right else rospy.logwarn)('%s', sentence)
-
-    def report(self):
-        """How the node is doing: see Diagnostics."""
-        level, sentence, values = self._count.report()
-        if self._waiting:
-            sentence, is_right = self._waiting
-            level = OK if is_right else ERROR
-        elif self._subscriber is None:
-            level, sentence = OK, 'Nobody listens, so nothing is computed.'
-        elif self._unusable:
-            level, sentence = ERROR, self._unusable
-        return level, sentence, values
+    @fault_barrier
+    def _log_silence(self):
+        """Log why no frames arrive, if the reason is not the one that was logged last."""
+        self._silent_since = time.monotonic()  # look again after another SILENCE_S
+        self._frame_problem = None  # it is older than the silence
+        silence = self._explain_no_frames()
+        if silence != self._silence:
+            self._silence = silence
+            sentence, is_fine = silence
+            (rospy.loginfo if is_fine else rospy.logwarn)('%s', sentence)
 
     def _on_message(self, message):
-        self._last_sign = began = time.monotonic()
-        if self._waiting:
-            self._waiting = None
+        self._silent_since = arrival = time.monotonic()
+        if self._silence:
+            self._silence = None
             rospy.loginfo('Frames arrive on %s.', self._topic)
         try:
-            with self._looking:
-                self._answer(message, began)
-            self._unusable = None
+            with self._processing:
+                self._answer(message, arrival)
+            self._frame_problem = None
         except InputError as error:
-            self._unusable = str(error)
-            say_once(error.kind, self._unusable)
-        except Exception as error:  # a fault of ours: one frame is lost, not the node
-            self._unusable = note_fault(error)
+            self._frame_problem = str(error)
+            log_once(error.kind, self._frame_problem)
+        except Exception as error:  # a bug costs one frame, not the node
+            self._frame_problem = note_fault(error)
 
-    def _answer(self, message, began):
-        """Publish what is made of a message that came at that time, monotonic; raises InputError."""
-        missing = self._count.came(message.header.seq)
+    def _answer(self, message, arrival):
+        """Process a message that arrived at a monotonic time, and publish the Answer. Raises InputError."""
+        missing = self._count.on_arrival(message.header.seq)
         header = message.header
         if not is_time(header.stamp):
-            raise InputError('A frame has the stamp %d s, %d ns, which is no time; check the clock of the '
-                             'camera driver.' % (header.stamp.secs, header.stamp.nsecs), kind='stamp')
+            raise InputError('A frame has the stamp %d s, %d ns, which is not a possible time. Check the clock '
+                             'of the camera driver.' % (header.stamp.secs, header.stamp.nsecs), kind='stamp')
         stamp = (header.stamp or rospy.Time.now()).to_sec()
         if not self.is_due(stamp):
             return
         wait = self._lateness.wait_for_next(stamp, rospy.Time.now().to_sec(), missing)
         if wait and is_more_pending(self._subscriber, wait):
-            self._count.left_out()  # the next frame will show the same, sooner
+            self._count.on_drop()  # the next frame will show the same, but fresher
             return
-        frame = self.to_frame(message)
-        self._snapshot.before(frame)
-        images = dict(zip(self._outputs, self.look(frame, header, stamp)))
-        if self.ready:
-            self._snapshot.after(images)
+        frame = self.decode(message)
+        self._snapshots.keep_frame(frame)
+        answer = self.process(frame, header, stamp)
+        images = dict(zip(self.outputs, answer.images))
+        if answer.is_complete:
+            self._snapshots.keep_images(images)
         messages = [each for topic, image in images.items()
-                    for each in self._outputs[topic].messages(image, header)]
+                    for each in self.outputs[topic].messages(image, header)]
         if self._lateness.is_stale(rospy.Time.now().to_sec()) and is_more_pending(self._subscriber):
-            self._count.left_out()
+            self._count.on_drop()  # stale frames are not published
             return
-        self.publish(messages, header)
-        self._count.answered(began, header.stamp, missing, self.tags_in_sight, self.has_area)
+        answer.publish()
+        for publisher, output in messages:
+            publisher.publish(output)
+        self._count.on_answer(arrival, header.stamp, missing, answer.tags_in_sight, answer.has_area)

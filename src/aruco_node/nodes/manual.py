@@ -1,4 +1,4 @@
-"""What a node prints for ``--help``: what it subscribes, publishes and takes."""
+"""What a node prints for ``--help``: its topics, services and parameters."""
 from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
@@ -8,7 +8,7 @@ from aruco_node.parameters.parameters import parameters_of, ros_values
 from .frame_node import CAMERA
 
 TEXT_WIDTH, WIDTH = 60, 120
-Row = Tuple[str, str, str]  # name, type, what it is; TOPIC is any
+Row = Tuple[str, str, str]  # name, type, what it is. The name TOPIC stands for any topic
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class Manual:
     publishes: List[Row]
     services: List[Row]
     settings: Any
-    launch: str = ''  # the launch file, where it is not called as the node is
+    launch: str = ''  # name of the launch file, if it is not the node's name
 
     def text(self, name, purpose):
         """The manual of the node of that name; ``purpose`` says what it is for."""
@@ -42,13 +42,17 @@ CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
     (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'instead, with ~transport compressed: JPEG or PNG')]
 FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
-COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'how it is doing, once a second')]
+COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'the status of the node, once a second')]
 LIVE = [('~parameter_descriptions', 'dynamic_reconfigure/ConfigDescription', ''),
         ('~parameter_updates', 'dynamic_reconfigure/Config', '')]
 
 
 def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
-    """The Manual of a CameraNode that makes images of these topics, with what it has besides."""
+    """The Manual of a CameraNode.
+
+    ``topics``: private names of its images. ``settings``: the class of its parameters. ``learns``: whether it
+    has the service ~reset. ``subscribes``, ``publishes``: its further rows.
+    """
     reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
     return Manual(
         CAMERA_TOPICS + list(subscribes),
@@ -58,7 +62,7 @@ def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
 
 
 def image_topics(topics):
-    """Rows of the images that a FrameNode makes."""
+    """Rows for the image topics that a FrameNode publishes."""
     return [row for topic in topics for row in (
         ('~' + topic, 'sensor_msgs/Image', 'bgr8, with the header of the frame'),
         ('~%s/compressed' % topic, 'sensor_msgs/CompressedImage', 'the same as JPEG'))]

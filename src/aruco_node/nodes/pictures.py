@@ -1,4 +1,4 @@
-"""Where the picture that is painted comes from: a file, or a topic."""
+"""Opens the picture that is painted: a file, or a topic."""
 import os
 import time
 
@@ -17,7 +17,10 @@ from aruco_node.ros_internals.newest import subscribe_newest
 
 
 def open_picture(picture):
-    """What the parameter ~picture names: a file, perhaps of the package, or a topic. Raises InputError."""
+    """The source of the picture that the parameter ~picture names: a file or a topic.
+
+    A relative path starts in the package's folder. Raises InputError if there is no such picture.
+    """
     if picture.startswith(TOPIC):
         return TopicPicture(picture[len(TOPIC):])
     path = os.path.join(package_folder(), os.path.expanduser(picture))
@@ -25,48 +28,49 @@ def open_picture(picture):
 
 
 class TopicPicture:
-    """The newest image on a topic; while nothing new comes, the last one stays."""
+    """A source of pictures: the newest image on a topic."""
 
     def __init__(self, topic):
-        """Raises InputError if there can be no such topic, or if it is one of the node's own."""
+        """Raises InputError if ``topic`` is not a topic name, or if this node publishes it itself."""
         if not is_legal_name(topic):
-            raise InputError('The parameter ~picture is "%s%s"; that is no name of a topic.' % (TOPIC, topic))
+            raise InputError('The parameter ~picture is "%s%s"; it must be %sTOPIC, with the name of a topic.'
+                             % (TOPIC, topic, TOPIC))
         self._topic = rospy.resolve_name(topic)
         if self._topic.startswith(rospy.get_name() + '/'):
-            raise InputError('The parameter ~picture is "%s%s", which this node publishes itself; give '
+            raise InputError('The parameter ~picture is "%s%s", which this node publishes itself. Give '
                              'another topic.' % (TOPIC, topic))
         compressed = self._topic.endswith(SUFFIX)
         _, self._kind, to_frame = TRANSPORTS['compressed' if compressed else 'raw']
         self._to_picture = to_frame if compressed else picture_from_image
         self._subscriber = None
-        self._silent = self._broken = False  # whether that has been said, or need not be
-        self._message = None  # not yet made a picture: most are never shown
+        self._is_silence_logged = self._is_fault_logged = False
+        self._message = None  # the newest message. It is decoded when it is shown: most never are
         self._picture = None
 
-    def follow(self, wanted):
-        """Listen to the topic, or leave it; say so, once, when nothing comes."""
+    def update_subscription(self, wanted):
+        """Subscribe to the topic if it is wanted, else leave it. Logs a warning, once, if nothing arrives."""
         if wanted and self._subscriber is None:
-            self._since = time.monotonic()
+            self._subscribed_at = time.monotonic()
             self._subscriber = subscribe_newest(self._topic, self._kind, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
-        elif wanted and not self._silent and time.monotonic() - self._since > SILENCE_S:
-            self._silent = True
+        elif wanted and not self._is_silence_logged and time.monotonic() - self._subscribed_at > SILENCE_S:
+            self._is_silence_logged = True
             rospy.logwarn('Nothing has arrived on %s, so nothing is painted yet. Is it published?',
                           self._topic)
 
     def at(self, stamp):
-        """The picture, (h, w, 3 or 4) uint8, or None before the first has come."""
+        """The newest picture, (h, w, 3 or 4) uint8, or None before the first one has arrived."""
         message, self._message = self._message, None
         if message is not None:
             try:
                 self._picture = shrink_to_warp(self._to_picture(message))
             except InputError as error:
-                if not self._broken:
-                    self._broken = True
-                    rospy.logerr('A picture on %s is passed over: %s', self._topic, error)
+                if not self._is_fault_logged:
+                    self._is_fault_logged = True
+                    rospy.logerr('A picture on %s is skipped: %s', self._topic, error)
         return self._picture
 
     def _on_message(self, message):
-        self._message, self._silent = message, True
+        self._message, self._is_silence_logged = message, True

@@ -1,1 +1,1 @@
-"""The process of a node: its memory, and what it prints."""
+"""The process of a node: its memory, and its output streams."""

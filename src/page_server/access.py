@@ -1,4 +1,4 @@
-"""Whom the server answers: who asks it by its own name, and no other site's page in between."""
+"""Which requests the server answers: those to its own name, and not those made by pages of other sites."""
 import ipaddress
 import re
 import socket
@@ -9,7 +9,10 @@ from aruco_ar.base.errors import InputError
 
 
 def is_loopback(address):
-    """Whether only this machine reaches that address. Raises InputError if it is no IP address."""
+    """Whether an address can be reached only from this machine.
+
+    Raises InputError if it is not an IP address.
+    """
     try:
         return ipaddress.ip_address('127.0.0.1' if address == 'localhost' else address).is_loopback
     except ValueError:
@@ -19,19 +22,19 @@ def is_loopback(address):
 
 @lru_cache(maxsize=None)
 def own_names():
-    """The names by which this machine may be asked for."""
-    name = socket.gethostname().lower()  # not the full name, for which a name server would be asked
+    """The host names of this machine."""
+    name = socket.gethostname().lower()  # the full name would need a query to a name server
     return {'localhost', name, name + '.local'}
 
 
 def is_own_name(host):
-    """Whether a Host header names this machine: by an IP address, or by a name that it has itself.
+    """Whether a Host header names this machine: with an IP address, or with one of its own names.
 
-    Any other name may belong to a site whose owner lets it point here, so
-    that their page counts as ours (DNS rebinding).
+    Any other name may belong to an attacker who lets it point to this machine. The browser would then treat the
+    attacker's page as one of this server (DNS rebinding).
     """
     if not re.fullmatch(r'[\w.-]*(:\d+)?|\[[0-9A-Fa-f:.]+\](:\d+)?', host, re.ASCII):
-        return False  # there is more in it than a name and a port
+        return False  # it is not just a name and a port
     try:
         name = urlsplit('//' + host).hostname or ''
         return name in own_names() or ipaddress.ip_address(name) is not None
@@ -40,10 +43,10 @@ def is_own_name(host):
 
 
 def is_same_site(origin, host):
-    """Whether a request with that Origin header, or None, was made by a page of that Host.
+    """Whether a request with this Origin header, or None, was made by a page of this Host.
 
-    Browsers give an origin with every POST and every websocket; what is no
-    browser gives none, and no site's page can make it ask.
+    Browsers send an Origin with every POST and every websocket. Other programs send none, but no web page can
+    make them send a request.
     """
     try:
         return origin is None or urlsplit(origin).netloc.lower() == host.lower() != ''
