@@ -1,5 +1,4 @@
 import os
-import sys
 
 import aruco_program  # noqa: F401  as in every program of ours
 import aruco_ar
@@ -10,8 +9,6 @@ from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# For the benchmark's drives, and for what is hostile.
-sys.path += [os.path.join(PACKAGE, 'script', 'benchmark'), os.path.join(PACKAGE, 'test')]
 
 
 def pytest_configure(config):

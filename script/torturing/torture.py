@@ -49,10 +49,6 @@ def main():
 
 def torture(part, seconds, seed):
     """Do one part; returns whether it found anything, which it prints."""
-    tests = os.path.join(HERE, '..', '..', 'test')
-    folders = [tests, os.path.join(tests, 'ros'), os.path.join(HERE, '..', 'benchmark')]
-    sys.path += folders
-    os.environ['PYTHONPATH'] = os.pathsep.join([*folders, os.environ['PYTHONPATH']])  # of what a part starts
     print('\n%s: %s\n' % (part, PARTS[part]), flush=True)
     found = importlib.import_module(part).run(seconds, seed)
     print('\n%s: %s' % (part, '\n'.join(['found', *found]) if found else 'nothing was found.'), flush=True)

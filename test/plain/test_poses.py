@@ -9,7 +9,7 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from drives import LIVELY
 from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
-from posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
+from rig.posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
 
 
 @pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])

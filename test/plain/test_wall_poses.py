@@ -9,7 +9,7 @@ from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
 from poses import SIDE, TAGS_WALL, true_pose
-from posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
+from rig.posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
 
 
 def test_several_tags_of_a_wall_help_each_other(random):
