@@ -2,6 +2,7 @@ import os
 
 import aruco_program  # noqa: F401  as in every program of ours
 import aruco_ar
+import cv2
 import numpy as np
 import pytest
 from aruco_ar.simulation.render import WallRenderer
@@ -12,6 +13,7 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 def pytest_configure(config):
+    cv2.setNumThreads(1)  # as in the nodes; other tests run beside
     # What goes wrong where nobody can catch it: as things are forgotten, and in threads.
     for kind in 'ResourceWarning', 'pytest.PytestUnraisableExceptionWarning', \
             'pytest.PytestUnhandledThreadExceptionWarning':

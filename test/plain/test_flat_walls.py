@@ -110,6 +110,7 @@ def test_with_the_first_tag_long_out_of_sight_the_wall_does_not_drift(random):
             assert surprise(estimator.camera(), truth) < HONEST
 
 
+@pytest.mark.long
 def test_a_long_wall_is_learned_as_it_is_driven_past(random):
     places = {tag_id: (0.25 * tag_id, 0, 0) for tag_id in range(20)}
     estimator = PoseEstimator(SIDE)

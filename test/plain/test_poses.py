@@ -43,6 +43,7 @@ def test_without_the_lens_it_would_be_wrong():
     assert worst(PINHOLE) > 0.02
 
 
+@pytest.mark.long
 def test_a_lone_tag_does_not_flip_where_others_do():
     camera = Camera()
     renderer, others, detector = WallRenderer(TAGS_WALL, camera, noise=2.0, seed=3), Others(), Detector()

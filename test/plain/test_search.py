@@ -115,6 +115,7 @@ def others(random):
     return cv2.GaussianBlur(frame, (0, 0), 0.6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('paint', [write, scatter, checker, others])
 @pytest.mark.parametrize('dictionary', ['DICT_6X6_250', 'DICT_APRILTAG_36h11'])
 def test_no_search_takes_anything_else_for_a_tag(random, paint, dictionary):

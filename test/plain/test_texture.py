@@ -25,6 +25,7 @@ def hidden(number, ids=ALL):
     return ids if number >= LEARNED else ()
 
 
+@pytest.mark.long
 def test_with_all_tags_hidden_for_ten_seconds_it_stays_within_a_pixel(painting):
     frames = list(drive(SLOW, LEARNED + 300, hidden, wall=painting, **PHONE))
     errors = follow(Tracker(), frames)
@@ -32,6 +33,7 @@ def test_with_all_tags_hidden_for_ten_seconds_it_stays_within_a_pixel(painting):
     assert rms(errors[LEARNED:]) < 1
 
 
+@pytest.mark.long
 def test_it_stays_where_no_tag_can_be_read_for_blur(painting):
     """A jerk of the camera smears two frames, in the middle of a drive."""
     sharp = list(drive(LIVELY, 120, wall=painting, **PHONE))
@@ -49,6 +51,7 @@ def test_it_knows_the_wall_again_after_a_jerk(painting):
     assert rms(follow(Tracker(), frames)[75:]) < 1
 
 
+@pytest.mark.long
 def test_it_lets_go_when_no_tag_has_been_there_for_long(painting):
     tracker, frames = Tracker(), list(drive(STILL, LEARNED + 30, hidden, wall=painting, noise=2.0))
     assert not np.isnan(follow(tracker, frames)).any()
@@ -66,6 +69,7 @@ def test_a_blank_wall_does_not_hold_it():
     assert np.isnan(errors[LEARNED + 12:]).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('left', [(), (2,), (1, 3)])
 def test_a_film_between_the_tags_never_pulls_it_away(package, left):
     """It pans, all of it in the same way: while tags are in sight, that is no wall."""
@@ -85,6 +89,7 @@ def test_a_film_between_the_tags_never_pulls_it_away(package, left):
     assert_never_wrong(follow(Tracker(), shown), shown)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('left', [(), (4,)])
 def test_who_walks_through_never_pulls_it_away(painting, package, left):
     """A person in patterned clothes, first before the picture, then also where all but some tags are hidden."""
@@ -99,6 +104,7 @@ def test_who_walks_through_never_pulls_it_away(painting, package, left):
     assert_never_wrong(follow(Tracker(), frames), frames)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('left', [(), (1,)])
 def test_a_shadow_never_pulls_it_away(painting, left):
     frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
@@ -111,6 +117,7 @@ def test_a_shadow_never_pulls_it_away(painting, left):
     assert not np.isnan(errors).any()
 
 
+@pytest.mark.long
 def test_what_was_learned_holds_while_one_drives_past(painting):
     frames = list(drive(FAST, 120, lambda number: ALL if number % 60 >= 40 else (), wall=painting, **PHONE))
     errors = follow(Tracker(), frames)

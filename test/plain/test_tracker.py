@@ -87,6 +87,7 @@ def test_it_stays_while_tags_are_covered(covered, px):
     assert_never_wrong(errors, frames)
 
 
+@pytest.mark.long
 def test_it_is_there_though_every_tag_hides_now_and_then():
     frames = list(drive(LIVELY, 300, at_random(300, seed=4), **USUAL))
     errors = follow(Tracker(), frames)
@@ -286,6 +287,7 @@ def test_where_tags_disagree_the_top_is_the_frames():
                                np.roll(flipped.corners, 2, axis=0), atol=0.7)
 
 
+@pytest.mark.long
 def test_where_tags_disagree_the_top_stays_on_the_wall():
     wall = replace(WALL, tags=tuple(replace(tag, turn=90.0 if tag.id == 2 else 0.0) for tag in WALL.tags))
     tracker = Tracker()
@@ -297,6 +299,7 @@ def test_where_tags_disagree_the_top_stays_on_the_wall():
     assert follow(tracker, again)[-1].max() < 0.7
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('quiet, look, most', [
     (0.25, {'blur': 0.7}, 0.3), (0, {'blur': 0.7, 'posters': ()}, 0.3), (0.4, {'blur': 2.0}, 0.6),
     (0.4, {'quality': 25}, 0.3), (0.4, {'exposure': lambda number: 2.2, 'blur': 0.7}, 0.5),
@@ -313,6 +316,7 @@ def test_tags_as_people_hang_them(package, quiet, look, most):
     assert_never_wrong(errors, frames)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('away, look, quick, least, most', [
     (6.5, {'blur': 0.7, 'noise': 2.0}, 10, 50, 0.4),
     (4.7, {'blur': 1.0, 'noise': 3.0, 'quality': 40, 'hand': 2.0, 'shutter': 25.0,

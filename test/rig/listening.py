@@ -1,5 +1,6 @@
 """Listening to topics, and knowing who listens."""
 import queue
+import re
 import threading
 import time
 
@@ -7,6 +8,8 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from rig.started import WAIT_S
+
+LEFT_OUT = re.compile(r'\d+ of \d+ frames (were dropped|did not arrive)')
 
 
 class Inbox(queue.Queue):
@@ -88,16 +91,27 @@ class Diagnoses:
 
     def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
         """Wait until a node is said, from now on, to be at that level, in these words; its {name: value}."""
+        def is_meant(said):
+            return said.level == level and all(word in said.message for word in words)
+        return self._wait(node, is_meant, '%s at level %d' % (words, level), seconds)
+
+    def wait_for_frames(self, node):
+        """Wait until a node is said, from now on, to get frames, if only some of them on a busy machine."""
+        def gets_frames(said):
+            return (said.level == DiagnosticStatus.OK and 'frames a second' in said.message) or \
+                (said.level == DiagnosticStatus.WARN and LEFT_OUT.search(said.message))
+        return self._wait(node, gets_frames, 'that it gets frames', WAIT_S)
+
+    def _wait(self, node, is_meant, words, seconds):
         name = node + ': frames'
         with self._changed:
             self._statuses.pop(name, None)
 
             def found():
-                return next((said for said in self._statuses.get(name, []) if said.level == level
-                             and all(word in said.message for word in words)), None)
+                return next(filter(is_meant, self._statuses.get(name, [])), None)
             if not self._changed.wait_for(found, seconds):
-                raise AssertionError('of %s nobody said %s at level %d, but %s' % (
-                    node, words, level, self._statuses.get(name, [None])[-1]))
+                raise AssertionError('of %s nobody said %s, but %s' % (
+                    node, words, self._statuses.get(name, [None])[-1]))
             return {item.key: item.value for item in found().values}
 
 

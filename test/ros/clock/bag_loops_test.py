@@ -80,7 +80,7 @@ class BagLoops(NodeTest):
         for number in 1, 2:  # after the first jump back in time, and the second
             rounds.wait(number)
             for node in 'exercise5_6', 'tag_poses':
-                diagnoses.wait(node, 'frames a second')
+                diagnoses.wait_for_frames(node)
         for node in nodes:
             self.assertFalse([line for line in node.lines if 'ERROR' in line or 'Traceback' in line])
 

@@ -70,7 +70,7 @@ class SimulatedTime(NodeTest):
         self.before_camera('exercise5_6')
         for stamp in rospy.Time(0), rospy.Time(1000), rospy.Time(1000.1), rospy.Time(0):
             self.assert_painted(self.see(scene(), stamp=stamp), scene())
-        values = self.diagnoses.wait('exercise5_6', 'frames a second')
+        values = self.diagnoses.wait_for_frames('exercise5_6')
         self.assertEqual(values['latency, median (ms)'], 'unknown')
 
     def test_frames_are_answered_with_their_simulated_stamps(self):
@@ -112,7 +112,7 @@ class SimulatedTime(NodeTest):
                     self.assert_painted(image, frame)
                 else:
                     np.testing.assert_array_equal(image, frame)
-            self.diagnoses.wait('exercise5_6', 'frames a second')
+            self.diagnoses.wait_for_frames('exercise5_6')
 
     def test_the_simulated_camera_goes_on_where_the_clock_jumps_or_waits(self):
         self.clock.run(1000)

@@ -84,7 +84,7 @@ class TwoRobots(unittest.TestCase):
         for inbox in answers.values():
             self.addCleanup(inbox.subscriber.unregister)
         for robot in ROBOTS:
-            diagnoses.wait(robot + '/exercise5_6', 'frames a second')
+            diagnoses.wait_for_frames(robot + '/exercise5_6')
             diagnoses.wait(robot + '/wall_camera', 'frames a second')
         change('/one/exercise5_6', scale=0.5)
         self.addCleanup(change, '/one/exercise5_6', scale=1.0)
