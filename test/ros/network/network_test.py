@@ -9,6 +9,7 @@ from rig.far import far, seconds_of, views
 from rig.hosts import until_it_ends
 from rig.listening import until
 
+ALONE = 'it counts what a link carries within a time'  # read by script/test
 LONG_S = 60.0
 AWAY_S = 10.0
 PAINTED = 0.005  # of the frame

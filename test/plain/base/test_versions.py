@@ -5,9 +5,10 @@ import subprocess
 import sys
 
 import pytest
+from aruco_ar.base.files import package_folder
 from aruco_ar.base.versions import LOWEST, TooOld, need
 
-PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PACKAGE = package_folder()
 PROGRAMS = sorted(name for name in os.listdir(os.path.join(PACKAGE, 'src')) if name.endswith('.py'))
 
 
