@@ -5,12 +5,11 @@ import os
 import shutil
 import tempfile
 import unittest
-from contextlib import suppress
 
-import psutil
 import rostest
 from aruco_ar.base.files import package_folder
 from rig.listening import until
+from rig.sockets import sockets_below
 from rig.started import Started
 
 LISTENING = {  # how many sockets of TCP: of a node, its XML-RPC server, and that of its topics
@@ -18,33 +17,6 @@ LISTENING = {  # how many sockets of TCP: of a node, its XML-RPC server, and tha
     **{'save_exercise5_%d' % number: 2 for number in range(2, 7)}, 'video_recorder': 2,
     'rosmaster': 1, 'roslaunch': 1}
 SHELL = 'ROS_HOSTNAME', 'ROS_IP', 'ROS_MASTER_URI', 'LD_PRELOAD'  # what script/env looks at
-
-
-def name_of(process):
-    """The node's name, or its program's; None for what is no part of ROS."""
-    words = process.cmdline()
-    for word in words:
-        if word.startswith('__name:='):
-            return word[len('__name:='):]
-    programs = {os.path.basename(word) for word in words[:2]} & {'rosmaster', 'roscore', 'roslaunch', 'page.py'}
-    return programs.pop() if programs else None
-
-
-def sockets_of(process):
-    """[(whether it is of TCP, address)] of what comes in, from wherever."""
-    # Its name, and that before psutil 6.
-    ask = process.net_connections if hasattr(process, 'net_connections') else process.connections
-    return [(each.status == psutil.CONN_LISTEN, each.laddr.ip) for each in ask('inet')
-            if each.status == psutil.CONN_LISTEN or (each.status == psutil.CONN_NONE and each.laddr)]
-
-
-def sockets_below(pid):
-    """{name: [(whether it is of TCP, address)]} of all that a process has started."""
-    found = {}
-    for process in psutil.Process(pid).children(recursive=True):
-        with suppress(psutil.NoSuchProcess):  # one of the script's own little commands, which has ended
-            found.setdefault(name_of(process), []).extend(sockets_of(process))
-    return found
 
 
 class Loopback(unittest.TestCase):
