@@ -60,7 +60,7 @@ class Cases:
         try:
             results = ElementTree.parse(path)
         except (OSError, ElementTree.ParseError) as error:
-            self.failed.append((test, 'there are no results: %s' % error))
+            self.failed.append((test, 'it crashed or never started, as there are no results: %s' % error))
             return
         told = {}  # rosunit's results do not say what was skipped
         for text in results.iter('system-out'):
