@@ -52,7 +52,7 @@ class Overload(NodeTest):
         camera, answers = self.listen(CAMERA), self._inboxes['tags']
         self.see(scene())
         os.killpg(self.node.process.pid, signal.SIGSTOP)
-        stamps = [self.show(BLANK[:48, :64]) for _ in range(FRAMES)]
+        stamps = [self.show(BLANK[:24, :32]) for _ in range(FRAMES)]  # all fit into the socket's buffer
         while camera.next().header.stamp != stamps[-1]:
             pass
         time.sleep(1.0)  # until they are on their way to the node, too: another thread sends them there
