@@ -1,8 +1,8 @@
 import os
-import sys
 
 import aruco_program  # noqa: F401  as in every program of ours
 import aruco_ar
+import cv2
 import numpy as np
 import pytest
 from aruco_ar.simulation.render import WallRenderer
@@ -10,11 +10,10 @@ from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import load_wall
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# For the benchmark's drives, and for what is hostile.
-sys.path += [os.path.join(PACKAGE, 'script', 'benchmark'), os.path.join(PACKAGE, 'test')]
 
 
 def pytest_configure(config):
+    cv2.setNumThreads(1)  # as in the nodes; other tests run beside
     # What goes wrong where nobody can catch it: as things are forgotten, and in threads.
     for kind in 'ResourceWarning', 'pytest.PytestUnraisableExceptionWarning', \
             'pytest.PytestUnhandledThreadExceptionWarning':

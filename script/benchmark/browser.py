@@ -10,8 +10,9 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rosgraph
 import rospy
-from master import free_port, processor_seconds
+from master import processor_seconds
 from nodes import WAIT_S
+from rig.serving import free_port
 from sensor_msgs.msg import CompressedImage
 from tornado.websocket import websocket_connect
 

@@ -1,19 +1,12 @@
 """A roscore of its own, and what processes take."""
 import os
-import socket
 import subprocess
 import time
 
 import psutil
 import rosgraph
 import rospy
-
-
-def free_port():
-    """A port of this machine that nobody has."""
-    with socket.socket() as probe:
-        probe.bind(('localhost', 0))
-        return probe.getsockname()[1]
+from rig.serving import free_port
 
 
 def processor_seconds(pid):

@@ -1,14 +1,9 @@
 """Robots and a base station with a poor network between: what it carries, how late what is painted comes."""
-import os
-import sys
 
 import numpy as np
-
-sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'test', 'ros'))
-
-from far import far, seconds_of, views
-from hosts import DELAY_S, LOSS, RATE
-from listening import until
+from rig.far import far, seconds_of, views
+from rig.hosts import DELAY_S, LOSS, RATE
+from rig.listening import until
 
 SECONDS, BEGIN_S = 15.0, 60.0
 CASES = [  # robots, how frames go through the network, and arguments of robot.launch and base_station.launch

@@ -9,11 +9,11 @@ import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
 from hostile import attacks, intruders
-from loopback_test import sockets_below
 from master import Master
+from rig.serving import PICTURE, free_port
+from rig.sockets import sockets_below
+from rig.started import Started
 from sensor_msgs.msg import Image
-from serving import PICTURE, free_port
-from started import Started
 from std_msgs.msg import Header
 
 # More than before an attack: two uploads; connections to the master, until Python collects them.

@@ -2,9 +2,9 @@
 import time
 
 import numpy as np
+from ages import ALL, Ages, camera, first_of, nodes
 from aruco_ar.base.progress import progress
 from master import Master
-from rig import ALL, Ages, camera, first_of, nodes
 
 SECONDS = 180.0
 EVERY_S = 2.0

@@ -15,11 +15,11 @@ from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
 from hostile import reading, values
 from hostile.wishes import GROUPS, NAMES, REFUSED, answered, wish
-from listening import Inbox
-from nodes import CAMERA, scene
+from rig.listening import Inbox
+from rig.nodes import CAMERA, scene
+from rig.serving import free_port
+from rig.started import WAIT_S, Started, stop_all
 from sensor_msgs.msg import Image
-from serving import free_port
-from started import WAIT_S, Started, stop_all
 from std_msgs.msg import Header
 
 SIMULATED = '/simulated/image_raw'

@@ -1,7 +1,7 @@
 """All nodes at once on this machine, and cameras that are faster, larger or slower than most."""
 import numpy as np
+from ages import ALL, ages, camera, first_of, nodes
 from master import Master
-from rig import ALL, ages, camera, first_of, nodes
 
 SECONDS = 40.0
 SHARE = 4  # cases, which share what time is given

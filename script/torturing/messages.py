@@ -15,11 +15,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from hostile.messages import Hostile
 from hostile.pacing import STUCK_S, PacedPublisher
-from listening import until
-from master import Master, free_port, processor_seconds
-from nodes import CAMERA, scene
+from master import Master, processor_seconds
+from rig.listening import until
+from rig.nodes import CAMERA, scene
+from rig.serving import free_port
+from rig.started import node, stop_all
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
-from started import node, stop_all
 from std_msgs.msg import Header
 from unit5.msg import TagArray, TagPoseArray
 

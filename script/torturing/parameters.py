@@ -16,9 +16,9 @@ from hostile import reading, values
 from hostile.wishes import set_parameter
 from live_parameters import Live
 from master import Master
-from nodes import NODES
-from serving import free_port
-from started import Started
+from rig.nodes import NODES
+from rig.serving import free_port
+from rig.started import Started
 
 STARTS, WISHES = 3, 40  # of each parameter: values at the start of a node, and while it runs
 AT_ONCE = 3

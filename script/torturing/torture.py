@@ -52,10 +52,6 @@ def main():
 
 def torture(part, seconds, seed, record):
     """Do one part; returns whether it found anything, which it prints."""
-    tests = os.path.join(HERE, '..', '..', 'test')
-    folders = [tests, os.path.join(tests, 'ros'), os.path.join(HERE, '..', 'benchmark')]
-    sys.path += folders
-    os.environ['PYTHONPATH'] = os.pathsep.join([*folders, os.environ['PYTHONPATH']])  # of what a part starts
     print('\n%s: %s\n' % (part, PARTS[part]), flush=True)
     from record import recorded  # of the benchmark, like much of what the parts need
     with recorded('torture_' + part, record):

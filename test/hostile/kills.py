@@ -13,10 +13,10 @@ import cv2
 import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
-from nodes import CAMERA, IMAGES, NODES, scene
+from rig.nodes import CAMERA, IMAGES, NODES, scene
+from rig.serving import free_port
+from rig.started import WAIT_S
 from sensor_msgs.msg import Image
-from serving import free_port
-from started import WAIT_S
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 

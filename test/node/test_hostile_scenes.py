@@ -11,7 +11,7 @@ from aruco_ar.tags.tag import square
 from hostile.looking import Looking, watch
 from hostile.scenes import NAMES, canvas_of, put, turned_square
 from hostile.sequences import Picture
-from posing import PINHOLE, off
+from rig.posing import PINHOLE, off
 
 FACING = np.diag([1.0, -1, -1])
 

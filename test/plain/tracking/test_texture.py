@@ -1,0 +1,124 @@
+"""The wall's texture shows where the area is when tags do not, and never where it is not."""
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Tracker
+from aruco_ar.walls.wall import Poster
+from drives import FAST, LIVELY, SLOW, STILL, WALL, drive
+from rig.following import assert_never_wrong, follow, later, rms
+
+ALL = WALL.area
+BLANK = replace(WALL, plaster=0)
+LEARNED = 60  # frames in which all tags are in sight
+PHONE = {'noise': 2.0, 'blur': 0.7, 'light': 0.3, 'hand': 1.0, 'quality': 70}
+
+
+@pytest.fixture
+def painting(package):
+    """A wall with narrow-rimmed tags on a painting."""
+    return replace(WALL, quiet=0.4, posters=(Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
+
+
+def hidden(number, ids=ALL):
+    return ids if number >= LEARNED else ()
+
+
+@pytest.mark.long
+def test_with_all_tags_hidden_for_ten_seconds_it_stays_within_a_pixel(painting):
+    frames = list(drive(SLOW, LEARNED + 300, hidden, wall=painting, **PHONE))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors).any()
+    assert rms(errors[LEARNED:]) < 1
+
+
+@pytest.mark.long
+def test_it_stays_where_no_tag_can_be_read_for_blur(painting):
+    """A jerk of the camera smears two frames, in the middle of a drive."""
+    sharp = list(drive(LIVELY, 120, wall=painting, **PHONE))
+    smeared = list(drive(LIVELY, 120, wall=painting, smear=15, **PHONE))
+    frames = [smeared[number] if number in (80, 81, 100, 101) else frame for number, frame in enumerate(sharp)]
+    errors = follow(Tracker(), frames)
+    assert rms(errors[[80, 81, 100, 101]]) < 1
+
+
+def test_it_knows_the_wall_again_after_a_jerk(painting):
+    frames, shift = list(drive(STILL, 90, hidden, wall=painting, **PHONE)), np.float32([[1, 0, 14], [0, 1, -9]])
+    for number, frame in enumerate(frames[75:], 75):
+        jerked = cv2.warpAffine(frame.image, shift, (640, 480), borderMode=cv2.BORDER_REPLICATE)
+        frames[number] = frame._replace(image=jerked, corners=frame.corners + shift[:, 2])
+    assert rms(follow(Tracker(), frames)[75:]) < 1
+
+
+@pytest.mark.long
+def test_it_lets_go_when_no_tag_has_been_there_for_long(painting):
+    tracker, frames = Tracker(), list(drive(STILL, LEARNED + 30, hidden, wall=painting, noise=2.0))
+    assert not np.isnan(follow(tracker, frames)).any()
+    assert tracker.explanation == "The wall's texture shows it."
+    again = frames[LEARNED:]
+    for round in range(1, 16):
+        follow(tracker, later(again, float(round)))
+    assert np.isnan(follow(tracker, later(again, 16.0))).all()
+    assert tracker.explanation == 'None of its tags has been in sight for 15 s.'
+
+
+def test_a_blank_wall_does_not_hold_it():
+    frames = list(drive(STILL, LEARNED + 30, hidden, wall=BLANK, noise=3.0))
+    errors = follow(Tracker(), frames)
+    assert np.isnan(errors[LEARNED + 12:]).all()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('left', [(), (2,), (1, 3)])
+def test_a_film_between_the_tags_never_pulls_it_away(package, left):
+    """It pans, all of it in the same way: while tags are in sight, that is no wall."""
+    film = cv2.imread(package + '/images/earth.jpg')
+    frames = list(drive(SLOW, LEARNED + 40, lambda number: hidden(number, [id for id in ALL if id not in left]),
+                        wall=BLANK, **PHONE))
+    screen = np.float32([[0.15, 0.15], [0.85, 0.15], [0.85, 0.85], [0.15, 0.85]])
+    shown = []
+    for number, frame in enumerate(frames):
+        scene = np.roll(film, 3 * number, axis=1)[100:500, 100:700]
+        to_area = cv2.getPerspectiveTransform(np.float32([[0, 0], [1, 0], [1, 1], [0, 1]]),
+                                              np.float32(frame.corners))
+        quad = cv2.perspectiveTransform(screen[None], to_area)
+        to_frame = cv2.getPerspectiveTransform(np.float32([[0, 0], [600, 0], [600, 400], [0, 400]]), quad)
+        cv2.warpPerspective(scene, to_frame, (640, 480), frame.image, borderMode=cv2.BORDER_TRANSPARENT)
+        shown.append(frame)
+    assert_never_wrong(follow(Tracker(), shown), shown)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('left', [(), (4,)])
+def test_who_walks_through_never_pulls_it_away(painting, package, left):
+    """A person in patterned clothes, first before the picture, then also where all but some tags are hidden."""
+    coat = cv2.resize(cv2.imread(package + '/images/earth.jpg'), (180, 420))
+    frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
+                        wall=painting, **PHONE))
+    for number, frame in enumerate(frames):
+        x = int(-180 + 7 * number)
+        first, last = max(x, 0), min(x + 180, 640)
+        if first < last:
+            frame.image[40:460, first:last] = coat[:, first - x:last - x]
+    assert_never_wrong(follow(Tracker(), frames), frames)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('left', [(), (1,)])
+def test_a_shadow_never_pulls_it_away(painting, left):
+    frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
+                        wall=painting, **PHONE))
+    for number, frame in enumerate(frames):
+        edge = 6 * number
+        frame.image[:, :edge] //= 2
+    errors = follow(Tracker(), frames)
+    assert_never_wrong(errors, frames)
+    assert not np.isnan(errors).any()
+
+
+@pytest.mark.long
+def test_what_was_learned_holds_while_one_drives_past(painting):
+    frames = list(drive(FAST, 120, lambda number: ALL if number % 60 >= 40 else (), wall=painting, **PHONE))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors[30:]).any() and rms(errors[30:]) < 1

@@ -1,0 +1,189 @@
+"""The area over time, against the simulated camera's truth: it sticks, and is never wrong."""
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError, Tracker
+from aruco_ar.simulation.robot import Path, Pose
+from aruco_ar.walls.wall import Poster
+from drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
+from rig.following import USUAL, assert_never_wrong, follow, later, rms
+
+
+def test_standing_still_it_does_not_tremble():
+    tracker, frames = Tracker(), list(drive(STILL, 40, noise=5.0))
+    corners = np.array([tracker.update(frame.image, frame.stamp).corners for frame in frames])
+    assert corners.std(axis=0).max() < 0.05
+    assert rms(np.linalg.norm(corners - frames[0].corners, axis=2)) < 0.3
+
+
+def test_driving_past_it_stays_and_does_not_lag():
+    frames = list(drive(FAST, 120, **USUAL))
+    errors = follow(Tracker(), frames)
+    assert rms(errors) < 0.7  # NaN, were there no area in some frame
+    assert rms(errors[-30:]) < 0.7
+
+
+def test_a_sudden_start_is_followed_at_once():
+    path = Path(Pose(-2.2, 0.1, -0.05), ((1, 0, 0), (1, 0.3, 0.5)))
+    errors = follow(Tracker(), drive(path, 45, **USUAL))
+    assert errors[28:].max() < 0.7
+
+
+def test_near_the_wall_a_lone_tag_brings_it_back_when_the_robot_stands_still():
+    # Up to the wall, away from it until one tag is left in the frame, and there it stops.
+    path = Path(Pose(-2.2, 0.05, 0), ((1.3, 0.6, 0), (2.1, 0, 0.3), (3, 0, 0)))
+    frames = list(drive(path, 190, **USUAL))
+    errors = follow(Tracker(), frames)
+    assert_never_wrong(errors, frames)
+    assert not np.isnan(errors[-30:]).any()
+
+
+@pytest.mark.parametrize('covered, px', [([3], 0.6), ([1, 2], 1.2), ([2, 4], 1.2), ([2, 3, 4], 5.0),
+                                         ([1, 2, 3], 5.0)])
+def test_it_stays_while_tags_are_covered(covered, px):
+    frames = list(drive(SLOW, 75, lambda number: covered if number >= 15 else (), **USUAL))
+    errors = follow(Tracker(), frames)
+    assert rms(errors[15:]) < px
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.long
+def test_it_is_there_though_every_tag_hides_now_and_then():
+    frames = list(drive(LIVELY, 300, at_random(300, seed=4), **USUAL))
+    errors = follow(Tracker(), frames)
+    assert np.mean(~np.isnan(errors[:, 0])) >= 0.99
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.parametrize('look', [{'smear': 9}, {'light': 0.75}, {'quality': 50}], ids=str)
+def test_blur_shade_and_compression_do_not_hide_it(look):
+    frames = list(drive(LIVELY, 60, noise=2.0, **look))
+    errors = follow(Tracker(), frames)
+    assert np.mean(~np.isnan(errors[:, 0])) >= 0.98
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.parametrize('hold', [0.0, 0.3, 1.0])
+def test_without_any_tag_it_is_held_and_then_gone(hold):
+    frames = list(drive(STILL, 50, lambda number: [1, 2, 3, 4] if number >= 10 else (), noise=2.0))
+    errors = follow(Tracker(hold=hold), frames)
+    last = frames[9].stamp
+    for frame, error in zip(frames[10:], errors[10:]):
+        assert np.isnan(error[0]) == (frame.stamp - last > hold + 1e-6)
+    assert np.nanmax(errors) < 1.0
+
+
+def test_where_time_goes_back_all_is_forgotten():
+    frames = list(drive(STILL, 20, lambda number: [1] if number >= 10 else ()))
+    tracker = Tracker()
+    assert not np.isnan(follow(tracker, frames)).any()
+    assert tracker.update(frames[15].image, 0.1) is None
+    assert tracker.update(frames[0].image, 0.2) is not None
+
+
+def test_where_the_frames_change_their_size_all_is_forgotten():
+    tracker = Tracker()
+    frames = list(drive(STILL, 2))
+    assert not np.isnan(follow(tracker, frames)).any()
+    small = next(drive(STILL, 1, size=(320, 240), covered=lambda number: [1]))
+    assert tracker.update(small.image, 0.2) is None
+
+
+def test_frames_that_all_have_the_same_stamp_are_no_trouble():
+    frames = list(drive(SLOW, 60, lambda number: WALL.area if number >= 30 else (), **USUAL))
+    errors = follow(Tracker(), [frame._replace(stamp=7.0) for frame in frames])
+    assert errors[:30].max() < 0.7
+    assert np.isnan(errors[45:]).all()
+
+
+@pytest.mark.parametrize('arguments, words', [
+    ({'hold': -1}, 'held for -1'), ({'hold': 'long'}, 'held for long'),
+    ({'upright': 'up'}, '"up".*tags, image')])
+def test_what_it_cannot_do_is_said_at_once(arguments, words):
+    with pytest.raises(InputError, match=words):
+        Tracker(**arguments)
+
+
+def test_gray_frames_will_do():
+    frames = [frame._replace(image=cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY)) for frame in drive(SLOW, 10)]
+    assert follow(Tracker(), frames).max() < 0.3
+
+
+@pytest.mark.parametrize('color', [WALL.color, (30, 40, 50)], ids=['light', 'dark'])
+@pytest.mark.parametrize('quiet', [0.5, 0.25])
+def test_rims_may_be_narrow_and_the_wall_beyond_of_any_shade(quiet, color):
+    frames = list(drive(LIVELY, 60, wall=replace(WALL, quiet=quiet, color=color), **USUAL))
+    tracker, found = Tracker(), 0
+    errors = []
+    for frame in frames:
+        errors.append(np.linalg.norm(tracker.update(frame.image, frame.stamp).corners - frame.corners, axis=1))
+        found += len(tracker.tags)
+    assert rms(np.array(errors)) < 0.2 and found == 4 * len(frames)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('quiet, look, most', [
+    (0.25, {'blur': 0.7}, 0.3), (0, {'blur': 0.7, 'posters': ()}, 0.3), (0.4, {'blur': 2.0}, 0.6),
+    (0.4, {'quality': 25}, 0.3), (0.4, {'exposure': lambda number: 2.2, 'blur': 0.7}, 0.5),
+    (0.4, {'exposure': lambda number: 2**(1.5 * np.sin(number / 10)), 'blur': 0.7}, 0.4),
+    (0.4, {'hand': 2.0, 'shutter': 25.0, 'blur': 0.7}, 0.4)])
+def test_tags_as_people_hang_them(package, quiet, look, most):
+    """Narrow rims or none, a dark painting; soft, compressed, overexposed, in a hand, a rolling shutter."""
+    painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
+    look = dict(look)
+    wall = replace(WALL, quiet=quiet, posters=look.pop('posters', (painting,)))
+    frames = list(drive(LIVELY, 60, wall=wall, noise=2.0, **look))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors).any() and rms(errors[10:]) < most
+    assert_never_wrong(errors, frames)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize('away, look, quick, least, most', [
+    (6.5, {'blur': 0.7, 'noise': 2.0}, 10, 50, 0.4),
+    (4.7, {'blur': 1.0, 'noise': 3.0, 'quality': 40, 'hand': 2.0, 'shutter': 25.0,
+           'exposure': lambda number: 2**(0.8 * np.sin(number / 10))}, 10, 40, 1.0)])
+def test_small_tags_are_soon_found_on_a_painting(package, away, look, quick, least, most):
+    """Of 16 px, and of 22 px with all that goes wrong at once."""
+    painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
+    path = Path(Pose(-away, 0.1, -0.01), ((3, 0.1, 0.01),))
+    frames = list(drive(path, 60, wall=replace(WALL, quiet=0.4, posters=(painting,)), **look))
+    errors = follow(Tracker(), frames)
+    known = ~np.isnan(errors[:, 0])
+    assert known[:quick].any() and known.sum() >= least and rms(errors[known]) < most
+    assert_never_wrong(errors, frames)
+
+
+def test_tags_of_14_px_are_followed():
+    frames = list(drive(Path(Pose(-7.4, 0.1, -0.01), ((3, 0.1, 0.01),)), 60, noise=2.0, blur=0.5))
+    errors = follow(Tracker(), frames)
+    assert not np.isnan(errors[10:]).any() and rms(errors[10:]) < 0.25
+
+
+def test_a_lone_small_tag_does_not_pretend_to_know_where_the_rest_is():
+    """Its corners are off in the same way in every frame: no number of frames makes up for that."""
+    wall = replace(WALL, plaster=0, tags=tuple(replace(tag, side=0.07) for tag in WALL.tags))
+    frames = list(drive(STILL, 90, lambda number: (1, 2, 3) if number >= 30 else (), wall=wall, noise=2.0))
+    tracker = Tracker()
+    follow(tracker, frames[:30])
+    tracker.update(np.zeros_like(frames[0].image), 1.0)
+    shown = later(frames[30:], 5.0)  # after a pause, it has nothing else to go by
+    assert tracker.update(shown[0].image, shown[0].stamp) is None
+    assert np.isnan(follow(tracker, shown[1:])).all()
+
+
+def test_nothing_is_written_into_the_frame():
+    frame = next(drive(STILL, 1))
+    before, tracker = frame.image.copy(), Tracker()
+    for number in range(3):
+        tracker.update(frame.image, number / 30)
+    np.testing.assert_array_equal(frame.image, before)
+
+
+@pytest.mark.parametrize('shape', [(480, 640, 3), (1, 1, 3), (2, 900), (64, 48, 3)])
+def test_frames_without_tags_are_no_trouble(random, shape):
+    tracker = Tracker()
+    for number in range(4):
+        assert tracker.update(random.randint(0, 256, shape).astype(np.uint8), number / 30) is None

@@ -1,0 +1,58 @@
+"""What the rostests in a browser share: the page, open in Chromium."""
+import os
+import shutil
+
+from rig.serving import ServerTest
+from rig.skipping import skip
+from rig.started import WAIT_S
+
+BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
+WAIT_MS = 1000 * WAIT_S
+OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
+           '--disable-component-update', '--disable-sync']
+
+
+class BrowserTest(ServerTest):
+    """Has the page open as ``page``; what is wrong on its console fails the test, unless ``expected``."""
+
+    @classmethod
+    def setUpClass(cls):
+        path = next(filter(None, map(shutil.which, BROWSERS)), None)
+        if path is None:
+            skip(cls.__name__, 'no Chromium here')
+        from playwright.sync_api import sync_playwright
+        super().setUpClass()
+        cls.playwright = sync_playwright().start()
+        sandbox = ['--no-sandbox'] if os.getuid() == 0 else []
+        cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.browser.close()
+        cls.playwright.stop()
+        super().tearDownClass()
+
+    def setUp(self):
+        self.page = self.browser.new_page(viewport={'width': 1400, 'height': 900})
+        self.page.set_default_timeout(WAIT_MS)
+        self.wrong, self.asked, self.expected = [], [], ''
+        self.page.on('pageerror', lambda error: self.wrong.append(str(error)))
+        self.page.on('console', lambda line: self.wrong.append(line.text) if line.type == 'error' else None)
+        self.page.on('request', lambda request: self.asked.append(request.url))
+        self.page.goto('http://localhost:%d/' % self.port)
+        self.page.wait_for_function(
+            '''() => document.querySelectorAll('.tile .why[hidden]').length == 6 &&
+                     [...document.querySelectorAll('.latency')].every(
+                         (text) => /^[0-9]/.test(text.textContent))''')
+
+    def tearDown(self):
+        self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])
+        self.page.close()
+
+    def wait_for_text(self, selector, words):
+        """Wait until the elements of that kind, of which there must be one, all say these words."""
+        self.page.wait_for_function(
+            '''([selector, words]) => {
+                 const texts = [...document.querySelectorAll(selector)].map((element) => element.textContent);
+                 return texts.length > 0 && texts.every((text) => text.includes(words));
+               }''', arg=[selector, words])

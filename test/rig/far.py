@@ -1,0 +1,68 @@
+"""Robots and a base station, each on a host of its own, with what they run."""
+import json
+import os
+import sys
+import time
+from contextlib import contextmanager
+
+from rig.hosts import BASE, LOSS, hosts
+from rig.started import Started, stop_all
+
+VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'far_viewer.py')
+
+
+class Far:
+    """A base station with a roscore, and its robots, each with the simulated camera."""
+
+    def __init__(self, made, radios):
+        (self.base, *self.robots), self.radios, self.running = made, radios, []
+
+    def begin(self, of_robots, of_base):
+        """Start all; see far."""
+        self.running.append(Started(*self.base.command('roscore')))
+        self.running[0].wait_for('started core service')
+        for number, robot in enumerate(self.robots):
+            names = ['ROS_NAMESPACE=' + robot.name]
+            self.running += [
+                Started(*robot.command(*names, 'roslaunch', 'unit5', 'robot.launch', 'sim:=true', *of_robots)),
+                Started(*self.base.command(*names, 'roslaunch', 'unit5', 'base_station.launch',
+                                           'port:=%d' % (8090 + number), *of_base))]
+
+    def view(self, *exercises):
+        """Look at what these exercises make of the frames of all robots."""
+        pairs = ['/%s/%s' % (robot.name, topic) for robot in self.robots for exercise in exercises
+                 for topic in ('base_camera/image_raw', exercise + '/image')]
+        self.running.append(Started(*self.base.command(sys.executable, VIEWER, *pairs)))
+        return self.running[-1]
+
+    def sent(self):
+        """Bytes that the robots have sent so far."""
+        return sum(robot.bytes_to(BASE) for robot in self.robots)
+
+
+def views(viewer, after=0):
+    """What a viewer has seen: (topic, stamp, age, part that is painted or None) of each."""
+    return [json.loads(line) for line in viewer.lines[after:] if line.startswith('[')]
+
+
+def seconds_of(far, viewer, seconds):
+    """What is seen, and the bytes that are sent, while so many seconds go by."""
+    seen, sent = len(viewer.lines), far.sent()
+    time.sleep(seconds)
+    return views(viewer, seen), far.sent() - sent
+
+
+@contextmanager
+def far(robots, of_robots=(), of_base=(), loss=LOSS):
+    """A Far while the block runs. Raises OSError or CalledProcessError where hosts cannot be made.
+
+    ``of_robots``, ``of_base``: arguments of robot.launch and base_station.launch.
+    """
+    with hosts(robots, loss) as (made, radios):
+        found = Far(made, radios)
+        try:
+            found.begin(of_robots, of_base)
+            yield found
+        finally:
+            stop_all(reversed(found.running[1:]))
+            stop_all(found.running)

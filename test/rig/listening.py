@@ -1,0 +1,126 @@
+"""Listening to topics, and knowing who listens."""
+import queue
+import re
+import threading
+import time
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from rig.started import WAIT_S
+
+LEFT_OUT = re.compile(r'\d+ of \d+ frames (were dropped|did not arrive)')
+
+
+class Inbox(queue.Queue):
+    """The messages of a topic; ``get`` waits for the next."""
+
+    def __init__(self, topic, kind):
+        super().__init__()
+        self.subscriber = rospy.Subscriber(topic, kind, self.put, queue_size=10, buff_size=1 << 25)
+
+    def next(self):
+        return self.get(timeout=WAIT_S)
+
+
+def moments(topics, count, seconds=WAIT_S, keep=bool):
+    """Wait for stamps with which something came on every topic and which ``keep`` takes.
+
+    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order in which they
+    became whole.
+    """
+    parts, whole, changed = {}, {}, threading.Condition()
+
+    def listen(topic, kind):
+        def take(message):
+            stamp = message.header.stamp
+            with changed:
+                moment = parts.setdefault(stamp, {})
+                moment[topic] = message
+                if len(moment) == len(topics) and keep(moment):
+                    whole[stamp] = moment
+                    changed.notify_all()
+        return rospy.Subscriber(topic, kind, take, queue_size=10, buff_size=1 << 26)
+    subscribers = [listen(topic, kind) for topic, kind in topics.items()]
+    with changed:
+        done = changed.wait_for(lambda: len(whole) >= count, seconds)
+        found = list(whole.values())
+    for subscriber in subscribers:
+        subscriber.unregister()
+    if not done:
+        raise AssertionError('only %d of %d moments were whole within %d s' % (len(found), count, seconds))
+    return found
+
+
+class Connections(rospy.SubscribeListener):
+    """Tells when somebody subscribes to a topic, and when they leave."""
+
+    def __init__(self):
+        super().__init__()
+        self.count, self._changed = 0, threading.Condition()
+
+    def peer_subscribe(self, *_):
+        self._change(1)
+
+    def peer_unsubscribe(self, *_):
+        self._change(-1)
+
+    def _change(self, by):
+        with self._changed:
+            self.count += by
+            self._changed.notify_all()
+
+    def wait(self, count):
+        with self._changed:
+            if not self._changed.wait_for(lambda: self.count == count, WAIT_S):
+                raise AssertionError('%d subscribers, not %d' % (self.count, count))
+
+
+class Diagnoses:
+    """What /diagnostics says of the nodes, by their names."""
+
+    def __init__(self):
+        self._statuses, self._changed = {}, threading.Condition()
+        self.subscriber = rospy.Subscriber('/diagnostics', DiagnosticArray, self._take, queue_size=100)
+
+    def _take(self, message):
+        with self._changed:
+            for status in message.status:
+                self._statuses.setdefault(status.name, []).append(status)
+            self._changed.notify_all()
+
+    def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
+        """Wait until a node is said, from now on, to be at that level, in these words; its {name: value}."""
+        def is_meant(said):
+            return said.level == level and all(word in said.message for word in words)
+        return self._wait(node, is_meant, '%s at level %d' % (words, level), seconds)
+
+    def wait_for_frames(self, node):
+        """Wait until a node is said, from now on, to get frames, if only some of them on a busy machine."""
+        def gets_frames(said):
+            return (said.level == DiagnosticStatus.OK and 'frames a second' in said.message) or \
+                (said.level == DiagnosticStatus.WARN and LEFT_OUT.search(said.message))
+        return self._wait(node, gets_frames, 'that it gets frames', WAIT_S)
+
+    def _wait(self, node, is_meant, words, seconds):
+        name = node + ': frames'
+        with self._changed:
+            self._statuses.pop(name, None)
+
+            def found():
+                return next(filter(is_meant, self._statuses.get(name, [])), None)
+            if not self._changed.wait_for(found, seconds):
+                raise AssertionError('of %s nobody said %s, but %s' % (
+                    node, words, self._statuses.get(name, [None])[-1]))
+            return {item.key: item.value for item in found().values}
+
+
+def until(is_so, seconds=WAIT_S):
+    """Ask a function again and again until what it returns is true; that."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        answer = is_so()
+        if answer:
+            return answer
+        time.sleep(0.05)  # it may be the ROS master who is asked, of whom all want something
+    raise AssertionError('it never came true')

@@ -1,0 +1,162 @@
+#!/usr/bin/env python3
+"""tag_poses with a camera_info or a wall that is missing, late or wrong, and with a lens that bends."""
+import tempfile
+
+import numpy as np
+import rospy
+import rostest
+from aruco_ar.base.files import package_folder
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.walls.wall import load_wall
+from aruco_node.messages.images import image_from_frame
+from aruco_node.messages.wall_messages import camera_info
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rig.nodes import NodeTest
+from rig.started import WAIT_S
+from sensor_msgs.msg import CameraInfo
+from std_msgs.msg import Header
+from tf2_msgs.msg import TFMessage
+from unit5.msg import TagArray, TagPoseArray
+
+WALL = load_wall(package_folder() + '/config/wall.yaml')
+VIEW = wall_to_camera(Pose(-1.8, 0.0, 0.1))
+BENT = [-0.3, 0.1, 0.0, 0.0, 0.0]
+
+
+class CameraInfos(NodeTest):
+    def start_poses(self, image, info, *arguments):
+        """tag_poses before a camera with these topics; it has listeners."""
+        self.images, connections = self.camera(image)
+        self.infos, others = self.camera(info, CameraInfo)
+        self.node = self.start('tag_poses.py', 'camera/rgb/image_raw:=' + image, *arguments)
+        self.seen = {'tags': self.listen('/tag_poses/tags', TagArray),
+                     'poses': self.listen('/tag_poses/poses', TagPoseArray)}
+        connections.wait(1)
+        others.wait(1)
+
+    def count(self, frame, frame_id='eye'):
+        """Publish a frame; how many tags are found in it."""
+        stamp = rospy.Time.now()
+        self.images.publish(image_from_frame(frame, Header(stamp=stamp, frame_id=frame_id)))
+        tags = self.seen['tags'].next()
+        self.assertEqual(tags.header.stamp, stamp)
+        return len(tags.tags)
+
+    def show_until_said(self, frame, words, frame_id='eye'):
+        """Publish frames, in which tags are found all the while, until the node has said these words."""
+        until = rospy.Time.now() + rospy.Duration(WAIT_S)
+        while not any(words in line for line in self.node.lines):
+            self.assertEqual(self.count(frame, frame_id), 4)
+            self.assertLess(rospy.Time.now(), until, words)
+
+    def show_until_posed(self, frame, info):
+        """Publish a camera_info and frames until poses come; what they say."""
+        self.infos.publish(info)
+        for _ in range(100):
+            self.assertEqual(self.count(frame), 4)
+            if not self.seen['poses'].empty():
+                return self.seen['poses'].next().tags
+        raise AssertionError('no poses in 100 frames')
+
+    def assert_right(self, tags):
+        rotation, translation = VIEW
+        self.assertEqual(sorted(tag.id for tag in tags), [1, 2, 3, 4])
+        for tag in tags:
+            place = next(each for each in WALL.tags if each.id == tag.id)
+            true = rotation @ [place.x, place.y, 0] + translation
+            found = tag.pose.pose.position
+            self.assertLess(np.linalg.norm(np.array([found.x, found.y, found.z]) - true), 0.015)
+
+    def test_without_a_good_camera_info_the_tags_are_found_and_the_poses_wait(self):
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        frame, camera = WallRenderer(WALL, Camera()).render(*VIEW), Camera()
+        self.assertEqual(self.count(frame), 4)
+        self.show_until_said(frame, 'nothing arrives on it')
+        for wrong, words in ((CameraInfo(), 'for what size of frames'),
+                             (CameraInfo(width=640, height=480), 'K is not a camera matrix'),
+                             (camera_info(Camera(width=1280, height=960), None), 'for frames of 1280 x 960')):
+            for _ in range(3):
+                self.infos.publish(wrong)
+                self.show_until_said(frame, words)
+        self.assertTrue(self.seen['poses'].empty())
+        self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
+        for words in 'nothing arrives on it', 'for what size', 'K is not a camera matrix', '1280 x 960':
+            told = [line for line in self.node.lines if words in line]
+            self.assertEqual(len(told), 1, told)
+            self.assertIn('/eye/camera_info', told[0])
+            self.assertIn('WARN', told[0])
+
+    def test_a_lens_that_bends_is_honored(self):
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        camera = Camera(distortion=BENT)
+        frame = WallRenderer(WALL, camera).render(*VIEW)
+        self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
+
+    def test_a_rectified_topic_is_taken_as_such(self):
+        self.start_poses('/eye/image_rect_color', '/eye/camera_info')
+        # The calibration says how the lens bends; the frames have been corrected.
+        info = camera_info(Camera(distortion=BENT), None)
+        self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW), info))
+
+    def test_a_resized_frame_and_a_topic_elsewhere(self):
+        self.start_poses('/eye/image_raw', '/else/where', '_scale:=0.5', '_camera_info:=/else/where')
+        self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
+                                                camera_info(Camera(), None)))
+
+    def test_a_wall_that_does_not_fit_is_told(self):
+        frame, info = WallRenderer(WALL, Camera()).render(*VIEW), camera_info(Camera(), None)
+        with open(package_folder() + '/config/wall.yaml') as file:
+            fitting = file.read()
+        for change, words in ((('side: 0.18', 'side: 0.15'), 'The tags in sight do not fit the wall of "%s"'),
+                              (('x:  0.45, y: 0.25', 'x:  0.35, y: 0.25'), 'Tag 3 is not where "%s" says')):
+            with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+                file.write(fitting.replace(*change))
+                file.flush()
+                self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+                self.show_until_posed(frame, info)
+                self.show_until_said(frame, words % file.name)
+            self.tearDown()
+            self.setUp()
+
+    def test_one_tag_in_a_file_is_enough_to_know_where_the_camera_is(self):
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+            file.write('tags: [{id: 4, x: -0.45, y: 0.25, side: 0.18}]')
+            file.flush()
+            self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
+            self.assert_camera('wall', -VIEW[0].T @ VIEW[1])
+
+    def test_a_wall_that_is_learned_has_another_frame(self):
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        first = WALL.tags[0]  # with the lowest id
+        self.assert_camera('learned_wall', -VIEW[0].T @ VIEW[1] - [first.x, first.y, 0])
+
+    def assert_camera(self, frame_id, place):
+        """The camera is there in that frame."""
+        self.seen['camera'] = self.listen('/tag_poses/camera_pose', PoseWithCovarianceStamped)
+        frame = WallRenderer(WALL, Camera()).render(*VIEW)
+        self.show_until_posed(frame, camera_info(Camera(), None))
+        until = rospy.Time.now() + rospy.Duration(WAIT_S)
+        while self.seen['camera'].empty():
+            self.count(frame)
+            self.assertLess(rospy.Time.now(), until)
+        message = self.seen['camera'].next()
+        self.assertEqual(message.header.frame_id, frame_id)
+        found = message.pose.pose.position
+        self.assertLess(np.linalg.norm([found.x, found.y, found.z] - place), 0.05)
+
+    def test_frames_without_a_frame_id_get_poses_but_no_tf(self):
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        frames = self.listen('/tf', TFMessage)
+        frame = WallRenderer(WALL, Camera()).render(*VIEW)
+        self.assert_right(self.show_until_posed(frame, camera_info(Camera(), None)))
+        while not frames.empty():
+            frames.next()
+        self.show_until_said(frame, 'frames of the camera have no frame_id', frame_id='')
+        self.assertFalse([each for message in list(frames.queue) for each in message.transforms
+                          if not each.header.frame_id])
+
+
+if __name__ == '__main__':
+    rospy.init_node('camera_info_test')
+    rostest.rosrun('unit5', 'camera_info_test', CameraInfos)

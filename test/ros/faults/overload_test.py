@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""A node that cannot keep up leaves frames out; it does not fall behind, nor show what is old."""
+import os
+import signal
+import time
+
+import cv2
+import rospy
+import rostest
+from rig.nodes import BLANK, CAMERA, NodeTest, scene
+from unit5.msg import TagPoseArray
+
+ALONE = 'it counts how many frames a node leaves out'  # read by script/test
+FRAMES = 10  # as many as the camera's queue holds
+
+
+class Overload(NodeTest):
+    def test_an_exercise_answers_the_newest_frame_after_a_pause(self):
+        self.leaves_frames_out('exercise5_6')
+
+    def test_the_poses_are_those_of_the_newest_frame_after_a_pause(self):
+        self.leaves_frames_out('tag_poses')
+
+    def test_an_exercise_does_not_show_a_frame_that_is_too_old_where_a_newer_one_waits(self):
+        self.leaves_old_frames_out('exercise5_6')
+
+    def test_there_are_no_poses_of_a_frame_that_is_too_old_where_a_newer_one_waits(self):
+        self.calibrate()
+        self.leaves_old_frames_out('tag_poses', poses=TagPoseArray)
+
+    def leaves_old_frames_out(self, name, **others):
+        self.before_camera(name, **others)
+        camera, now = self.listen(CAMERA), time.time()
+        for second in range(20):  # all of them in time: before it
+            self.see(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
+        os.killpg(self.node.process.pid, signal.SIGSTOP)
+        old = self.show(scene(), rospy.Time(now - 100))
+        # More than fits between the two: the node has read the old one when the rest of this comes.
+        self.show(cv2.resize(scene(), (4000, 3000)), rospy.Time(now + 200))
+        new = self.show(scene(), rospy.Time(now + 201))
+        while camera.next().header.stamp != new:
+            pass
+        os.killpg(self.node.process.pid, signal.SIGCONT)
+        for topic, inbox in self._inboxes.items():
+            stamp = None
+            while stamp != new:
+                stamp = inbox.next().header.stamp
+                self.assertNotEqual(stamp, old, topic)
+
+    def leaves_frames_out(self, name):
+        self.before_camera(name)
+        camera, answers = self.listen(CAMERA), self._inboxes['tags']
+        self.see(scene())
+        os.killpg(self.node.process.pid, signal.SIGSTOP)
+        stamps = [self.show(BLANK[:24, :32]) for _ in range(FRAMES)]  # all fit into the socket's buffer
+        while camera.next().header.stamp != stamps[-1]:
+            pass
+        time.sleep(1.0)  # until they are on their way to the node, too: another thread sends them there
+        os.killpg(self.node.process.pid, signal.SIGCONT)
+        answered = [answers.next().header.stamp]
+        while answered[-1] != stamps[-1]:
+            answered.append(answers.next().header.stamp)
+        self.assertLess(len(set(answered) & set(stamps)), FRAMES / 2)
+
+
+if __name__ == '__main__':
+    rospy.init_node('overload_test')
+    rostest.rosrun('unit5', 'overload', Overload)

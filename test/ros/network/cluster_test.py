@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Bags looked at by a cluster of two hosts give, to the byte, what one process makes of them."""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rostest
+from aruco_ar.base.files import package_folder
+from rig.hosts import BASE_ADDRESS, hosts, until_it_ends
+from rig.started import Started, stop_all
+
+PACKAGE = package_folder()
+BAGS = [os.path.join(PACKAGE, 'test', 'bags', name) for name in ('drive_compressed.bag', 'drive_raw.bag')]
+SCHEDULER = 'tcp://%s:8786' % BASE_ADDRESS
+LONG_S = 120
+
+
+class Cluster(unittest.TestCase):
+    def test_two_hosts_make_of_bags_what_one_process_makes_of_them(self):
+        one, two = tempfile.mkdtemp(), tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, one)
+        self.addCleanup(shutil.rmtree, two)
+        (base, *others), _ = until_it_ends(self, hosts(2))
+        running = [Started(*base.command('dask', 'scheduler', '--host', BASE_ADDRESS, '--no-dashboard'))]
+        self.addCleanup(stop_all, running)
+        running[0].wait_for('Scheduler at')
+        for host in others:
+            running.append(Started(*host.command(
+                'dask', 'worker', SCHEDULER, '--nthreads', '1', '--no-dashboard', '--host', host.address)))
+            running[-1].wait_for('Registered to')
+        self.assertIn('2 workers', annotated(base.command(), two, '--scheduler', SCHEDULER))
+        self.assertIn('1 worker', annotated([], one, '--workers', '1'))
+        for name in [os.path.basename(bag) for bag in BAGS] + ['tags.csv']:
+            with open(os.path.join(one, name), 'rb') as alone, open(os.path.join(two, name), 'rb') as together:
+                self.assertEqual(alone.read(), together.read(), name)
+
+
+def annotated(start, folder, *arguments):
+    """What annotate_bags prints, started by a command."""
+    return subprocess.run(
+        [*start, sys.executable, os.path.join(PACKAGE, 'src', 'annotate_bags.py'), *BAGS, '--out', folder,
+         '--piece', '2', *arguments], stdout=subprocess.PIPE, text=True, check=True, timeout=LONG_S).stdout
+
+
+if __name__ == '__main__':
+    rostest.rosrun('unit5', 'cluster', Cluster)

@@ -1,0 +1,216 @@
+#!/usr/bin/env python3
+"""The page's server without a browser: web_video_server's addresses."""
+import asyncio
+import json
+import re
+import struct
+import urllib.request
+
+import cv2
+import numpy as np
+import rospy
+import rostest
+from aruco_node.messages.images import compressed_from_frame, image_from_frame
+from rig.listening import Connections, until
+from rig.serving import PICTURE, ServerTest, ask
+from rig.started import WAIT_S
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header, String
+from tornado.websocket import websocket_connect
+
+
+class Stream:
+    """An MJPEG stream, read part by part."""
+
+    def __init__(self, port, path):
+        self._file = urllib.request.urlopen('http://127.0.0.1:%d%s' % (port, path), timeout=WAIT_S)
+        self.kind = self._file.headers['Content-Type']
+        self._boundary = re.search('boundary=(.*)', self.kind).group(1).encode()
+
+    def part(self):
+        """(headers, body) of the next part."""
+        assert self._file.readline().strip() == b'--' + self._boundary
+        headers = {}
+        for line in iter(self._file.readline, b'\r\n'):
+            name, _, value = line.decode().strip().partition(': ')
+            headers[name.lower()] = value
+        body = self._file.read(int(headers['content-length']))
+        assert self._file.readline() == b'\r\n'
+        return headers, body
+
+    def close(self):
+        self._file.close()
+
+
+class PageHttp(ServerTest):
+    def camera(self, topic='/eye/image', kind=Image):
+        """(publish, connections) of an image topic."""
+        connections = Connections()
+        publisher = rospy.Publisher(topic, kind, connections, queue_size=1)
+        self.addCleanup(publisher.unregister)
+        self.addCleanup(connections.wait, 0)  # else the next test takes this one's listener for its own
+        make = image_from_frame if kind is Image else compressed_from_frame
+
+        def publish(picture=PICTURE, number=1):
+            publisher.publish(make(picture, Header(stamp=rospy.Time(number, 500))))
+        return publish, connections
+
+    def publish_always(self, publish):
+        timer = rospy.Timer(rospy.Duration(1 / 30), lambda event: publish())
+        self.addCleanup(timer.shutdown)
+
+    def listed(self, topic):
+        """Wait until the page lists a topic that was just published."""
+        until(lambda: topic in ask(self.port, '/')[2].decode())
+
+    def test_it_lists_the_image_topics_and_no_others(self):
+        self.camera()
+        other = rospy.Publisher('/words', String, queue_size=1)
+        self.addCleanup(other.unregister)
+        self.listed('/eye/image')
+        _, headers, body = ask(self.port, '/')
+        self.assertIn('href="/stream?topic=/eye/image"', body.decode())
+        self.assertIn('href="/snapshot?topic=/eye/image"', body.decode())
+        self.assertNotIn('/words', body.decode())
+        self.assertIn("default-src 'none'", headers['Content-Security-Policy'])
+
+    def test_a_stream_of_jpegs_only_while_somebody_looks(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+        self.assertEqual(connections.count, 0)
+        stream = Stream(self.port, '/stream?topic=/eye/image&quality=90')
+        self.assertEqual(stream.kind, 'multipart/x-mixed-replace;boundary=boundarydonotcross')
+        connections.wait(1)
+        sizes = []
+        for number in (7, 8):
+            publish(number=number)
+            headers, body = stream.part()
+            self.assertEqual((headers['content-type'], headers['x-timestamp']),
+                             ('image/jpeg', '%d.000000500' % number))
+            picture = cv2.imdecode(np.frombuffer(body, np.uint8), 1)
+            np.testing.assert_allclose(picture[240, 100], PICTURE[240, 100], atol=4)
+            sizes.append(len(body))
+        stream.close()
+        connections.wait(0)
+        stream = Stream(self.port, '/stream?topic=eye/image&quality=20&width=320')
+        connections.wait(1)
+        publish()
+        body = stream.part()[1]
+        self.assertLess(len(body), min(sizes) / 2)
+        self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (240, 320, 3))
+        stream.close()
+
+    def test_a_snapshot_and_one_of_a_camera_that_is_only_there_compressed(self):
+        for topic, suffix, kind in (('/eye/image', '', Image), ('/lens/image', '/compressed', CompressedImage)):
+            publish, connections = self.camera(topic + suffix, kind)
+            self.listed(topic)
+            self.publish_always(publish)
+            status, headers, body = ask(self.port, '/snapshot?topic=' + topic)
+            self.assertEqual((status, headers['Content-Type'], headers['X-Timestamp']),
+                             (200, 'image/jpeg', '1.000000500'))
+            self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (480, 640, 3))
+            connections.wait(0)
+        viewer = ask(self.port, '/stream_viewer?topic=/eye/image')[2].decode()
+        self.assertIn('src="/stream?topic=/eye/image"', viewer)
+
+    def test_what_is_not_there_is_answered_with_a_sentence(self):
+        self.camera()
+        self.listed('/eye/image')
+        words = rospy.Publisher('/words', String, queue_size=1)
+        self.addCleanup(words.unregister)
+        until(lambda: b'its type is' in ask(self.port, '/stream?topic=/words')[2])
+        for path, status, sentence in (
+                ('/stream?topic=/nowhere', 404, 'There is no image topic /nowhere'),
+                ('/snapshot?topic=/nowhere', 404, 'There is no image topic /nowhere'),
+                ('/stream_viewer?topic=/nowhere', 404, 'There is no image topic /nowhere'),
+                ('/stream?topic=/words', 404, 'its type is std_msgs/String'),
+                ('/stream', 404, 'Give the name of an image topic'),
+                ('/stream?topic=%00%3Cb%3E', 404, 'Give the name of an image topic'),
+                ('/stream?topic=%ff', 400, 'The server cannot answer this request (400'),
+                ('/stream?topic=/eye/image&quality=101', 400,
+                 'quality is "101"; it must be a whole number from 1 to 100'),
+                ('/stream?topic=/eye/image&width=-5', 400, 'width is "-5"'),
+                ('/stream?topic=/eye/image&type=h264', 400, 'no stream of type "h264"'),
+                ('/snapshot?topic=/eye/image', 503, 'Nothing has arrived on /eye/image'),
+                ('/elsewhere', 404, 'There is no such page'),
+                ('/picture?name=nothing.jpg', 404, 'There is no picture "nothing.jpg" in images/')):
+            answered, headers, body = ask(self.port, path)
+            self.assertEqual((answered, headers['Content-Type']), (status, 'text/plain; charset=utf-8'), path)
+            self.assertIn(sentence, body.decode())
+
+    def test_the_page_is_sent_the_newest_frame_when_it_has_shown_the_last(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+
+        async def look():
+            live = await self.look(connections)
+            other = Stream(self.port, '/stream?topic=/eye/image')  # tells when a frame has arrived
+            for number in range(1, 11):
+                publish(number=number)
+                other.part()
+            other.close()
+            frames = [await self.frame(live)]
+            await live.write_message('{"shown": "/eye/image"}')
+            frames.append(await self.frame(live))
+            live.close()
+            return [head['stamp'] for head, _ in frames]
+        np.testing.assert_allclose(asyncio.run(look()), [1, 10], atol=0.01)
+
+    async def look(self, connections):
+        """A websocket that looks at /eye/image."""
+        live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
+        await live.write_message(json.dumps({'look': ['/eye/image']}))
+        connections.wait(1)
+        return live
+
+    async def frame(self, live):
+        """(head, picture) of the next frame that a websocket sends."""
+        message = ''
+        while isinstance(message, str):
+            message = await asyncio.wait_for(live.read_message(), WAIT_S)
+        length, = struct.unpack('>I', message[:4])
+        return json.loads(message[4:4 + length]), cv2.imdecode(np.frombuffer(message[4 + length:], np.uint8), 1)
+
+    def test_a_frame_that_cannot_be_shown_is_explained_and_the_next_one_shown(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+
+        async def look():
+            live = await self.look(connections)
+            publish(np.zeros((1, 70000, 3), np.uint8))
+            said = ''
+            while 'without' not in said:
+                said = await asyncio.wait_for(live.read_message(), WAIT_S)
+            publish()
+            head, picture = await self.frame(live)
+            live.close()
+            return json.loads(said), head, picture
+        said, head, picture = asyncio.run(look())
+        self.assertEqual(said['without'], '/eye/image')
+        self.assertIn('A frame of 70000 x 1 pixels is too large', said['why'])
+        self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
+
+    def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):
+        publish, connections = self.camera()
+        self.listed('/eye/image')
+        noise = np.random.RandomState(0).randint(0, 255, (480, 640, 3), np.uint8)  # some 400 kB a frame
+        slow = Stream(self.port, '/stream?topic=/eye/image')
+        quick = Stream(self.port, '/stream?topic=/eye/image')
+        connections.wait(1)
+        sent = 40
+        for number in range(1, sent + 1):
+            publish(noise, number)
+            self.assertEqual(quick.part()[0]['x-timestamp'], '%d.000000500' % number)
+        publish(noise, 1000)
+        got = [int(slow.part()[0]['x-timestamp'].split('.')[0])]
+        while got[-1] != 1000:
+            got.append(int(slow.part()[0]['x-timestamp'].split('.')[0]))
+        self.assertLess(len(got), sent / 2)
+        self.assertEqual(got, sorted(set(got)))
+        slow.close()
+        quick.close()
+
+
+if __name__ == '__main__':
+    rospy.init_node('page_http_test')
+    rostest.rosrun('unit5', 'page_http_test', PageHttp)

@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""The page in a real browser: pictures that move, and choosing what is painted."""
+import cv2
+import numpy as np
+import rospy
+import rostest
+from aruco_ar import Area
+from geometry_msgs.msg import PolygonStamped
+from rig.browsing import BrowserTest
+from rig.listening import until
+from rig.started import WAIT_S
+
+PAINTED = '.tile[data-topic="/exercise5_6/image"]'
+
+
+class Page(BrowserTest):
+    def shot(self, selector):
+        """A screenshot of an element, (h, w, 3) BGR."""
+        png = self.page.locator(selector).screenshot()
+        return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
+
+    def painted(self):
+        """What 5.6 shows on the page, as large as it is, and the true area in it."""
+        corners = rospy.wait_for_message('/wall_camera/area', PolygonStamped, WAIT_S).polygon.points
+        shot = cv2.resize(self.shot(PAINTED + ' canvas'), (640, 480))
+        return shot, Area(np.float32([(point.x, point.y) for point in corners]))
+
+    def wait_for_color(self, color):
+        """Wait until the middle of what 5.6 shows has about that color, (blue, green, red)."""
+        self.page.wait_for_function(
+            '''([selector, x, y, [blue, green, red]]) => {
+                 const picture = document.querySelector(selector).getContext('2d');
+                 const [r, g, b] = picture.getImageData(x, y, 1, 1).data;
+                 return Math.abs(r - red) + Math.abs(g - green) + Math.abs(b - blue) < 60;
+               }''', arg=[PAINTED + ' canvas', *self.middle(), list(color)])
+
+    def wait_for_chosen(self, name):
+        self.page.wait_for_function("(name) => document.querySelector(`input[value='${name}']`).checked",
+                                    arg=name)
+
+    def middle(self):
+        return [int(value) for value in self.painted()[1].corners.mean(axis=0)]
+
+    def test_the_pictures_move_and_the_earth_has_its_colors(self):
+        for tile in self.page.locator('.tile').all():
+            topic = tile.get_attribute('data-topic')
+            selector = '.tile[data-topic="%s"] canvas' % topic
+            first = self.shot(selector)
+            self.assertGreater(first.std(), 20, topic)
+            until(lambda: np.any(self.shot(selector) != first))
+        self.page.get_by_text('earth', exact=True).click()  # whatever was chosen by another test
+
+        def color(x, y):
+            shot, area = self.painted()
+            seen = area.homography(960, 640) @ [x, y, 1]
+            x, y = np.int32(np.round(seen[:2] / seen[2]))
+            return shot[y - 1:y + 2, x - 1:x + 2].mean(axis=(0, 1))
+
+        def atlantic_is_blue():
+            blue, _, red = color(330, 330)
+            return blue > red + 25
+        until(atlantic_is_blue)
+        blue, green, red = color(430, 270)  # the Sahara
+        self.assertTrue(red > green > blue and red > 130, (blue, green, red))
+        self.assertLess(color(60, 320).max(), 70)
+
+    def test_rate_latency_and_tags_are_beside_each_picture_and_nothing_comes_from_elsewhere(self):
+        self.wait_for_text('.tile .tags', 'tags 1 2 3 4')
+        for tile in self.page.locator('.tile').all():
+            self.assertRegex(tile.locator('.rate').inner_text(), r'^\d+ fps$')
+            self.assertRegex(tile.locator('.latency').inner_text(), r'^\d+ ms$')
+        own = 'http://localhost:%d/' % self.port
+        self.assertEqual([url for url in self.asked if not url.startswith((own, 'data:', 'ws' + own[4:]))], [])
+
+    def test_everything_has_a_name_for_a_screen_reader(self):
+        nameless = self.page.evaluate(
+            '''[...document.querySelectorAll('button, input, canvas, section, select')].filter((element) =>
+                 !element.ariaLabel && !element.getAttribute('aria-labelledby')
+                 && !element.closest('label')?.textContent.trim()).map((element) => element.outerHTML)''')
+        self.assertEqual(nameless, [])
+        for name in ('Forward', 'Backward', 'Turn left', 'Turn right', '5.6 A picture in its place: enlarge'):
+            self.assertEqual(self.page.get_by_role('button', name=name).count(), 1, name)
+        self.assertEqual(self.page.get_by_role('radio', name='earth', exact=True).count(), 1)
+        self.assertEqual(self.page.get_by_role('slider', name='Noise').count(), 1)
+        self.wait_for_text('#status', 'Live')
+
+    def test_a_click_makes_a_picture_large_and_the_others_rest(self):
+        small = self.shot(PAINTED)
+        self.page.get_by_role('button', name='5.6 A picture in its place').click()
+        self.assertGreater(self.shot(PAINTED).shape[1], 2 * small.shape[1])
+        # Now only 5.6 is looked at: the other nodes are left alone.
+        self.until_connected(['/exercise5_6/image/compressed'])
+        self.page.keyboard.press('Escape')
+        self.assertEqual(self.shot(PAINTED).shape[1], small.shape[1])
+        self.until_connected(['/exercise5_%d/image/compressed' % number for number in range(2, 7)])
+
+    def until_connected(self, topics):
+        """Wait until these and no others of the exercises' pictures are subscribed to."""
+        def connected():
+            listened = rospy.get_master().getSystemState()[2][1]
+            return sorted(topic for topic, nodes in listened if topic.endswith('image/compressed')
+                          and '/page' in nodes and topic.startswith('/exercise'))
+        until(lambda: connected() == topics)
+
+    def test_choosing_a_picture_changes_what_is_painted(self):
+        self.page.get_by_text('turning earth').click()
+        self.wait_for_chosen('turning_earth.mp4')
+        turned = [self.shot(PAINTED + ' canvas')]
+        until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
+              np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
+        png = cv2.imencode('.png', np.full((20, 30, 3), (10, 200, 30), np.uint8))[1].tobytes()
+        green = {'name': 'green.png', 'mimeType': 'image/png', 'buffer': png}
+        self.page.locator('#file').set_input_files(green)
+        self.wait_for_color((10, 200, 30))
+        self.wait_for_text('#status', 'green.png is painted now.')
+        blue = cv2.imencode('.png', np.full((20, 30, 3), (220, 30, 10), np.uint8))[1].tolist()
+        self.page.evaluate(
+            '''(bytes) => {
+                 const dataTransfer = new DataTransfer();
+                 dataTransfer.items.add(new File([new Uint8Array(bytes)], 'blue.png', { type: 'image/png' }));
+                 document.querySelector('h1').dispatchEvent(
+                   new DragEvent('drop', { bubbles: true, cancelable: true, dataTransfer }));
+               }''', np.ravel(blue).tolist())
+        self.wait_for_color((220, 30, 10))
+        self.expected = '422'  # the browser tells its console of answers that are none
+        self.page.locator('#file').set_input_files({'name': 'no.png', 'mimeType': 'image/png', 'buffer': b'no'})
+        self.wait_for_text('#status', 'This file is not a picture')
+        self.wait_for_color((220, 30, 10))
+        self.page.get_by_text('earth', exact=True).click()
+        self.wait_for_chosen('earth.jpg')
+        self.page.get_by_text('dropped 2').click()  # it is still there
+        self.wait_for_color((220, 30, 10))
+        self.page.get_by_text('earth', exact=True).click()
+        self.wait_for_chosen('earth.jpg')
+
+    def test_on_a_phone_nothing_is_wider_than_the_screen(self):
+        self.page.set_viewport_size({'width': 360, 'height': 740})
+        self.assertEqual(self.page.evaluate('document.documentElement.scrollWidth'), 360)
+        self.assertTrue(self.page.get_by_role('button', name='Forward').is_visible())
+        columns = {round(tile.bounding_box()['x']) for tile in self.page.locator('.tile').all()}
+        self.assertEqual(len(columns), 2)
+
+
+if __name__ == '__main__':
+    rospy.init_node('page_test')
+    rostest.rosrun('unit5', 'page_test', Page)
