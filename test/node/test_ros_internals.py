@@ -8,8 +8,17 @@ from unittest import mock
 import genpy
 import pytest
 import rosbag
-from aruco_node.ros_internals import admission, indexed_bag, newest, registration, tf_listener
+from aruco_node.ros_internals import (
+    admission,
+    indexed_bag,
+    newest,
+    reconfigure_server,
+    registration,
+    tf_listener,
+)
 from aruco_node.ros_internals.indexed_bag import IndexedBag, forget_written
+from dynamic_reconfigure.msg import Config, DoubleParameter, GroupState
+from dynamic_reconfigure.server import Server
 from rospy.impl import tcpros_base
 from std_msgs.msg import Header, UInt8
 from tf2_msgs.msg import TFMessage
@@ -127,6 +136,30 @@ def test_transforms_of_others_alone_are_taken_in():
                 message._connection_header = header
             frames.callback(message)
     assert taken.call_count == 2
+
+
+def server_of():
+    """A CheckedServer as it is made, but for what it has to do with a running ROS."""
+    with mock.patch.multiple('dynamic_reconfigure.server.Server', __init__=mock.Mock(return_value=None),
+                             update_configuration=lambda self, wanted: wanted):
+        server = reconfigure_server.CheckedServer('description', None)
+        server.check_names = lambda names: None
+        request = SimpleNamespace(config=Config(doubles=[DoubleParameter('noise', 200.0)],
+                                                groups=[GroupState(name='of nobody')]))
+        assert [(each.name, each.value) for each in server._set_callback(request).doubles] == [('noise', 200.0)]
+
+
+def test_a_server_takes_requests_with_unknown_groups(warnings):
+    for name in reconfigure_server.PRIVATE:
+        assert callable(getattr(Server, name))
+    server_of()
+    warnings.assert_not_called()
+
+
+def test_with_another_dynamic_reconfigure_it_warns(monkeypatch, warnings):
+    monkeypatch.setattr(reconfigure_server, 'PRIVATE', ['_not_there'])
+    server_of()
+    assert 'clipped without a word' in warnings.call_args[0][0]
 
 
 @pytest.fixture

@@ -7,17 +7,16 @@ from types import SimpleNamespace
 
 import rospy
 from aruco_ar.base.errors import InputError, shorten
-from dynamic_reconfigure.encoding import encode_config
-from dynamic_reconfigure.server import Server
 
 from aruco_node.health.faults import note_fault
 from aruco_node.ros_internals.master import ask
+from aruco_node.ros_internals.reconfigure_server import CheckedServer
 from aruco_node.ros_internals.registration import before_registering
 
 from .parameters import MAX_QUOTED, Choice, Number, parameters_of, read, ros_values
 
 
-class Reconfigurer(Server):
+class Reconfigurer(CheckedServer):
     """Offers those parameters of some settings which can be changed while the node runs.
 
     ``settings``: an instance of a class of settings. ``on_change`` is called,
@@ -30,38 +29,12 @@ class Reconfigurer(Server):
         super().__init__(_description(type(settings)), self._reconfigure)
         before_registering(self._put_back)
 
-    def _copy_from_parameter_server(self):
-        """Begin with the settings, which have been checked, not with what the parameter server has."""
-        self.config.update(self._live(self._settings))
-
-    def _set_callback(self, request):
-        """Answer a request, a Reconfigure, with the values of all live parameters after it.
-
-        The groups of the request are ignored. No node here has any, and the
-        base class fails for a group that it does not know.
-        """
-        config = request.config
-        wanted = {item.name: item.value for item in config.bools + config.ints + config.strs + config.doubles}
-        try:
-            self._check_names(wanted)
-        except InputError as error:
-            rospy.logerr('%s Nothing is changed.', error)
-            wanted = {}
-        return encode_config(self.update_configuration(wanted))
-
-    def _check_names(self, names):
-        live = self._live(self._settings)
+    def check_names(self, names):
+        live = self.live_values()
         for name in names:
             if name not in live:
                 raise InputError('The parameter ~%s cannot be changed while the node runs; those that can be '
                                  'changed are ~%s.' % (shorten(name, MAX_QUOTED), ', ~'.join(live)))
-
-    def _copy_to_parameter_server(self):
-        try:
-            for name, value in self._live(self._settings).items():
-                ask('setParam', rospy.resolve_name('~' + name), value)
-        except InputError as error:
-            rospy.logwarn('%s. The node uses the changed parameters all the same.', error)
 
     def _put_back(self):
         """Give a master that has lost the parameters all of them again, for when the node is started anew."""
@@ -69,8 +42,8 @@ class Reconfigurer(Server):
             if not ask('hasParam', rospy.resolve_name('~' + name))[1]:
                 ask('setParam', rospy.resolve_name('~' + name), value)
 
-    def _clamp(self, config):
-        """Leave a number beyond its bounds as it is: it is refused, not clipped without a word."""
+    def live_values(self):
+        return self._live(self._settings)
 
     def _live(self, settings):
         """{name: value} of the parameters that can be changed while the node runs."""

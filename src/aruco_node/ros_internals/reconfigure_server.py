@@ -1,0 +1,61 @@
+"""The server of dynamic_reconfigure, for parameters that are checked elsewhere.
+
+Symptom: dynamic_reconfigure's own server starts with unchecked values from the parameter server. It clips a
+number beyond its bounds without a word, fails for a group that it does not know, and waits forever where the
+master hangs.
+Private: the methods of ``dynamic_reconfigure.server.Server`` in PRIVATE, which are overridden. Without them,
+parameters can be changed, but with these symptoms.
+Seen with: dynamic_reconfigure 1.7. It can go when the server has a hook before and after a change.
+"""
+import rospy
+from aruco_ar.base.errors import InputError
+from dynamic_reconfigure.encoding import encode_config
+from dynamic_reconfigure.server import Server
+
+from .master import ask
+
+PRIVATE = '_copy_from_parameter_server', '_copy_to_parameter_server', '_set_callback', '_clamp'
+
+
+class CheckedServer(Server):
+    """Offers the parameters of a description. A subclass has their values, and refuses what is not allowed."""
+
+    def __init__(self, description, on_change):
+        """``description``, ``on_change``: the type and the callback that Server takes."""
+        if not all(hasattr(Server, name) for name in PRIVATE):
+            rospy.logwarn('This dynamic_reconfigure is not one that unit5 knows. Numbers beyond their bounds '
+                          'may be clipped without a word.')
+        super().__init__(description, on_change)
+
+    def live_values(self):
+        """{name: value} of the parameters as they are now."""
+        raise NotImplementedError
+
+    def check_names(self, names):
+        """Raise InputError unless all of these are names of parameters."""
+        raise NotImplementedError
+
+    def _copy_from_parameter_server(self):
+        """Start with the values that have been checked, not with what the parameter server has."""
+        self.config.update(self.live_values())
+
+    def _copy_to_parameter_server(self):
+        try:
+            for name, value in self.live_values().items():
+                ask('setParam', rospy.resolve_name('~' + name), value)
+        except InputError as error:
+            rospy.logwarn('%s. The node uses the changed parameters all the same.', error)
+
+    def _set_callback(self, request):
+        """Answer a request, a Reconfigure, with all values after it. Its groups are ignored: there are none."""
+        config = request.config
+        wanted = {item.name: item.value for item in config.bools + config.ints + config.strs + config.doubles}
+        try:
+            self.check_names(wanted)
+        except InputError as error:
+            rospy.logerr('%s Nothing is changed.', error)
+            wanted = {}
+        return encode_config(self.update_configuration(wanted))
+
+    def _clamp(self, config):
+        """Leave a number beyond its bounds as it is: it is refused, not clipped without a word."""
