@@ -6,7 +6,13 @@ import re
 import subprocess
 import sys
 
+import cv2
+import numpy as np
 import pytest
+from aruco_ar.exercise import Stage
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera
+from aruco_node.parameters.settings import AreaSettings
 
 LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
 
@@ -28,3 +34,22 @@ def test_every_file_that_is_linked_to_is_there(package):
             targets = {target for target in LINK.findall(file.read()) if target and '://' not in target}
         for target in targets:
             assert os.path.isfile(os.path.join(os.path.dirname(page), target)), '%s: %s' % (page, target)
+
+
+def test_the_exercise_of_ones_own_blurs_the_area_and_nothing_else(package, frame, wall, view):
+    with open(package + '/docs/howto/new-exercise.md', encoding='utf-8') as page:
+        source = re.search(r'```python\n(.*?)```', page.read(), re.DOTALL)[1]
+    made = {'__name__': 'exercise'}
+    exec(source, made)
+    exercise = made['EXERCISE']
+    stage = Stage(exercise.needs, AreaSettings(), None)
+    result = exercise.step(stage.scene(frame, frame.copy(), 1.0))
+    assert sorted(tag.id for tag in result.tags) == [1, 2, 3, 4]
+    inside = np.zeros(frame.shape[:2], np.uint8)
+    corners, _ = project(wall.area_corners, *view, Camera())
+    cv2.fillPoly(inside, [np.int32(np.round(corners))], 255)
+    rim = cv2.dilate(inside, np.ones((5, 5))) != cv2.erode(inside, np.ones((5, 5)))
+    image, = result.images
+    np.testing.assert_array_equal(image[(inside == 0) & ~rim], frame[(inside == 0) & ~rim])
+    sharp, blurred = [cv2.Laplacian(each, cv2.CV_64F)[(inside > 0) & ~rim].std() for each in (frame, image)]
+    assert blurred < sharp / 10
