@@ -17,6 +17,7 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 RESULTS = os.path.join(PACKAGE, 'build', 'test_results')
 FOUND = os.path.join(RESULTS, 'unit5')
 TIMEOUT_S = 600  # of a rostest; its own limit for the test in it is 300 s
+MATRIX = 'test/node/test_matrix.py'
 # A constant of a rostest that says why it runs alone, with nothing beside it.
 ALONE = re.compile(r'^ALONE = ', re.MULTILINE)
 SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/skipping.py
@@ -48,6 +49,19 @@ class Rostest:
         if code and not cases.failed:
             where = '' if stream else '; what it printed is in ' + os.path.relpath(log)
             cases.failed.append((self.name, 'rostest returned %s%s' % (code, where)))
+        return cases, time.monotonic() - begin
+
+
+class Matrix:
+    """The plain tests with other versions of Python and of libraries: on one processor, beside the rostests."""
+
+    name, is_alone = 'matrix', False
+
+    def run(self):
+        """As Rostest.run."""
+        begin = time.monotonic()
+        with open('%s/matrix.log' % FOUND, 'w') as file:
+            cases = run_pytest('matrix', '-q', MATRIX, stdout=file)
         return cases, time.monotonic() - begin
 
 
@@ -91,18 +105,18 @@ def pytests():
             for path in sorted(glob.glob('test/%s/**/test_*.py' % folder, recursive=True))}
 
 
-def run_pytest(name, *arguments):
+def run_pytest(name, *arguments, stdout=None):
     """The Cases of pytest with these arguments."""
     path = '%s/%s.xml' % (FOUND, name)
     code = subprocess.run([sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', '--junit-xml=' + path,
-                           *arguments]).returncode
+                           *arguments], stdout=stdout).returncode
     cases = Cases(name, path)
     if code and not cases.failed:
         cases.failed.append((name, 'pytest returned %d' % code))
     return cases
 
 
-def run_rostests(tests):
+def run_side_by_side(tests):
     """The Cases of each: as many side by side as there are processors, but for those that must be alone."""
     for is_alone in False, True:
         chosen = [test for test in tests if test.is_alone == is_alone]
@@ -130,8 +144,8 @@ def run_named(names):
 
 def run_all():
     """The Cases of everything."""
-    yield run_pytest('pytest', '-q', '-n', 'auto', 'test/plain', 'test/node')
-    yield from run_rostests(rostests().values())
+    yield run_pytest('pytest', '-q', '-n', 'auto', '--ignore', MATRIX, 'test/plain', 'test/node')
+    yield from run_side_by_side([Matrix(), *rostests().values()])
 
 
 def main(names):

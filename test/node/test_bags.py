@@ -164,8 +164,10 @@ def test_started_again_it_goes_on_where_it_was(package, recorded, done, tmp_path
     with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
         piece = wait_for_piece(tmp_path)
+        os.killpg(process.pid, signal.SIGSTOP)  # so that it is not done before the other has said so
         assert 'Another annotate_bags works in the folder' in annotated(package, tmp_path, recorded, code=1)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        os.killpg(process.pid, signal.SIGCONT)
         said, _ = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130
     assert said == 'annotate_bags: interrupted. The same command continues from here.\n'

@@ -55,7 +55,8 @@ def test_each_refusal_is_a_sentence_that_names_the_file(opened):
         said = result['said']
         if said is not None:
             assert shown(result['path']) in said, result
-            assert said[0] in 'T"' and said[-1] == '.' and said.isprintable() and len(said) <= 500, said
+            assert (said[0].isupper() or said[0] == '"') and said[-1] == '.', said
+            assert said.isprintable() and len(said) <= 500, said
 
 
 def test_no_hostile_file_takes_much_memory(opened):

@@ -4,9 +4,10 @@ import pickle
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Detector, Lens, PoseEstimator, Tag, Tracker, detector, draw_tag
+from aruco_ar import Detector, Lens, PoseEstimator, Tag, Tracker, draw_tag
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import rotation_matrices
+from aruco_ar.tags import detector
 from aruco_ar.tags.tag import square
 from hostile.looking import Looking, watch
 from hostile.scenes import NAMES, canvas_of, put, turned_square
