@@ -79,7 +79,7 @@ class PageDoor(ServerTest):
                                     (b'', 422, 'not a picture'),
                                     (bomb(30000), 422, 'at most 32 million pixels'),
                                     (bomb(6000), 422, 'at most 32 million pixels'),
-                                    (cv2.imencode('.png', PICTURE)[1].tobytes()[:200], 422, 'no picture'),
+                                    (cv2.imencode('.png', PICTURE)[1].tobytes()[:200], 422, 'cannot be read'),
                                     (b'<svg xmlns="http://www.w3.org/2000/svg"/>', 422, 'not a picture')):
             answered, _, body = ask(self.port, '/picture', data)
             self.assertEqual(answered, status, body)
