@@ -105,7 +105,7 @@ class MasterRestart(NodeTest):
         master.kill()
         self.assertEqual({item.name: item.value for item in reconfigure(Config(
             doubles=[DoubleParameter('opacity', 0.5)])).config.doubles}['opacity'], 0.5)
-        self.node.wait_for('The ROS master does not answer', 'counts all the same')
+        self.node.wait_for('The ROS master does not answer', 'uses the changed parameters all the same')
         self.assertGreater(np.abs(self.see(scene()).astype(int) - painted).max(), 50)
         reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # to which it cannot subscribe now
         self.see(scene())
