@@ -25,8 +25,7 @@ def paint_picture(scene):
     # is stretched, its edges are cut off, or a part of the area is left free.
     picture, place = fit_picture(scene.picture, area, settings.fit)
 
-    # From here on, we work on a window: the part of the image that the area touches. The window is
-    # not a copy. What we paint into it appears in the image.
+    # The window is the part of the image that the area touches. What we paint into it is in the image.
     window, place = place.window(image)
 
     # The homography maps each pixel of the picture to its place in the window. It maps the corners
@@ -35,14 +34,12 @@ def paint_picture(scene):
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     homography = cv2.getPerspectiveTransform(corners, place.corners)
 
-    # Warp the picture by the homography. Our function does the same as cv2.warpPerspective, but only
-    # where the mask of 5.5 is not black.
+    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask)
 
     # Subtract the mask from the window, as in 5.5, and add the picture where the window is now black:
-    # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). If the picture is transparent, it is
-    # mixed with the window instead.
+    # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). A transparent picture is mixed in.
     put_in(window, warped, mask, settings.opacity)
     return Result([image], tracker.tags, area)
 
