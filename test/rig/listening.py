@@ -95,6 +95,10 @@ class Diagnoses:
             return said.level == level and all(word in said.message for word in words)
         return self._wait(node, is_meant, '%s at level %d' % (words, level), seconds)
 
+    def wait_for_any(self, node):
+        """Wait until anything is said of a node, from now on."""
+        self._wait(node, lambda said: True, 'anything', WAIT_S)
+
     def wait_for_frames(self, node):
         """Wait until a node is said, from now on, to get frames, if only some of them on a busy machine."""
         def gets_frames(said):

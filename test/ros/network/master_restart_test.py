@@ -129,7 +129,7 @@ class MasterRestart(NodeTest):
         other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
         nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]
         for node in 'exercise5_6', 'exercise5_2', 'wall_camera', 'page':
-            diagnoses.wait(node)
+            diagnoses.wait_for_any(node)
         uri = rosgraph.Master('/test').lookupNode('/exercise5_2')
         master.send(signal.SIGSTOP)
         try:
@@ -139,7 +139,7 @@ class MasterRestart(NodeTest):
             self.assert_painted(self.see(scene()), scene())
             diagnoses.wait('exercise5_2', 'The ROS master does not answer', level=DiagnosticStatus.ERROR)
             for node in 'wall_camera', 'page':
-                diagnoses.wait(node)
+                diagnoses.wait_for_any(node)
             stop_all(nodes)
             self.assertEqual([node.ends() for node in nodes], [0] * 4)
         finally:
