@@ -1,5 +1,6 @@
 // The choices: which picture is painted, and how the simulation looks.
 const SLIDE_MS = 150;
+const ANSWER_MS = 5000;  // a node may take this long for a change
 
 export function choices(send, say) {
   const section = document.getElementById('picture');
@@ -19,7 +20,7 @@ export function choices(send, say) {
     for (const label of simulation.querySelectorAll('[data-slider]')) {
       const value = sliders[label.dataset.slider];
       label.hidden = value === undefined;
-      if (value !== undefined && !label.matches(':active')) label.querySelector('input').value = value;
+      if (value !== undefined && !isUnanswered(label, value)) label.querySelector('input').value = value;
       writeValue(label);
     }
   }
@@ -62,11 +63,19 @@ export function choices(send, say) {
     label.querySelector('.value').textContent = label.querySelector('input').value;
   }
 
+  // Between a change of a slider and the answer, older values arrive. They would move the slider back.
+  const changes = new Map();  // label -> the time of its last change that is unanswered
+  function isUnanswered(label, value) {
+    if (value === Number(label.querySelector('input').value)) changes.delete(label);
+    return label.matches(':active') || performance.now() - changes.get(label) < ANSWER_MS;
+  }
+
   for (const label of simulation.querySelectorAll('[data-slider]')) {
     const input = label.querySelector('input');
     let timer = null;
     input.addEventListener('input', () => {
       writeValue(label);
+      changes.set(label, performance.now());
       timer ??= setTimeout(() => { timer = null; send({ slide: [label.dataset.slider, Number(input.value)] }); }, SLIDE_MS);
     });
   }
