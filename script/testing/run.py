@@ -117,10 +117,10 @@ def run_pytest(name, *arguments, stdout=None):
 
 
 def run_side_by_side(tests):
-    """The Cases of each: as many side by side as there are processors, but for those that must be alone."""
+    """The Cases of each: two at a time for each processor, as they mostly wait; those that must be alone last."""
     for is_alone in False, True:
         chosen = [test for test in tests if test.is_alone == is_alone]
-        with ThreadPoolExecutor(1 if is_alone else os.cpu_count()) as pool:
+        with ThreadPoolExecutor(1 if is_alone else 2 * os.cpu_count()) as pool:
             runs = [pool.submit(test.run) for test in chosen]
             try:
                 for run in as_completed(runs):
@@ -144,7 +144,7 @@ def run_named(names):
 
 def run_all():
     """The Cases of everything."""
-    yield run_pytest('pytest', '-q', '-n', 'auto', '--ignore', MATRIX, 'test/plain', 'test/node')
+    yield run_pytest('pytest', '-q', '-n', 'auto', '--dist', 'loadgroup', '--ignore', MATRIX, 'test/plain', 'test/node')
     yield from run_side_by_side([Matrix(), *rostests().values()])
 
 

@@ -23,9 +23,10 @@ from drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-SECONDS, PIECE_S, WAIT_S = 12, 3, 120
+SECONDS, PIECE_S, WAIT_S = 6, 2, 120
 SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
 COVERED = range(SEAM - 20, SEAM + 20)
+pytestmark = pytest.mark.xdist_group('bags')  # in one process, which makes a bag once
 CAMERA, PAINTED = '/camera/rgb/image_raw', '/exercise5_6/image/camera/rgb/image_raw/compressed'
 
 

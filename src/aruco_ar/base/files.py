@@ -78,7 +78,7 @@ def write_whole(path: str, data: bytes) -> None:
 
 
 def _write_draft(folder: str, draft: str, data: bytes) -> None:
-    """Write bytes to a file without a name until it is complete: a killed process leaves nothing behind."""
+    """Write bytes to a file without a name until it is complete: a killed process leaves nothing incomplete."""
     try:
         handle = os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666)
     except OSError as error:
