@@ -1,10 +1,10 @@
-"""Measure the course's code and ours, side by side, in one run."""
+"""Measure the course's code and this package side by side, in one run."""
 import argparse
 import os
 import sys
 from contextlib import nullcontext
 
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  before NumPy and OpenCV
 from aruco_ar import InputError
 
 from .real_clips import clips, video
@@ -21,23 +21,23 @@ WITH_MASTER = 'nodes', 'memory', 'page'
 
 def parse():
     parser = argparse.ArgumentParser(
-        prog='script/bench', description=__doc__ + ' About half an hour without arguments.')
-    parser.add_argument('--only', choices=PARTS, help='this part alone')
+        prog='script/bench', description=__doc__ + ' Without arguments it takes about half an hour.')
+    parser.add_argument('--only', choices=PARTS, help='run only this part')
     parser.add_argument('--real', metavar='FOLDER', nargs='?', const=clips.CLIPS,
-                        help='both methods on real clips instead, against the truth: the videos of a folder of '
-                        'which NAME.yaml says dictionary and ids (default: those shared beside the package); '
-                        'with --only nodes, from node to node')
-    parser.add_argument('--video', metavar='FILE', help='both methods on a video instead')
+                        help='compare both methods with the truth on real clips instead: the videos in a '
+                        'folder. A NAME.yaml beside each of them gives its dictionary and ids (default: '
+                        'the clips shared beside the package). With --only nodes, both run as nodes.')
+    parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
-                        help="the four of the video's tags that count; with them it is compared with the "
-                        'truth, where it has one')
+                        help='the four tags of the video that span the area; with them, the video is also '
+                        'compared with the truth where that is known')
     parser.add_argument('--dictionary', default='DICT_6X6_250',
-                        help="of the video's tags (default: DICT_6X6_250)")
+                        help="the dictionary of the video's tags (default: DICT_6X6_250)")
     parser.add_argument('--record', action='store_true',
-                        help='also write what is printed into docs/results/, for the documentation')
+                        help='also write the output to docs/results/, for the documentation')
     parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
-                        help='where the chart of error and jitter goes (default: unit5-bench.png)')
+                        help='the file for the chart of error and jitter (default: unit5-bench.png)')
     return parser.parse_args()
 
 
@@ -54,13 +54,13 @@ def main():
     if args.video:
         video.run(args.video, args.dictionary, args.ids, args.chart)
         return
-    for part, work in PARTS.items():
+    for part, run_part in PARTS.items():
         if args.only in (None, part):
             with master.Master() if part in WITH_MASTER else nullcontext(), recorded(part, args.record):
                 print('%d processor cores' % os.cpu_count())
-                found = work()
+                series = run_part()
             if part == 'sticking':
-                stamps, truth, course, ours = found
+                stamps, truth, course, ours = series
                 chart.draw(args.chart, accuracy.CHART_CASE, stamps, course, ours, truth)
                 print('\nWrote %s' % args.chart)
 

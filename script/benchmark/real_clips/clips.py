@@ -1,4 +1,4 @@
-"""Both methods on real clips, against a truth that does not hang on the four tags of the area."""
+"""Both methods on real clips, compared with a truth that does not depend on the four tags of the area."""
 import glob
 import os
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from benchmark.simulated.speed import timed
 from .truth import Camera, truth_of
 
 CLIPS = os.path.join(PACKAGE, '..', 'shared', 'videos')
-KNOWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'known')  # what is known of some
-USUAL_FRAMES_PER_S = 30.0  # of a video that does not say
-WRONG = 0.05               # of the area's longer side: a corner farther off makes an area wrong
+KNOWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'known')  # YAML files of published clips
+USUAL_FRAMES_PER_S = 30.0  # if a video does not say
+WRONG = 0.05               # times the longer side of the area: if a corner is farther off, the area is wrong
 
 
 @dataclass(frozen=True)
 class Clip:
-    """A video, and which tags it shows; ``camera``: its calibration, as a YAML file has it."""
+    """A video, and the four tags that span the area. ``camera``: its calibration, as in the YAML file."""
 
     path: str
     dictionary: str
@@ -32,7 +32,7 @@ class Clip:
     camera: Optional[dict] = None
 
     def frames(self):
-        """All frames, a list of (h, w, 3) BGR, and how many there are a second. Raises InputError."""
+        """A list of all frames, (h, w, 3) BGR, and the frames per second. Raises InputError."""
         video = cv2.VideoCapture(self.path)
         rate = video.get(cv2.CAP_PROP_FPS)
         frames = []
@@ -41,11 +41,11 @@ class Clip:
             frames.append(frame)
             good, frame = video.read()
         if not frames:
-            raise InputError('"%s" is no video that OpenCV can read.' % self.path)
+            raise InputError('OpenCV cannot read "%s" as a video.' % self.path)
         return frames, rate if 1 <= rate <= 1000 else USUAL_FRAMES_PER_S
 
     def lens(self, size):
-        """The Camera of frames of that size, or None."""
+        """The Camera for frames of that size, (width, height) pixels, or None without a calibration."""
         if self.camera is None:
             return None
         scale = size[0] / self.camera['size'][0]
@@ -55,71 +55,75 @@ class Clip:
 
 @dataclass(frozen=True)
 class Found:
-    """What a method found in the frames of a clip: (n,) ms, and (n, 4, 2) corners, NaN without an area."""
+    """The result of a method for the frames of a clip.
+
+    ``took``: (n,) milliseconds. ``corners``: (n, 4, 2), NaN without an area.
+    """
 
     took: np.ndarray
     corners: np.ndarray
 
 
 def clips_of(folder):
-    """The Clips of a folder: its videos of which NAME.yaml, there or in KNOWN, says dictionary and ids."""
+    """The Clips of a folder: the videos for which there is a NAME.yaml, in the folder or in KNOWN."""
     if not os.path.isdir(folder):
-        raise InputError('There is no folder "%s" of clips.' % folder)
+        raise InputError('There is no folder "%s" with clips.' % folder)
     found = []
     for path in sorted(glob.glob(os.path.join(folder, '*'))):
         name = os.path.splitext(os.path.basename(path))[0] + '.yaml'
-        about = next((place for place in (os.path.join(folder, name), os.path.join(KNOWN, name))
-                      if os.path.isfile(place)), None)
-        if path.lower().endswith(('.mp4', '.avi', '.mov', '.mkv', '.webm')) and about:
-            with yaml_entries(about) as entries:
+        description = next((place for place in (os.path.join(folder, name), os.path.join(KNOWN, name))
+                            if os.path.isfile(place)), None)
+        if path.lower().endswith(('.mp4', '.avi', '.mov', '.mkv', '.webm')) and description:
+            with yaml_entries(description) as entries:
                 found.append(Clip(path, entries['dictionary'], tuple(entries['ids']), entries.get('camera')))
     if not found:
-        raise InputError('The folder "%s" has no video of which a NAME.yaml says dictionary and ids.' % folder)
+        raise InputError('The folder "%s" has no video with a NAME.yaml that gives its dictionary and ids.'
+                         % folder)
     return found
 
 
 def follow(clip, frames, rate):
-    """Found of the course's method and of ours."""
+    """Find the area by both methods. Returns Found of the course's and of ours."""
     cv2.setNumThreads(1)
     course, tracker = Course(clip.dictionary, None, clip.ids), Tracker(clip.dictionary, clip.ids)
-    found, nothing = ([], []), np.full((4, 2), np.nan)
+    found, no_area = ([], []), np.full((4, 2), np.nan)
     for number, frame in enumerate(frames):
         took, corners = timed(course.area, frame)
-        found[0].append((took, nothing if corners is None else corners))
+        found[0].append((took, no_area if corners is None else corners))
         took, area = timed(tracker.update, frame, number / rate)
-        found[1].append((took, nothing if area is None else area.corners))
+        found[1].append((took, no_area if area is None else area.corners))
     return tuple(Found(np.array([took for took, _ in each]), np.float64([corners for _, corners in each]))
                  for each in found)
 
 
 def turned(corners, truth):
-    """(n,): by how many quarter turns the corners are beside the truth, NaN where one of both is not known."""
+    """(n,): the quarter turns from the truth to the corners; NaN where either is unknown."""
     off = [np.linalg.norm(np.roll(corners, turn, axis=1) - truth, axis=2).sum(axis=1) for turn in range(4)]
     known = ~np.isnan(off[0])
     return np.where(known, np.argmin(np.nan_to_num(off), axis=0), np.nan)
 
 
 def errors_of(corners, truth):
-    """(n, 4, 2) pixels: how far off corners are, whichever comes first."""
+    """(n, 4, 2) pixels: the errors of the corners, whichever of them comes first."""
     turns = np.nan_to_num(turned(corners, truth)).astype(int)
     return np.array([np.roll(quad, turn, axis=0) for quad, turn in zip(corners, turns)]) - truth
 
 
 def summary(found, truth):
-    """A dict of what the table shows, of what one method has Found."""
+    """A dict of what the table shows about one method. ``found``: Found."""
     error = errors_of(found.corners, truth)
     length = np.linalg.norm(error, axis=2)                               # (n, 4)
-    have = ~np.isnan(length[:, 0])
+    known = ~np.isnan(length[:, 0])
     longer = np.linalg.norm(truth - np.roll(truth, 1, axis=1), axis=2).max(axis=1)
     changes = np.linalg.norm(np.diff(error, axis=0), axis=2)
     changes = changes[~np.isnan(changes)]
     turns = turned(found.corners, truth)
     turns = turns[~np.isnan(turns)]
-    return {'area': int((~np.isnan(found.corners[:, 0, 0])).sum()), 'compared': int(have.sum()),
-            'rms': np.sqrt(np.mean(length[have]**2)) if have.any() else np.nan,
+    return {'area': int((~np.isnan(found.corners[:, 0, 0])).sum()), 'compared': int(known.sum()),
+            'rms': np.sqrt(np.mean(length[known]**2)) if known.any() else np.nan,
             'wobble': np.sqrt(np.mean(changes**2)) if changes.size else np.nan,
-            'worst': length[have].max() if have.any() else np.nan,
-            'wrong': int(np.sum(length[have].max(axis=1) > WRONG * longer[have])),
+            'worst': length[known].max() if known.any() else np.nan,
+            'wrong': int(np.sum(length[known].max(axis=1) > WRONG * longer[known])),
             'turned': int(np.sum(np.diff(turns) != 0)), 'ms': float(np.median(found.took))}
 
 
@@ -128,7 +132,7 @@ HEAD = '%-42s %-9s %5s %8s %6s %6s %6s %6s %6s %7s' % (
 
 
 def measure(clip, chart=None):
-    """Follow a clip with both methods, print its lines, and draw the chart if there is a truth."""
+    """Measure both methods on a clip, and print its lines of the table. ``chart``: the PNG to draw, or None."""
     frames, rate = clip.frames()
     height, width = frames[0].shape[:2]
     truth, by = truth_of(frames, clip.dictionary, clip.ids, clip.lens((width, height)))
@@ -141,7 +145,7 @@ def measure(clip, chart=None):
             row['worst'], row['wrong'], row['turned'], row['ms'],
             ' = 1/%.1f' % (rows['course']['ms'] / row['ms']) if method == 'ours' else ''))
     if chart is not None:
-        from benchmark.report.chart import draw  # with matplotlib, which only the chart needs
+        from benchmark.report.chart import draw  # needs matplotlib, which nothing else here does
         stamps = np.arange(len(frames)) / rate
         draw(chart, os.path.basename(clip.path), stamps, course.corners, ours.corners, truth)
     return rows
@@ -150,10 +154,10 @@ def measure(clip, chart=None):
 def run(folder, chart):
     """Print the table of all clips in a folder, and draw a chart of each. Raises InputError."""
     clips = clips_of(folder)
-    print('\nReal clips: tags and area, one thread. Errors in pixels, against a truth that does not hang on\n'
-          'the four tags: the other tags of the plane, or its texture. wobble: change of the error from frame\n'
-          'to frame; wrong: a corner off by more than 5 %% of the longer side; turned: the picture jumps by a\n'
-          'quarter turn.\n\n%s' % HEAD)
+    print('\nReal clips: tags and area, on one thread. Errors are in pixels. The truth does not depend on the\n'
+          'four tags: it comes from the other tags of the plane, or from its texture. wobble: the change of\n'
+          'the error from frame to frame. wrong: a corner is off by more than 5 %% of the longer side.\n'
+          'turned: the picture jumps by a quarter turn.\n\n%s' % HEAD)
     base, suffix = os.path.splitext(chart)
     for clip in progress(clips, 'clips'):
         measure(clip, '%s-%s%s' % (base, os.path.splitext(os.path.basename(clip.path))[0], suffix))

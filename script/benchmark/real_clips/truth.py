@@ -1,8 +1,8 @@
-"""Where the area is in the frames of a real clip, by what does not hang on its four tags.
+"""The truth about a real clip: where the area is in each frame, found without the four tags in it.
 
-That is the other tags of the same plane, of which every frame shows some, or the wall's own texture. In both
-cases the plane is found first, from the whole clip, and the area's place on it is the mean of where all frames
-see its tags.
+The area is located by the other tags of the same plane, if most frames show some, or else by the wall's
+texture. In both cases the plane is found first, from the whole clip. The area's place in the plane is an
+average over all frames that show its tags.
 """
 from dataclasses import dataclass
 from multiprocessing import Pool
@@ -15,62 +15,62 @@ from aruco_ar import DICTIONARIES
 from aruco_ar.base.progress import progress
 from aruco_ar.tags.tag import Tag
 
-SMALL_PX, LARGER = 700, 3   # a frame less wide than this is enlarged so many times to be read
-REACH_PX = 3.0              # to both sides of an edge, where it is looked for
+SMALL_PX, LARGER = 700, 3   # a narrower frame is enlarged so many times before tags are read
+REACH_PX = 3.0              # an edge is searched this far to both sides
 ACROSS = np.arange(-REACH_PX, REACH_PX + 0.01, 0.25)
-ROUNDS = 12                 # in which places on the plane and homographies are fitted to each other
-MIN_TAGS = 3                # besides the four that a frame must show
-MAX_OFF_PX = 2.0            # of a corner from its place, in the median of a frame: else that frame has no truth
-MIN_SIGHTS = 3              # of a tag, over the clip
-ALIKE = 0.9                 # correlation of a frame, laid onto the reference, with it
-ECC_PX = 640                # the width at which frames are laid upon each other
-MATCHES, RATIO = 20, 0.75   # of SIFT
+ROUNDS = 12                 # of fitting places in the plane and homographies to each other
+MIN_TAGS = 3                # that a frame must show besides the four
+MAX_OFF_PX = 2.0            # median distance of corners from their places; beyond it, a frame has no truth
+MIN_SIGHTS = 3              # frames of the clip that must show a tag
+MIN_CORRELATION = 0.9       # of a registered frame with the reference
+ECC_PX = 640                # the width of the frames that are registered by ECC
+MIN_MATCHES, MAX_RATIO = 20, 0.75  # of SIFT features
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A calibration of frames: ``matrix`` (3, 3) and ``distortion`` of OpenCV."""
+    """The calibration of frames: ``matrix``, (3, 3), and ``distortion``, as in OpenCV."""
 
     matrix: np.ndarray
     distortion: np.ndarray
 
-    def straight(self, pixels):
-        """(n, 2) pixels as a camera without distortion would see them."""
+    def undistort(self, pixels):
+        """(n, 2): where a camera without distortion would see these pixels, (n, 2)."""
         pixels = np.float64(pixels).reshape(-1, 1, 2)
         return cv2.undistortPoints(pixels, self.matrix, self.distortion, None, None, self.matrix)[:, 0]
 
-    def bent(self, pixels):
-        """The other way round."""
+    def distort(self, pixels):
+        """(n, 2): the inverse of ``undistort``."""
         rays = np.c_[pixels, np.ones(len(pixels))] @ np.linalg.inv(self.matrix).T
         return cv2.projectPoints(rays, np.zeros(3), np.zeros(3), self.matrix, self.distortion)[0][:, 0]
 
 
-class _Straight:
-    """No distortion."""
+class _NoDistortion:
+    """Takes the place of a Camera where there is no calibration."""
 
-    def straight(self, pixels):
+    def undistort(self, pixels):
         return np.float64(pixels).reshape(-1, 2)
 
-    bent = straight
+    distort = undistort
 
 
 def truth_of(frames, dictionary, ids, camera: Optional[Camera] = None):
-    """(n, 4, 2) pixels of the area's corners, clockwise, NaN where they are not known; and by what they are.
+    """The true corners of the area in all frames, and whether they come from "tags" or from "texture".
 
-    ``frames``: a list of (h, w, 3) BGR. ``by``: "tags" or "texture".
+    The corners are (n, 4, 2) pixels, clockwise, NaN where unknown. ``frames``: a list of (h, w, 3) BGR.
     """
-    lens = camera or _Straight()
+    lens = camera or _NoDistortion()
     with Pool() as pool:
-        seen = list(progress(pool.imap(_Reader(dictionary), frames, 4), 'reading tags', len(frames)))
+        seen = list(progress(pool.imap(_TagReader(dictionary), frames, 4), 'reading tags', len(frames)))
     others = [len(set(tags) - set(ids)) for tags in seen]
     if np.mean(np.array(others) >= MIN_TAGS) > 0.5:
-        return _by_tags([{tag_id: lens.straight(quad) for tag_id, quad in tags.items()} for tags in seen],
-                        ids, lens), 'tags'
-    return _by_texture(frames, seen, ids), 'texture'
+        undistorted = [{tag_id: lens.undistort(quad) for tag_id, quad in tags.items()} for tags in seen]
+        return _truth_by_tags(undistorted, ids, lens), 'tags'
+    return _truth_by_texture(frames, seen, ids), 'texture'
 
 
-class _Reader:
-    """Reads the tags of a frame: {id: (4, 2) pixels}, refined as AprilTag does."""
+class _TagReader:
+    """Reads the tags of a frame: {id: (4, 2) pixels}, refined as in AprilTag."""
 
     def __init__(self, dictionary):
         self._dictionary = dictionary
@@ -84,15 +84,15 @@ class _Reader:
             gray = cv2.resize(gray, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
         quads, ids, _ = detector.detectMarkers(gray)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
-        once = [number for number, tag_id in enumerate(ids) if ids.count(tag_id) == 1]
-        return {ids[number]: (refined(gray, quads[number][0]) + 0.5) / scale - 0.5 for number in once}
+        single = [number for number, tag_id in enumerate(ids) if ids.count(tag_id) == 1]
+        return {ids[number]: (refined(gray, quads[number][0]) + 0.5) / scale - 0.5 for number in single}
 
 
 def refined(gray, quad):
-    """(4, 2) float64: a quadrilateral, (4, 2), with its sides where the gray changes most across them.
+    """(4, 2) float64: a quadrilateral, (4, 2), moved to where the gray changes most across its sides.
 
-    As AprilTag 3 does it (refine_edges in apriltag.c): along each side, places across it count by the square of
-    the change from dark inside to light outside; a line is laid through their means.
+    This follows AprilTag 3 (refine_edges in apriltag.c). Places across each side are weighted by the square of
+    the change from dark inside to light outside. A line is fitted to their means.
     """
     quad = np.float64(quad)
     for _ in range(2):
@@ -103,7 +103,7 @@ def refined(gray, quad):
             count = max(16, int(length / 8))
             on_line = first + (np.arange(1, count + 1) / (count + 1))[:, None] * (last - first)
             places = on_line[:, None] + ACROSS[:, None] * outward
-            change = _look(gray, places + outward) - _look(gray, places - outward)
+            change = _gray_at(gray, places + outward) - _gray_at(gray, places - outward)
             weight = np.maximum(change, 0)**2
             total = weight.sum(axis=1)
             good = total > 0
@@ -126,31 +126,31 @@ def refined(gray, quad):
     return quad
 
 
-def _look(gray, points):
-    """The gray at (n, m, 2) pixels."""
+def _gray_at(gray, points):
+    """(n, m): the gray at pixels, (n, m, 2)."""
     seen = cv2.remap(gray, np.float32(points), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return seen.astype(np.float64)
 
 
-def _fit(places, pixels):
-    """The homography from places to pixels, (n, 2) each, and how far off each is, (n,); or None, None."""
+def _fit_homography(places, pixels):
+    """The homography from places to pixels, (n, 2) each, and the errors, (n,) pixels; or None, None."""
     homography, _ = cv2.findHomography(places, pixels, cv2.LMEDS if len(places) > 8 else 0)
     if homography is None:
         return None, None
-    off = np.linalg.norm(_through(homography, places) - pixels, axis=1)
+    off = np.linalg.norm(_transform(homography, places) - pixels, axis=1)
     good = off < max(3 * np.median(off), 0.5)
     homography, _ = cv2.findHomography(places[good], pixels[good])
     if homography is None:
         return None, None
-    return homography, np.linalg.norm(_through(homography, places) - pixels, axis=1)
+    return homography, np.linalg.norm(_transform(homography, places) - pixels, axis=1)
 
 
-def _through(homography, points):
+def _transform(homography, points):
     return cv2.perspectiveTransform(np.float64(points).reshape(-1, 1, 2), homography)[:, 0]
 
 
 def _plane(seen):
-    """{id: (4, 2)}: where tags lie on their plane, in the pixels of the frame that shows most of them."""
+    """{id: (4, 2)}: the places of tags in their plane, in pixels of the frame that shows most tags."""
     places = dict(max(seen, key=len))
     for _ in range(ROUNDS):
         found = {}
@@ -158,73 +158,73 @@ def _plane(seen):
             known = [tag_id for tag_id in tags if tag_id in places]
             if len(known) < MIN_TAGS:
                 continue
-            homography, off = _fit(np.vstack([places[tag_id] for tag_id in known]),
-                                   np.vstack([tags[tag_id] for tag_id in known]))
+            homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
+                                              np.vstack([tags[tag_id] for tag_id in known]))
             if homography is None or np.median(off) > MAX_OFF_PX:
                 continue
             back = np.linalg.inv(homography)
             for tag_id, quad in tags.items():
-                found.setdefault(tag_id, []).append(_through(back, quad))
+                found.setdefault(tag_id, []).append(_transform(back, quad))
         places = {tag_id: np.median(quads, axis=0) for tag_id, quads in found.items()
                   if len(quads) >= MIN_SIGHTS}
     return places
 
 
-def _by_tags(seen, ids, lens):
+def _truth_by_tags(seen, ids, lens):
     places = _plane(seen)
-    corners = _in_order([_crossing(places[tag_id]) for tag_id in ids])
+    corners = _clockwise([_center(places[tag_id]) for tag_id in ids])
     truth = np.full((len(seen), 4, 2), np.nan)
     for number, tags in enumerate(seen):
         known = [tag_id for tag_id in tags if tag_id in places and tag_id not in ids]
         if len(known) < MIN_TAGS:
             continue
-        homography, off = _fit(np.vstack([places[tag_id] for tag_id in known]),
-                               np.vstack([tags[tag_id] for tag_id in known]))
+        homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
+                                          np.vstack([tags[tag_id] for tag_id in known]))
         if homography is not None and np.median(off) < MAX_OFF_PX:
-            truth[number] = lens.bent(_through(homography, corners))
+            truth[number] = lens.distort(_transform(homography, corners))
     return truth
 
 
-def _crossing(quad):
-    """Where the diagonals of a quadrilateral, (4, 2), cross."""
+def _center(quad):
+    """The intersection of the diagonals of a quadrilateral, (4, 2)."""
     return Tag(0, quad).center
 
 
-def _in_order(points):
-    """(4, 2): points, (4, 2), clockwise."""
+def _clockwise(points):
+    """(4, 2): points, (4, 2), in clockwise order."""
     points = np.array(points, np.float64)
     across, down = (points - points.mean(axis=0)).T
     return points[np.argsort(np.arctan2(down, across))]
 
 
-def _by_texture(frames, seen, ids):
-    whole = [number for number, tags in enumerate(seen) if set(ids) <= set(tags)]
-    if not whole:
+def _truth_by_texture(frames, seen, ids):
+    complete = [number for number, tags in enumerate(seen) if set(ids) <= set(tags)]
+    if not complete:
         return np.full((len(frames), 4, 2), np.nan)
     grays = [cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY) for frame in frames]
-    best = max(whole, key=lambda number: cv2.Laplacian(grays[number], cv2.CV_64F).var())
+    best = max(complete, key=lambda number: cv2.Laplacian(grays[number], cv2.CV_64F).var())
     reference = _Reference(grays[best], seen[best], ids)
     with ThreadPool() as pool:
-        to_frames = list(progress(pool.imap(reference.lay, grays), 'laying frames upon each other', len(grays)))
-    laid = [(tags, np.linalg.inv(homography)) for tags, homography in zip(seen, to_frames)
-            if homography is not None]
-    # Where the tags' centers are in the reference, by all frames that show them.
-    centers = {tag_id: [_through(back, [_crossing(tags[tag_id])])[0] for tags, back in laid if tag_id in tags]
-               for tag_id in ids}
-    corners = _in_order([np.median(centers[tag_id], axis=0) for tag_id in ids])
-    return np.array([np.full((4, 2), np.nan) if homography is None else _through(homography, corners)
+        to_frames = list(progress(pool.imap(reference.register, grays), 'registering frames', len(grays)))
+    registered = [(tags, np.linalg.inv(homography)) for tags, homography in zip(seen, to_frames)
+                  if homography is not None]
+    # The tags' centers in the reference, from all frames that show them.
+    centers = {tag_id: [_transform(back, [_center(tags[tag_id])])[0]
+                        for tags, back in registered if tag_id in tags] for tag_id in ids}
+    corners = _clockwise([np.median(centers[tag_id], axis=0) for tag_id in ids])
+    return np.array([np.full((4, 2), np.nan) if homography is None else _transform(homography, corners)
                      for homography in to_frames])
 
 
 class _Reference:
-    """One frame, upon which others are laid by all but the tags."""
+    """The frame to which the others are registered, by everything but the tags."""
 
     def __init__(self, gray, tags, ids):
         self.mask = np.full(gray.shape, 255, np.uint8)
         for quad in tags.values():
             middle = quad.mean(axis=0)
             cv2.fillConvexPoly(self.mask, np.int32(middle + (quad - middle) * 1.5), 0)
-        # Near the area: what is far from it need not be in its plane.
+        # Only between the four tags: what is farther away need not be in their plane.
         corners = np.float32([tags[tag_id] for tag_id in ids]).reshape(-1, 2)
         self.mask &= cv2.fillConvexPoly(np.zeros_like(self.mask), cv2.convexHull(np.int32(corners)), 255)
         self.scale = min(1.0, ECC_PX / gray.shape[1])
@@ -232,30 +232,30 @@ class _Reference:
         self.small_mask = _shrunk(self.mask, self.scale)
         self.sift = cv2.SIFT_create().detectAndCompute(gray, self.mask)
 
-    def lay(self, gray):
-        """(3, 3) from the reference's pixels to the frame's, or None."""
-        places, words = cv2.SIFT_create().detectAndCompute(gray, None)
-        if words is None or self.sift[1] is None:
+    def register(self, gray):
+        """(3, 3): the homography from the reference's pixels to the frame's, or None."""
+        keypoints, descriptors = cv2.SIFT_create().detectAndCompute(gray, None)
+        if descriptors is None or self.sift[1] is None:
             return None
-        pairs = [pair[0] for pair in cv2.BFMatcher().knnMatch(self.sift[1], words, 2)
-                 if len(pair) == 2 and pair[0].distance < RATIO * pair[1].distance]
-        if len(pairs) < MATCHES:
+        pairs = [pair[0] for pair in cv2.BFMatcher().knnMatch(self.sift[1], descriptors, 2)
+                 if len(pair) == 2 and pair[0].distance < MAX_RATIO * pair[1].distance]
+        if len(pairs) < MIN_MATCHES:
             return None
         homography, _ = cv2.findHomography(
             np.float64([self.sift[0][pair.queryIdx].pt for pair in pairs]),
-            np.float64([places[pair.trainIdx].pt for pair in pairs]), cv2.RANSAC, 2.0)
+            np.float64([keypoints[pair.trainIdx].pt for pair in pairs]), cv2.RANSAC, 2.0)
         if homography is None:
             return None
         size = np.diag([self.scale, self.scale, 1.0])
         start = (size @ homography @ np.linalg.inv(size)).astype(np.float32)
         start /= start[2, 2]
         try:
-            alike, found = cv2.findTransformECC(
+            correlation, found = cv2.findTransformECC(
                 self.gray, _shrunk(gray, self.scale), start, cv2.MOTION_HOMOGRAPHY,
                 (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-6), self.small_mask, 5)
         except cv2.error:
             return None
-        return np.linalg.inv(size) @ np.float64(found) @ size if alike > ALIKE else None
+        return np.linalg.inv(size) @ np.float64(found) @ size if correlation > MIN_CORRELATION else None
 
 
 def _shrunk(image, scale):

@@ -1,22 +1,22 @@
-"""Error and jitter over time, both methods, as one picture."""
+"""The chart of error and jitter over time, for both methods."""
 import matplotlib
 import numpy as np
 
 matplotlib.use('Agg')
-from matplotlib import pyplot  # the backend comes first
+from matplotlib import pyplot  # after the choice of the backend
 
 COLORS = {"the course's code": 'tab:orange', 'unit5': 'tab:blue'}
 
 
 def jitter(corners):
-    """(n,) pixels: the largest second difference of the four corners, (n, 4, 2), NaN without an area."""
+    """(n,) pixels: the largest second difference among the four corners, (n, 4, 2); NaN without an area."""
     change = np.full(len(corners), np.nan)
     change[2:] = np.linalg.norm(np.diff(corners, 2, axis=0), axis=2).max(axis=1)
     return change
 
 
 def draw(path, title, stamps, course, ours, truth=None):
-    """Write a PNG; without the truth it shows the jitter only."""
+    """Write the chart as a PNG. Without the truth it shows only the jitter."""
     both = dict(zip(COLORS, (course, ours)))
     rows = {'jitter (px)': jitter}
     if truth is not None:
@@ -34,9 +34,9 @@ def draw(path, title, stamps, course, ours, truth=None):
         axis.grid(alpha=0.3)
     axes[0].set_title(title)
     axes[0].legend(loc='upper right')
-    for height, (name, corners) in enumerate(both.items()):
-        have = ~np.isnan(corners[:, 0, 0])
-        axes[-1].scatter(stamps[have], np.full(have.sum(), -height), marker='|', color=COLORS[name])
+    for level, (name, corners) in enumerate(both.items()):
+        found = ~np.isnan(corners[:, 0, 0])
+        axes[-1].scatter(stamps[found], np.full(found.sum(), -level), marker='|', color=COLORS[name])
     axes[-1].set_yticks([0, -1])
     axes[-1].set_yticklabels(['course', 'unit5'])
     axes[-1].set_ylim(-1.6, 0.6)

@@ -1,4 +1,4 @@
-"""What a part of a benchmark prints, kept for the documentation."""
+"""A record of what a part of the benchmark prints, for the documentation."""
 import os
 import sys
 from contextlib import contextmanager
@@ -9,6 +9,8 @@ FOLDER = os.path.join(PACKAGE, 'docs', 'results')
 
 
 class _Tee:
+    """Writes to several files at once."""
+
     def __init__(self, *files):
         self._files = files
 
@@ -23,7 +25,7 @@ class _Tee:
 
 @contextmanager
 def recorded(name, wanted=True):
-    """Print as ever in this block; if ``wanted``, docs/results/NAME.txt then holds what was printed."""
+    """Print as usual while the block runs. If ``wanted``, docs/results/NAME.txt then holds the output, too."""
     if not wanted:
         yield
         return

@@ -1,4 +1,4 @@
-"""A plain rospy node with the course's code, as a student writes it. Arguments: dictionary and ids."""
+"""A plain rospy node with the course's code, as a student would write it. Arguments: dictionary and ids."""
 import os
 import sys
 

@@ -1,4 +1,4 @@
-"""A roscore of its own, and what processes take."""
+"""A private roscore, and the processor time of processes."""
 import os
 import subprocess
 import time
@@ -10,13 +10,13 @@ from rig.serving import free_port
 
 
 def processor_seconds(pid):
-    """The processor time that a process has taken up so far."""
+    """The seconds of processor time that a process has used so far."""
     times = psutil.Process(pid).cpu_times()
     return times.user + times.system
 
 
 class Master:
-    """A roscore of its own, in which this process is the camera and the listener."""
+    """A private roscore while the block runs. This process is a node of it, as camera and as subscriber."""
 
     def __enter__(self):
         port = free_port()

@@ -1,4 +1,4 @@
-"""Nodes under a roscore: processor time, latency and memory."""
+"""The nodes: processor time, latency, and memory."""
 import os
 import queue
 import subprocess
@@ -21,29 +21,29 @@ from benchmark.simulated.drives import WIDE, drive
 from .master import processor_seconds
 
 FRAMES_PER_S = 15
-COUNT = 300        # frames that count, after WARM_UP
+COUNT = 300        # measured frames, after WARM_UP
 WARM_UP = 30
 SIZES = ((1280, 720), (640, 360))
 WAIT_S = 30
 MEMORY_FRAMES = 20000
 EXERCISE = 'exercise5_6.py'
-LOAD_HEAD = ('\nNodes, bgr8 at %d Hz: processor time a frame, and latency from stamp to receipt.\n'
+LOAD_HEAD = ('\nNodes, bgr8 at %d Hz: processor time per frame, and latency from stamp to receipt.\n'
              % FRAMES_PER_S)
-MOST_FRAMES = 300  # of a clip
+MAX_CLIP_FRAMES = 300
 
 
 def commands(dictionary='DICT_6X6_250', ids=()):
-    """{name: command} of the nodes under test, for tags of that dictionary; with ``ids`` those alone count."""
-    of_ids = ['_ids:=[%s]' % ', '.join(map(str, ids))] if ids else []
+    """{name: command} of the nodes under test. ``ids``: the tags that span the area, if there are others."""
+    ids_args = ['_ids:=[%s]' % ', '.join(map(str, ids))] if ids else []
     return {
         'bare relay': [sys.executable, '-m', 'benchmark.ros.relay_node'],
         "course's code": [sys.executable, '-m', 'benchmark.ros.course_node', dictionary, *map(str, ids)],
         EXERCISE: [sys.executable, os.path.join(PACKAGE, 'src', EXERCISE), 'exercise5_6/image:=result',
-                   '_dictionary:=' + dictionary, *of_ids]}
+                   '_dictionary:=' + dictionary, *ids_args]}
 
 
 class Node:
-    """A node under test, and what it answers."""
+    """A node under test while the block runs, and its answers to the frames that are published."""
 
     def __init__(self, command):
         self._answers = queue.Queue()
@@ -71,12 +71,12 @@ class Node:
         return self._answers.get(timeout=seconds)
 
     def forget_answers(self):
-        """Drop those that nobody has taken."""
+        """Drop the answers that were not read."""
         while not self._answers.empty():
             self._answers.get()
 
     def connect(self, frame):
-        """Wait until a frame is answered."""
+        """Publish a frame until the node answers."""
         end = time.monotonic() + WAIT_S
         while time.monotonic() < end:
             self.publish(frame)
@@ -84,7 +84,7 @@ class Node:
                 return self.answer(0.2)
             except queue.Empty:
                 continue
-        raise RuntimeError('the node does not answer within %d s' % WAIT_S)
+        raise RuntimeError('the node did not answer within %d s' % WAIT_S)
 
     def processor_seconds(self):
         return processor_seconds(self._process.pid)
@@ -94,14 +94,14 @@ class Node:
 
 
 def there_and_back(size):
-    """Frames of a drive, and the same backward, so that they can go round."""
+    """The frames of a drive, and the same frames backward, so that they can be repeated."""
     frames = [frame.image for frame in drive(WIDE, 60, noise=5.0, light=0.3, size=size)]
     return frames + frames[::-1]
 
 
 def load(name, command, frames):
-    """(ms of processor time a frame, latencies in ms, answers) at FRAMES_PER_S."""
-    pictures = cycle(frames)
+    """Publish frames at FRAMES_PER_S: (ms of processor time per frame, latencies in ms)."""
+    endless = cycle(frames)
     with Node(command) as node:
         node.connect(frames[0])
         rate = rospy.Rate(FRAMES_PER_S)
@@ -110,29 +110,29 @@ def load(name, command, frames):
                 node.forget_answers()
                 began = node.processor_seconds()
             rate.sleep()
-            node.publish(next(pictures))
-        late = []
+            node.publish(next(endless))
+        latencies = []
         try:
-            while len(late) < COUNT:
+            while len(latencies) < COUNT:
                 received, stamp = node.answer(0.5)
-                late.append(1000 * (received - stamp))
+                latencies.append(1000 * (received - stamp))
         except queue.Empty:
-            pass  # it dropped some
-        return 1000 * (node.processor_seconds() - began) / COUNT, np.array(late)
+            pass  # it has dropped some frames
+        return 1000 * (node.processor_seconds() - began) / COUNT, np.array(latencies)
 
 
 def run_load():
-    """Print processor time and latency of all nodes, on frames of a drive in simulation."""
+    """Print processor time and latency of all nodes, on the frames of a simulated drive."""
     print(LOAD_HEAD)
     for size in SIZES:
         compare('%d x %d' % size, commands(), there_and_back(size))
 
 
 def run_clips(clips):
-    """The same on real clips, see real.Clip: at their own size, and at SIZES where they are larger."""
+    """Print the same for real clips (see clips.Clip): at their own size, and at the smaller ones of SIZES."""
     print(LOAD_HEAD)
     for clip in clips:
-        frames = clip.frames()[0][:MOST_FRAMES]
+        frames = clip.frames()[0][:MAX_CLIP_FRAMES]
         own = frames[0].shape[1::-1]
         for size in [own, *(size for size in SIZES if size < own)]:
             resized = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in frames]
@@ -141,27 +141,28 @@ def run_clips(clips):
 
 
 def compare(name, nodes, frames):
-    """Print processor time and latency of nodes, {name: command}, on these frames, and how they compare."""
+    """Print processor time and latency of nodes, {name: command}, on these frames, and their ratios."""
     spent = {}
     for node, command in nodes.items():
-        spent[node], late = load(node, command, frames)
-        print('%-24s %-16s %6.2f ms   latency %6.2f ms, 99 %% below %6.2f ms   %d of %d frames' % (
-            name, node, spent[node], np.median(late), np.percentile(late, 99), len(late), COUNT), flush=True)
+        spent[node], latencies = load(node, command, frames)
+        print('%-24s %-16s %6.2f ms   latency %6.2f ms, 99th percentile %6.2f ms   %d of %d frames' % (
+            name, node, spent[node], np.median(latencies), np.percentile(latencies, 99), len(latencies), COUNT),
+            flush=True)
     relay, course, ours = spent.values()
     print("%-24s %s takes 1/%.1f of the course's, %.1f times the relay's\n" % (
         '', EXERCISE, course / ours, ours / relay))
 
 
 def run_memory():
-    """Print the resident size of exercise5_6.py over many frames."""
+    """Print how the resident size of exercise5_6.py changes over many frames."""
     print('\nMemory of exercise5_6.py, 640 x 480:')
     frames = there_and_back((640, 480))
-    pictures = cycle(frames)
+    endless = cycle(frames)
     with Node(commands()[EXERCISE]) as node:
         node.connect(frames[0])
         first = None
         for number in progress(range(1, MEMORY_FRAMES + 1), 'memory'):
-            node.publish(next(pictures))
+            node.publish(next(endless))
             node.answer()
             if number in (MEMORY_FRAMES // 20, MEMORY_FRAMES // 2, MEMORY_FRAMES):
                 size = node.resident_bytes()

@@ -1,4 +1,4 @@
-"""The page: what it costs, and how much later its frames come than a subscriber's."""
+"""The page: its processor time, and its latency compared with that of a subscriber."""
 import asyncio
 import json
 import signal
@@ -22,7 +22,7 @@ WARM_UP_S, SECONDS = 3.0, 10.0
 
 
 def run():
-    """Print frames a second, latency, and the processor time of page.py."""
+    """Print the frames per second, the latency, and the processor time of page.py."""
     port = free_port()
     launch = subprocess.Popen(['roslaunch', 'unit5', 'demo.launch', 'port:=%d' % port],
                               stdout=subprocess.DEVNULL)
@@ -30,51 +30,57 @@ def run():
         rospy.wait_for_service('/page/get_loggers', WAIT_S)
         pid = ServerProxy(rosgraph.Master('/bench').lookupNode('/page')).getPid('/bench')[2]
         direct, _ = measure(pid, subscribe)
-        shown, spent = measure(pid, lambda seconds: asyncio.run(look(port, seconds)))
+        shown, spent = measure(pid, lambda seconds: asyncio.run(view(port, seconds)))
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait()
-    print('\nPage: all six pictures, 640 x 480, 30 Hz, as JPEG; latency from stamp to receipt.\n')
-    for name, late in (('rospy subscriber', direct), ('browser', shown)):
-        print('%-17s %6.1f frames/s   latency %6.2f ms, 99 %% below %6.2f ms'
-              % (name, len(late) / SECONDS, np.median(late), np.percentile(late, 99)))
-    print('page.py takes %.2f ms of processor time a frame, %.0f %% of a core'
+    print('\nPage: all six images at 640 x 480 and 30 Hz, as JPEG. The latency is from stamp to receipt.\n')
+    for name, latencies in (('rospy subscriber', direct), ('browser', shown)):
+        print('%-17s %6.1f frames/s   latency %6.2f ms, 99th percentile %6.2f ms'
+              % (name, len(latencies) / SECONDS, np.median(latencies), np.percentile(latencies, 99)))
+    print('page.py takes %.2f ms of processor time per frame, %.0f %% of a core'
           % (1000 * spent / len(shown), 100 * spent / SECONDS))
 
 
 def measure(pid, receive):
-    """(latencies in ms, seconds of processor time) of SECONDS, by a function that receives for so long."""
+    """Receive frames for SECONDS: (latencies in ms, seconds of processor time).
+
+    ``receive``: a function of seconds that receives for so long, and returns the latencies in seconds.
+    """
     receive(WARM_UP_S)
     began = processor_seconds(pid)
-    late = receive(SECONDS)
-    return 1000 * np.array(late), processor_seconds(pid) - began
+    latencies = receive(SECONDS)
+    return 1000 * np.array(latencies), processor_seconds(pid) - began
 
 
 def subscribe(seconds):
-    """Latencies, seconds, of all frames that a subscriber to all topics gets."""
-    late = []
+    """Subscribe to all topics for that time. Returns the latencies of all frames in seconds."""
+    latencies = []
 
-    def take(message):
-        late.append(time.time() - message.header.stamp.to_sec())
-    subscribers = [rospy.Subscriber(topic + '/compressed', CompressedImage, take, buff_size=1 << 24)
+    def on_message(message):
+        latencies.append(time.time() - message.header.stamp.to_sec())
+    subscribers = [rospy.Subscriber(topic + '/compressed', CompressedImage, on_message, buff_size=1 << 24)
                    for topic in TOPICS]
     time.sleep(seconds)
     for subscriber in subscribers:
         subscriber.unregister()
-    return list(late)
+    return list(latencies)
 
 
-async def look(port, seconds):
-    """Latencies, seconds, of all frames that the page's websocket gives, each taken at once."""
+async def view(port, seconds):
+    """View all topics by the page's websocket, like a browser that shows each frame at once.
+
+    Returns the latencies of all frames in seconds.
+    """
     page = await websocket_connect('ws://localhost:%d/live' % port)
     await page.write_message(json.dumps({'look': TOPICS}))
-    late, end = [], time.monotonic() + seconds
+    latencies, end = [], time.monotonic() + seconds
     while time.monotonic() < end:
         message = await asyncio.wait_for(page.read_message(), WAIT_S)
         if isinstance(message, bytes):
             length, = struct.unpack('>I', message[:4])
             head = json.loads(message[4:4 + length])
-            late.append(time.time() - head['stamp'])
+            latencies.append(time.time() - head['stamp'])
             await page.write_message(json.dumps({'shown': head['topic']}))
     page.close()
-    return late
+    return latencies

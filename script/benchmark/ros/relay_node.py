@@ -1,4 +1,4 @@
-"""A bare rospy relay, with the same memory settings as our nodes."""
+"""A bare rospy relay with the same memory settings as our nodes."""
 import rospy
 from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import Image

@@ -1,4 +1,4 @@
-"""How well the area sticks: against the truth, in a simulated 640 x 480 camera."""
+"""The accuracy of the area, compared with the truth of a simulated camera of 640 x 480."""
 from itertools import combinations
 from multiprocessing import Pool
 
@@ -11,23 +11,24 @@ from benchmark.course import Course
 
 from .drives import CYCLE, FAST, FRAMES_PER_S, LIVELY, SLOW, STILL, WALL, at_random, drive, in_turn
 
-WRONG = 0.05  # of the area's longer side: a corner farther off makes an area wrong
+WRONG = 0.05  # times the longer side of the area: if a corner is farther off, the area is wrong
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
 
 
-def _covering(count):
+def _drive_with_covered(count):
+    """A drive that covers each group of so many tags, one group after the other."""
     groups = list(combinations(WALL.area, count))
     covered, counts = in_turn(groups)
     return drive(SLOW, 2 * CYCLE * len(groups), covered, counts, **USUAL)
 
 
-# Name, the frames, what is asked for. In the order in which they are printed.
+# For each name, in the order of the table: a function that makes the frames, and the targets.
 CASES = {
     'standing still, noise 5': (lambda: drive(STILL, 600, noise=5.0), 'spread 0.05, rms 0.30'),
     'driving 0.5 m/s, turning 0.5 rad/s': (lambda: drive(FAST, 1200, **USUAL), 'rms 0.70'),
-    'one tag covered, 0.1 m/s': (lambda: _covering(1), 'rms 0.60'),
-    'two tags covered, 0.1 m/s': (lambda: _covering(2), 'rms 1.20'),
-    'three tags covered, 0.1 m/s': (lambda: _covering(3), 'rms 5.00'),
+    'one tag covered, 0.1 m/s': (lambda: _drive_with_covered(1), 'rms 0.60'),
+    'two tags covered, 0.1 m/s': (lambda: _drive_with_covered(2), 'rms 1.20'),
+    'three tags covered, 0.1 m/s': (lambda: _drive_with_covered(3), 'rms 5.00'),
     'each hidden 30 %, 0.1 m/s': (lambda: drive(SLOW, 1800, at_random(1800, 1), **USUAL), 'area 99.5 %'),
     'each hidden 30 %, lively drive': (lambda: drive(LIVELY, 1800, at_random(1800, 2), **USUAL), ''),
     'motion blur of 9 px': (lambda: drive(LIVELY, 420, noise=2.0, smear=9), 'area 99 %'),
@@ -40,31 +41,34 @@ CHART_CASE = 'each hidden 30 %, 0.1 m/s'
 
 
 def follow(frames):
-    """(stamps, truth, course's corners, ours, counts); corners are (n, 4, 2), NaN without an area."""
+    """Track the area by both methods. Returns stamps, true corners, the course's corners, ours, and counts.
+
+    Corners are (n, 4, 2), NaN without an area. See Frame for the counts.
+    """
     tracker, course = Tracker(), Course('DICT_6X6_250', None)
     rows = []
     for frame in frames:
         area, corners = tracker.update(frame.image, frame.stamp), course.area(frame.image)
-        nothing = np.full((4, 2), np.nan)
-        rows.append((frame.stamp, frame.corners, nothing if corners is None else corners,
-                     nothing if area is None else area.corners, frame.counts))
+        no_area = np.full((4, 2), np.nan)
+        rows.append((frame.stamp, frame.corners, no_area if corners is None else corners,
+                     no_area if area is None else area.corners, frame.counts))
     return tuple(np.array(column, np.float64) for column in zip(*rows))
 
 
 def summarize(stamps, truth, corners, counts):
-    """A dict of what the table shows, of one method in one case."""
+    """A dict of what the table shows about one method in one case."""
     counts = counts > 0
     error = np.linalg.norm(corners - truth, axis=2)                      # (n, 4)
-    have = ~np.isnan(error[:, 0])
+    found = ~np.isnan(error[:, 0])
     longer = np.linalg.norm(truth - np.roll(truth, 1, axis=1), axis=2).max(axis=1)
-    result = {'frames': len(stamps), 'share': have[counts].mean(),
-              'wrong': int(np.sum(error[have].max(axis=1) > WRONG * longer[have])),
+    result = {'frames': len(stamps), 'share': found[counts].mean(),
+              'wrong': int(np.sum(error[found].max(axis=1) > WRONG * longer[found])),
               'rms': np.nan, 'spread': np.nan, 'lag': (np.nan, np.nan)}
-    used = have & counts
+    used = found & counts
     if used.any():
         result['rms'] = np.sqrt(np.mean(error[used]**2))
         result['spread'] = corners[used].std(axis=0).max()
-        # How far behind the truth, in its direction of motion, in milliseconds.
+        # By how many milliseconds the corners lag behind the truth, along its motion.
         speed = np.gradient(truth, 1 / FRAMES_PER_S, axis=0)
         behind = ((truth - corners) * speed).sum(axis=(1, 2)), (speed * speed).sum(axis=(1, 2))
         third = len(stamps) // 3
@@ -74,7 +78,7 @@ def summarize(stamps, truth, corners, counts):
 
 
 def measure(name):
-    """(name, of the course, ours, the chart's series) of one case."""
+    """Measure one case: (name, the course's summary, ours, series). Only CHART_CASE has a series."""
     cv2.setNumThreads(1)
     stamps, truth, course, ours, counts = follow(CASES[name][0]())
     series = (stamps, truth, course, ours) if name == CHART_CASE else None
@@ -82,15 +86,15 @@ def measure(name):
 
 
 def run():
-    """Measure all cases and print the table; the series of CHART_CASE for the chart."""
-    print('\nSticking, 640 x 480: course | ours. Errors in pixels, rms over the four corners; an area\n'
+    """Measure all cases, and print the table. Returns the series of CHART_CASE."""
+    print('\nSticking, 640 x 480: course | ours. Errors are in pixels, rms over the four corners. An area\n'
           'is wrong if a corner is off by more than 5 %% of its longer side.\n\n'
           '%-35s %-18s %7s   %-13s %-15s %-11s' % ('', 'at most / at least', 'frames', 'rms error',
                                                     'with an area', 'wrong'))
     series, total = None, {'frames': 0, 'course': 0, 'ours': 0}
     with Pool() as pool:
-        for name, course, ours, drawn in progress(pool.imap(measure, CASES), 'sticking', len(CASES)):
-            series = drawn or series
+        for name, course, ours, case_series in progress(pool.imap(measure, CASES), 'sticking', len(CASES)):
+            series = case_series or series
             total['frames'] += ours['frames']
             total['course'] += course['wrong']
             total['ours'] += ours['wrong']

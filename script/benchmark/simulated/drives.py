@@ -1,4 +1,4 @@
-"""Simulated drives past the wall, with the truth about every frame."""
+"""Simulated drives past the wall, with the true area in every frame."""
 import os
 from collections import namedtuple
 
@@ -11,35 +11,35 @@ from benchmark import PACKAGE
 
 WALL = load_wall(os.path.join(PACKAGE, 'config', 'wall.yaml'))
 FRAMES_PER_S = 30
-CYCLE = 120  # frames: tags are in sight for the first half, covered for the second, 2 s
+CYCLE = 120  # frames: tags are in sight during the first half, and covered during the second, for 2 s
 
 
 def _there_and_back(start, *legs):
-    """A path of legs of seconds, m/s, rad/s, and the same way back."""
+    """The Path along these legs, (seconds, m/s, rad/s) each, and back the same way."""
     return Path(start, legs + tuple((seconds, -linear, -angular) for seconds, linear, angular in legs[::-1]))
 
 
-# All tags are in view all the time, if not covered.
+# All tags stay in view on these paths, unless they are covered.
 STILL = Path(Pose(-2.2, 0.1, -0.05), ((1000, 0, 0),))
 SLOW = _there_and_back(Pose(-2.2, 0.25, -0.05), (3, 0.1, -0.06), (3, 0.1, 0.06))
 LIVELY = _there_and_back(Pose(-2.5, 0.2, -0.1), (2, 0.3, 0.1), (1, 0.2, -0.3), (1, 0, 0.3), (1, -0.3, 0.1))
-# The same from farther away, for frames of 16 : 9, which are lower.
+# LIVELY from farther away, for frames of 16:9, which show less above and below.
 WIDE = _there_and_back(Pose(-3.1, 0.2, -0.1), (2, 0.3, 0.1), (1, 0.2, -0.3), (1, 0, 0.3), (1, -0.3, 0.1))
 FAST = _there_and_back(Pose(-2.8, 0, -0.25), (1, 0.5, 0.5), (1, 0.5, -0.5))
 
-# One frame: its time in seconds, the picture, the area's true corners, (4, 2)
-# pixels, and whether it counts.
+# ``stamp``: seconds. ``corners``: (4, 2) pixels, the area's true corners.
+# ``counts``: whether the measurement includes this frame.
 Frame = namedtuple('Frame', 'stamp image corners counts')
 
 
 def drive(path, count, covered=lambda number: (), counts=lambda number: True, size=(640, 480), wall=WALL,
           hand=0.0, shutter=0.0, exposure=lambda number: 1.0, **look):
-    """Frames of a drive along a path.
+    """Yield the Frames of a drive along a path.
 
-    ``covered``: the ids of the tags that something is held before, by the
-    frame's number; ``counts`` and ``exposure`` likewise. ``hand``: how unsteady
-    the camera is, see hand_held. ``shutter``: milliseconds in which a frame's
-    rows are read. ``look``: see WallRenderer.
+    ``covered``, ``counts``, ``exposure``: functions of the frame's number; the
+    first returns the ids of the covered tags. ``hand``: how unsteady the camera
+    is, see hand_held. ``shutter``: the milliseconds in which the rows of a frame
+    are read. ``look``: see WallRenderer.
     """
     camera = Camera(*size)
     renderer = WallRenderer(wall, camera, **look)
@@ -55,7 +55,7 @@ def drive(path, count, covered=lambda number: (), counts=lambda number: True, si
 
 
 def in_turn(groups):
-    """``covered`` and ``counts`` of a drive: one group of tags after the other is covered for 2 s."""
+    """``covered`` and ``counts`` for a drive that covers one group of tags after the other, for 2 s each."""
     def is_covered(number):
         return number % CYCLE >= CYCLE // 2
 
@@ -65,14 +65,17 @@ def in_turn(groups):
 
 
 def at_random(count, seed, share=0.3, longest=20):
-    """``covered`` of a drive: each tag for itself, for 1 to ``longest`` frames, that share of the time."""
+    """``covered`` for a drive that covers each tag independently, at random times.
+
+    A tag is covered for 1 to ``longest`` frames at a time, and for that share of all frames.
+    """
     random = np.random.RandomState(seed)
     hidden = np.zeros((count, len(WALL.area)), bool)
-    seen = (1 + longest) / 2 * (1 - share) / share  # frames between, on average
+    visible = (1 + longest) / 2 * (1 - share) / share  # mean number of frames in between
     for tag in range(len(WALL.area)):
-        number = random.geometric(1 / seen)
+        number = random.geometric(1 / visible)
         while number < count:
             length = random.randint(1, longest + 1)
             hidden[number:number + length, tag] = True
-            number += length + random.geometric(1 / seen)
+            number += length + random.geometric(1 / visible)
     return lambda number: [WALL.area[tag] for tag in np.flatnonzero(hidden[number])]

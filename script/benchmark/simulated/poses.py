@@ -1,4 +1,4 @@
-"""Poses of tags and of the camera against the truth, ours beside what others compute, on the same frames."""
+"""Poses of tags and of the camera compared with the truth: ours and those of OpenCV, on the same frames."""
 from collections import defaultdict
 from dataclasses import replace
 from itertools import product
@@ -16,20 +16,21 @@ from aruco_ar.tags.tag import square
 from .drives import FRAMES_PER_S, WALL
 from .speed import timed
 
-FLIP = 10.0          # degrees: a rotation that is farther off is that of the tag's other pose
-SIDE = 0.2           # meters, of each tag
-ALONE = 4            # the tag that is seen alone: the one at about the camera's height, which is the hardest
-LAPS = 1.0, 2.0, 3.0, 4.0, 5.0  # meters from that tag
-LAP = 1000           # frames of each
-SWEEP = np.radians(50)  # so far to both sides of it
+FLIP = 10.0          # degrees: a rotation that is farther off belongs to the tag's other possible pose
+SIDE = 0.2           # meters: the side of each tag
+ALONE = 4            # id of the tag that is also seen alone, near the camera's height, which is hardest
+DISTANCES = 1.0, 2.0, 3.0, 4.0, 5.0  # meters from that tag, one for each lap
+LAP_FRAMES = 1000
+SWEEP = np.radians(50)  # radians to each side of that tag
 TAGS_WALL = replace(WALL, tags=tuple(replace(tag, side=SIDE) for tag in WALL.tags))
 LENSES = {'no distortion': [0.0] * 5, 'k1 = -0.3, k2 = 0.1': [-0.3, 0.1, 0, 0, 0]}
 METHODS = {'IPPE_SQUARE': cv2.SOLVEPNP_IPPE_SQUARE, 'ITERATIVE': cv2.SOLVEPNP_ITERATIVE}
-WHERE = {'1 m': (0.9, 1.1), '3 m': (2.7, 3.3), 'all': (0, np.inf)}
+# The rows of the table for each method: the distances, in meters, from and to.
+RANGES = {'1 m': (0.9, 1.1), '3 m': (2.7, 3.3), 'all': (0, np.inf)}
 
 
-def past(meters, count=LAP, tag_id=ALONE):
-    """Views (see wall_to_camera) of a drive past a tag at about that distance, there and back."""
+def past(meters, count=LAP_FRAMES, tag_id=ALONE):
+    """Yield the views (see wall_to_camera) of a drive past a tag at about that distance, there and back."""
     tag = next(tag for tag in TAGS_WALL.tags if tag.id == tag_id)
     for part in np.arange(count) / count:
         angle = SWEEP * np.sin(2 * np.pi * part)
@@ -44,7 +45,7 @@ def lens_of(camera):
 
 
 def true_pose(tag, rotation, translation):
-    """(R, t) of a WallTag in the camera, from the wall's."""
+    """(R, t): the pose of a WallTag in the camera. The arguments are that of the wall."""
     top_left, top_right, _, bottom_left = tag.corners
     right, up = (top_right - top_left) / tag.side, (top_left - bottom_left) / tag.side
     axes = np.stack([right, up, np.cross(right, up)], axis=1)
@@ -52,12 +53,12 @@ def true_pose(tag, rotation, translation):
 
 
 def error_of(rotation, translation, truth):
-    """(6,): how far off a pose is, meters and radians, as its covariance has it."""
+    """(6,): the error of a pose in meters and radians, in the order of its covariance."""
     return np.concatenate([translation - truth[1], rotation_vector(rotation @ truth[0].T)])
 
 
 class Others:
-    """What aruco_ros and fiducials do: OpenCV's detector, then solvePnP for each tag of each frame."""
+    """The method of aruco_ros and fiducials: OpenCV's detector, then solvePnP for each tag in each frame."""
 
     def __init__(self):
         parameters = cv2.aruco.DetectorParameters()
@@ -65,7 +66,7 @@ class Others:
         self._detector = cv2.aruco.ArucoDetector(get_dictionary(WALL.dictionary), parameters)
 
     def poses(self, frame, lens):
-        """{method: {id: (R, t)}}, of the two poses of IPPE_SQUARE the one that fits better."""
+        """{method: {id: (R, t)}}. Of the two poses of IPPE_SQUARE this is the one that fits better."""
         quads, ids, _ = self._detector.detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
         found = {method: {} for method in METHODS}
         for tag_id, quad in zip([] if ids is None else ids.ravel(), quads):
@@ -77,10 +78,11 @@ class Others:
 
 
 def measure(task):
-    """Of one lap: its lens, {method: rows}, milliseconds a frame.
+    """Measure one lap: (name of its lens, {method: rows}, milliseconds of each update with four tags).
 
-    A row is the true range, the error (6,), and NEES: the error's square, in
-    units of the covariance that comes with the pose, 6 on average if that is honest.
+    ``task``: the name of the lens, and the distance in meters. A row is the true
+    range, the error, (6,), and the NEES: the squared error in units of the pose's
+    covariance. The NEES is 6 on average if the covariance is honest.
     """
     cv2.setNumThreads(1)
     name, meters = task
@@ -89,27 +91,27 @@ def measure(task):
     detector, others = Detector(), Others()
     alone, learned, given = PoseEstimator(SIDE), PoseEstimator(SIDE), PoseEstimator(SIDE, wall=TAGS_WALL)
     rows, times = defaultdict(list), []
-    first = None  # id of the tag in whose axes the learned wall is
+    first = None  # id of the tag whose axes are those of the learned wall
     for number, view in enumerate(past(meters)):
         frame, stamp = renderer.render(*view), number / FRAMES_PER_S
         truth = {tag.id: true_pose(tag, *view) for tag in TAGS_WALL.tags}
 
-        def note(method, tag_id, rotation, translation, covariance=None):
+        def add_row(method, tag_id, rotation, translation, covariance=None):
             error = error_of(rotation, translation, truth[tag_id])
             rows[method].append((np.linalg.norm(truth[tag_id][1]), *error, _nees(error, covariance)))
         for method, poses in others.poses(frame, lens).items():
             for tag_id, pose in poses.items():
-                note(method, tag_id, *pose)
+                add_row(method, tag_id, *pose)
                 if tag_id == ALONE:
-                    note(method + ', one tag', tag_id, *pose)
+                    add_row(method + ', one tag', tag_id, *pose)
         tags = detector.detect(frame)
         for pose in alone.update([tag for tag in tags if tag.id == ALONE], lens, stamp):
-            note('ours, one tag', pose.id, pose.rotation, pose.translation, pose.covariance)
+            add_row('ours, one tag', pose.id, pose.rotation, pose.translation, pose.covariance)
         took, poses = timed(learned.update, tags, lens, stamp)
         if len(poses) == 4:
             times.append(took)
         for pose in poses:
-            note('ours', pose.id, pose.rotation, pose.translation, pose.covariance)
+            add_row('ours', pose.id, pose.rotation, pose.translation, pose.covariance)
         given.update(tags, lens, stamp)
         if first is None and learned.camera():
             first = min(learned.camera().ids)
@@ -127,38 +129,39 @@ def _nees(error, covariance):
 
 
 def run():
-    """Measure all laps and print the tables."""
-    print('\nPoses, 640 x 480, tags of %g m, noise 2, %d frames of driving past at %s m, from %.0f degrees to\n'
-          'both sides. Each: median, 99 %% below, max. A flip is a rotation off by more than %g degrees.\n'
-          'NEES is 6 where covariances are honest, less where they are too large.'
-          % (SIDE, LAP * len(LAPS), ', '.join('%g' % lap for lap in LAPS), np.degrees(SWEEP), FLIP))
-    found, times = {name: defaultdict(list) for name in LENSES}, []
+    """Measure all laps, and print the tables."""
+    print('\nPoses at 640 x 480, tags of %g m, noise 2, %d frames of driving past at %s m, up to %.0f\n'
+          'degrees to both sides. Three numbers are median, 99th percentile, and maximum. A flip is a rotation\n'
+          'that is off by more than %g degrees. The NEES is 6 if covariances are honest, less if too large.'
+          % (SIDE, LAP_FRAMES * len(DISTANCES), ', '.join('%g' % meters for meters in DISTANCES),
+             np.degrees(SWEEP), FLIP))
+    rows_of, times = {name: defaultdict(list) for name in LENSES}, []
     with Pool() as pool:
-        for name, rows, took in progress(pool.imap_unordered(measure, list(product(LENSES, LAPS))), 'poses',
-                                         len(LENSES) * len(LAPS)):
+        laps = list(product(LENSES, DISTANCES))
+        for name, rows, took in progress(pool.imap_unordered(measure, laps), 'poses', len(laps)):
             for method, more in rows.items():
-                found[name][method].extend(more)
+                rows_of[name][method].extend(more)
             times.extend(took)
-    for name, methods in found.items():
+    for name, methods in rows_of.items():
         tell('\n%-24s %-4s %6s %6s   %-20s %-20s %-18s %6s' % (
             name, '', 'poses', 'flips', 'place, mm', 'place, % of range', 'rotation, degrees', 'NEES'))
         for method in sorted(methods, key=lambda method: ('camera' in method, 'one tag' not in method, method)):
             rows = np.array(methods[method])
-            for where, (near, far) in WHERE.items():
+            for title, (near, far) in RANGES.items():
                 some = rows[(rows[:, 0] >= near) & (rows[:, 0] < far)]
                 if len(some):
-                    tell(_line(method if where == '1 m' else '', where, some))
-    print('\nupdate() with four tags: %.2f ms a frame (median), 99 %% below %.2f ms'
+                    tell(_line(method if title == '1 m' else '', title, some))
+    print('\nupdate() with four tags: %.2f ms per frame (median), 99th percentile %.2f ms'
           % (np.median(times), np.percentile(times, 99)))
 
 
-def _line(method, where, rows):
+def _line(method, title, rows):
     place, turn = np.linalg.norm(rows[:, 1:4], axis=1), np.degrees(np.linalg.norm(rows[:, 4:7], axis=1))
     nees = '-' if np.isnan(rows[:, 7]).any() else '%.1f' % rows[:, 7].mean()
     return '%-24s %-4s %6d %6d   %-20s %-20s %-18s %6s' % (
-        method, where, len(rows), np.sum(turn > FLIP), _three(1000 * place, '%.1f'),
-        _three(100 * place / rows[:, 0], '%.2f'), _three(turn, '%.2f'), nees)
+        method, title, len(rows), np.sum(turn > FLIP), _quantiles(1000 * place, '%.1f'),
+        _quantiles(100 * place / rows[:, 0], '%.2f'), _quantiles(turn, '%.2f'), nees)
 
 
-def _three(values, form):
+def _quantiles(values, form):
     return ', '.join(form % value for value in (np.median(values), np.percentile(values, 99), values.max()))

@@ -1,4 +1,4 @@
-"""What each search of the detector costs, and from what width on it finds tags."""
+"""The cost of each search of the detector, and the smallest width of the tags that it finds."""
 import os
 import re
 from math import cos, radians, sin
@@ -24,18 +24,18 @@ METHODS = (DEFAULT,) + SEARCHES
 COST_SIZES = (640, 480), (1280, 720)
 COST_FRAMES = 12
 NOISE = 2.0
-WIDTHS_PX = {0: range(7, 33), 60: range(13, 47)}  # by the slant in degrees
+WIDTHS_PX = {0: range(7, 33), 60: range(13, 47)}  # to be tried, by the slant in degrees
 FRAMES = 6               # for each width and slant
-TAGS, SIDE_M = 5, 0.2    # one above the other, so that all are equally far
-FOUND = 0.95             # of the tags
+TAGS, SIDE_M = 5, 0.2    # in each frame; one above the other, so that all are equally far
+MIN_FOUND = 0.95         # the share of the tags that must be found within reach
 PHOTOS = os.path.join(PACKAGE, '..', 'shared', 'photos')
 CROWDS = '33369213973_9d9bb4cc96_c', '34085369442_304b6bafd9_c'
 CROWDS_DICTIONARY = 'DICT_APRILTAG_36h11'
-SAME_CORNER_PX = 2.0     # as far may a corner be off AprilTag's
+SAME_CORNER_PX = 2.0     # a corner that is farther from AprilTag's is another one
 
 
 def finder(method, dictionary=DICTIONARY):
-    """A function from a frame to the (id, (4, 2) corners) that a method finds in it."""
+    """A function that finds tags in a frame by a method. It returns a list of (id, (4, 2) corners)."""
     if method != DEFAULT:
         detector = Detector(dictionary, search=method)
         return lambda frame: [(tag.id, tag.corners) for tag in detector.detect(frame)]
@@ -49,7 +49,7 @@ def finder(method, dictionary=DICTIONARY):
 
 
 def cost(size):
-    """Median milliseconds a frame by method, one thread, on the same frames in turn."""
+    """{method: median milliseconds per frame} on one thread; the methods take turns on the same frames."""
     finders = {method: finder(method) for method in METHODS}
     times = [[timed(find, frame.image)[0] for find in finders.values()]
              for frame in drive(WIDE, COST_FRAMES + 1, noise=NOISE, light=0.3, size=size)]
@@ -57,7 +57,10 @@ def cost(size):
 
 
 def column(ids, turns):
-    """A wall with tags one above the other, the camera's height in the middle."""
+    """A Wall with tags one above the other, centered at the camera's height.
+
+    ``turns``: the rotation of each tag in degrees.
+    """
     heights = CAMERA_HEIGHT_M + 1.6 * SIDE_M * (np.arange(len(ids)) - (len(ids) - 1) / 2)
     tags = tuple(WallTag(tag_id, 0.0, height, SIDE_M, turn)
                  for tag_id, height, turn in zip(ids, heights, turns))
@@ -65,7 +68,7 @@ def column(ids, turns):
 
 
 def views(width, slant):
-    """(frame, ids) in which tags are ``width`` pixels high, seen from ``slant`` degrees to the side."""
+    """Yield (frame, ids). The tags are ``width`` pixels high, and seen from ``slant`` degrees to the side."""
     random, camera = np.random.RandomState(1000 * slant + width), Camera()
     for _ in range(FRAMES):
         ids = [int(tag_id) for tag_id in random.choice(250, TAGS, replace=False)]
@@ -78,7 +81,7 @@ def views(width, slant):
 
 
 def reach(case):
-    """(width, slant, {method: (part of the tags found, other ids seen)})."""
+    """(width, slant, {method: [share of the tags found, number of wrong ids]}). ``case``: (width, slant)."""
     cv2.setNumThreads(1)
     width, slant = case
     finders = {method: finder(method) for method in METHODS}
@@ -91,14 +94,14 @@ def reach(case):
     return width, slant, found
 
 
-def reached(shares):
-    """The width from which on that part of the tags, {width: share}, is FOUND."""
-    missed = [width for width, share in shares.items() if share < FOUND - 1e-9]
+def smallest_width(shares):
+    """From which width on at least MIN_FOUND of the tags are found, as text. ``shares``: {width: share}."""
+    missed = [width for width, share in shares.items() if share < MIN_FOUND - 1e-9]
     return '%d px' % (max(missed) + 1) if missed else 'below %d px' % min(shares)
 
 
 def crowd(name):
-    """A photo, (h, w, 3) BGR uint8, and its tags' corners, (n, 4, 2), as AprilTag 3 has them."""
+    """A photo, (h, w, 3) BGR uint8, and the corners, (n, 4, 2), of the tags that AprilTag 3 finds in it."""
     path = os.path.join(PHOTOS, name)
     with open(path + '.txt') as file:
         numbers = [re.findall(r'[\d.]+', line)[1:] for line in file]
@@ -106,18 +109,22 @@ def crowd(name):
 
 
 def apart(quad, other):
-    """Pixels between the corners of two quadrilaterals, which may begin at any and go either way round."""
+    """Pixels: the largest distance between corresponding corners of two quadrilaterals.
+
+    They may begin with any corner, and go either way round.
+    """
     return min(np.linalg.norm(quad - np.roll(turned, turn, axis=0), axis=1).max()
                for turned in (other, other[::-1]) for turn in range(4))
 
 
 def run():
-    """Print cost, reach, and the counts on the photos if they are there."""
+    """Print cost and reach, and the tags found in the photos, if they are there."""
     cv2.setNumThreads(1)
-    print("\nSearches, %s. Cost: median of a frame, one thread, in times of OpenCV's default.\n"
-          'Reach: the width of a tag in pixels from which on %.0f %% of them are found, noise %g, 640 x 480,\n'
-          'head-on or slanted (its width were it not slanted); and wrong ids seen in all these frames.\n'
-          % (DICTIONARY, 100 * FOUND, NOISE))
+    print("\nSearches, %s. The cost is the median per frame on one thread, relative to OpenCV's default.\n"
+          'The reach is the width in pixels from which on %.0f %% of the tags are found, at 640 x 480 with\n'
+          'noise %g, head-on or slanted (then the width without the slant). The wrong ids are those in all\n'
+          'these frames.\n'
+          % (DICTIONARY, 100 * MIN_FOUND, NOISE))
     costs = [cost(size) for size in COST_SIZES]
     cases = [(width, slant) for slant in WIDTHS_PX for width in WIDTHS_PX[slant]]
     shares = {(method, slant): {} for method in METHODS for slant in WIDTHS_PX}
@@ -133,25 +140,26 @@ def run():
         tell('%-17s' % method
              + ''.join('%22s' % ('%.2f ms = %.2fx' % (took[method], took[method] / took[DEFAULT]))
                        for took in costs)
-             + ''.join('%14s' % reached(shares[method, slant]) for slant in WIDTHS_PX) + '%11d' % wrong[method])
+             + ''.join('%14s' % smallest_width(shares[method, slant]) for slant in WIDTHS_PX)
+             + '%11d' % wrong[method])
     if os.path.isdir(PHOTOS):
         run_crowds()
 
 
 def run_crowds():
-    """Print how many of the crowds' tags each method finds."""
-    print("\nCrowded photos, %s: tags found with all corners within %g px of AprilTag's; found besides\n"
-          '(AprilTag does not find all); ids other than 0, which no tag there has.\n'
+    """Print how many tags each method finds in the crowded photos."""
+    print("\nCrowded photos, %s. A tag is found if all its corners are within %g px of AprilTag's.\n"
+          'Further tags may be real, since AprilTag does not find all. No tag has another id than 0.\n'
           % (CROWDS_DICTIONARY, SAME_CORNER_PX))
     for method in METHODS:
-        find, counts, besides, wrong = finder(method, CROWDS_DICTIONARY), [], 0, 0
+        find, counts, further, wrong = finder(method, CROWDS_DICTIONARY), [], 0, 0
         for name in CROWDS:
             photo, truth = crowd(name)
             tags = find(photo)
             off = np.array([[apart(corners, quad) for quad in truth] for _, corners in tags])
             off = off.reshape(-1, len(truth))
             counts.append('%d of %d' % (np.sum((off < SAME_CORNER_PX).any(axis=0)), len(truth)))
-            besides += int(np.sum((off >= SAME_CORNER_PX).all(axis=1)))
+            further += int(np.sum((off >= SAME_CORNER_PX).all(axis=1)))
             wrong += sum(tag_id != 0 for tag_id, _ in tags)
         tell('%-17s' % method + ''.join('%12s' % count for count in counts)
-             + '   besides %d   wrong ids %d' % (besides, wrong))
+             + '   further %d   wrong ids %d' % (further, wrong))
