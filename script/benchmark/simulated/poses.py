@@ -131,8 +131,8 @@ def _nees(error, covariance):
 def run():
     """Measure all laps, and print the tables."""
     print('\nPoses at 640 x 480, tags of %g m, noise 2, %d frames of driving past at %s m, up to %.0f\n'
-          'degrees to both sides. Three numbers are median, 99th percentile, and maximum. A flip is a rotation\n'
-          'that is off by more than %g degrees. The NEES is 6 if covariances are honest, less if too large.'
+          'degrees to both sides. Three numbers: median, 99th percentile, and maximum. A flip is a rotation\n'
+          'off by more than %g degrees. The NEES is 6 if covariances are honest, less if they are too large.'
           % (SIDE, LAP_FRAMES * len(DISTANCES), ', '.join('%g' % meters for meters in DISTANCES),
              np.degrees(SWEEP), FLIP))
     rows_of, times = {name: defaultdict(list) for name in LENSES}, []

@@ -1,7 +1,7 @@
-"""Coverage-guided fuzzing: libFuzzer changes bytes, and keeps what leads it into more of the code.
+"""Coverage-guided fuzzing: libFuzzer mutates bytes, and keeps what reaches more of the code.
 
-It begins with test/fuzz/corpus, of which test/node replays each file. What it
-finds besides, and what it says, is in build/fuzz; to see one fault again:
+It begins with test/fuzz/corpus, which test/node replays, too. New inputs and
+the logs are in build/fuzz. This reproduces a fault:
 PYTHONPATH=test:$PYTHONPATH python3 test/fuzz/hunt.py --target=TARGET FILE
 """
 import importlib.util
@@ -16,26 +16,26 @@ FUZZ = os.path.join(PACKAGE, 'test', 'fuzz')
 BUILD = os.path.join(PACKAGE, 'build', 'fuzz')
 SECONDS = 60      # for each target
 HANG_S = 60
-MEMORY_MB = 1500  # the largest picture that is taken needs about half of that
-MAX_BYTES = 4096  # of one try: long ones are slow, and say little that is new
+MEMORY_MB = 1500  # the largest picture that is accepted needs about half of this
+MAX_BYTES = 4096  # of one input: longer ones are slow, and reveal little more
 FAULT = re.compile(r'^ === Uncaught Python exception: ===\n(.*)|^SUMMARY: (.*)', re.MULTILINE)
 
 
 def run(seconds, seed):
-    """Fuzz each target for its share of the time; what was found, as sentences."""
+    """Fuzz each target for its share of the time. Returns sentences about what was found."""
     if importlib.util.find_spec('atheris') is None:
         print('There is no atheris for this Python or this processor, so nothing is fuzzed.')
         return []
     from fuzz.targets import TARGETS
     share = SECONDS if seconds is None else max(1, round(seconds / len(TARGETS)))
-    print('%d s for each target, seed %d; at most %d bytes, %d MB of memory, %d s for one try\n'
+    print('%d s for each target, seed %d; at most %d bytes, %d MB of memory, %d s for one input\n'
           % (share, seed, MAX_BYTES, MEMORY_MB, HANG_S))
-    print('target            tries      edges   features   corpus      new   found (target: nothing)')
+    print('target           inputs      edges   features   corpus      new   found (target: nothing)')
     found = []
     for target in TARGETS:
-        said, fault = hunt(target, share, seed)
-        places = re.findall(r'cov: (\d+) ft: (\d+) corp: (\d+)', said)
-        numbers = dict(re.findall(r'^stat::(\w+):\s+(\d+)', said, re.MULTILINE))
+        output, fault = fuzz(target, share, seed)
+        places = re.findall(r'cov: (\d+) ft: (\d+) corp: (\d+)', output)
+        numbers = dict(re.findall(r'^stat::(\w+):\s+(\d+)', output, re.MULTILINE))
         print('%-12s %10s %10s %10s %8s %8s   %s' % (
             target, numbers.get('number_of_executed_units', '-'), *(places[-1] if places else '---'),
             numbers.get('new_units_added', '-'), fault or 'nothing'), flush=True)
@@ -44,8 +44,8 @@ def run(seconds, seed):
     return found
 
 
-def hunt(target, seconds, seed):
-    """Fuzz one target; what libFuzzer said, and the fault that it found, or None."""
+def fuzz(target, seconds, seed):
+    """Fuzz one target. Returns the output of libFuzzer, and the fault that it found, or None."""
     corpus = os.path.join(BUILD, target)
     os.makedirs(corpus, exist_ok=True)
     log = corpus + '.log'
@@ -58,11 +58,11 @@ def hunt(target, seconds, seed):
              '-artifact_prefix=%s-' % corpus],
             stdout=file, stderr=subprocess.STDOUT)
     with open(log, errors='replace') as file:
-        said = file.read()
+        output = file.read()
     if done.returncode == 0:
-        return said, None
-    why = FAULT.search(said)
-    where = re.search(r'Test unit written to (.*)', said)
-    return said, '%s; its bytes are in %s, more in %s' % (
-        (why.group(1) or why.group(2)) if why else 'it ended with %d' % done.returncode,
+        return output, None
+    why = FAULT.search(output)
+    where = re.search(r'Test unit written to (.*)', output)
+    return output, '%s; the input is in %s, the log in %s' % (
+        (why.group(1) or why.group(2)) if why else 'exit code %d' % done.returncode,
         where.group(1) if where else 'no file', log)

@@ -1,4 +1,7 @@
-"""Parameters of running nodes, by dynamic_reconfigure: wrong ones are refused, and frames answered as ever."""
+"""Parameters of running nodes, set by dynamic_reconfigure.
+
+The nodes must refuse wrong values, and keep answering frames.
+"""
 import os
 import queue
 import sys
@@ -23,12 +26,11 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 SIMULATED = '/simulated/image_raw'
-MASKS = {'wall_camera': SIMULATED}  # what to look at, in place of ~image
-
+OUTPUTS = {'wall_camera': SIMULATED}  # the topic to watch, if it is not ~image
 
 
 class Live:
-    """All nodes at once, before a camera. ``counts``, ``found``: see parameters."""
+    """All nodes at once, with a camera. ``counts``, ``found``: see parameters."""
 
     def __init__(self, kinds, counts, found):
         self._kinds, self._counts, self._found = kinds, counts, found
@@ -41,7 +43,7 @@ class Live:
             self._nodes[node] = Started(sys.executable, os.path.join(package_folder(), 'src', node + '.py'),
                                         *arguments.get(node, []))
         self._camera = rospy.Publisher(CAMERA, Image, queue_size=1)
-        self._inboxes = {node: Inbox(MASKS.get(node, '/%s/image' % node), Image)
+        self._inboxes = {node: Inbox(OUTPUTS.get(node, '/%s/image' % node), Image)
                          for node in self._kinds if node != 'page'}
         self._services = {}
         for node in self._kinds:
@@ -60,67 +62,67 @@ class Live:
             if started.ends() != 0:
                 self._note('deaths', node, 'ends with exit code %s' % started.ends())
             if any('Traceback' in line for line in started.lines):
-                self._note('tracebacks', node, 'shows a traceback')
-            said = [line for line in started.lines if REFUSED in line]
-            if len(said) != self._refused[node]:
-                self._note('bad sentences', node, 'refuses %d wishes with %d sentences' % (
-                    self._refused[node], len(said)))
-            for line in said:
+                self._note('tracebacks', node, 'prints a traceback')
+            sentences = [line for line in started.lines if REFUSED in line]
+            if len(sentences) != self._refused[node]:
+                self._note('bad sentences', node, 'refuses %d requests with %d sentences' % (
+                    self._refused[node], len(sentences)))
+            for line in sentences:
                 fault = reading.fault_of(line.partition(']: ')[2].partition(REFUSED)[0])
                 if fault:
-                    self._note('bad sentences', node, 'refuses a wish with a bad sentence: ' + fault)
+                    self._note('bad sentences', node, 'refuses a request with a bad sentence: ' + fault)
         for name in self._kinds:
             if rospy.has_param('/' + name):
                 rospy.delete_param('/' + name)
 
-    def wish(self, random, count):
-        """Wish ``count`` values of each parameter of each node, and odd messages, and look what comes of it."""
+    def set_values(self, random, count):
+        """Request ``count`` values of each parameter of each node, and odd ones, and check the results."""
         for node, kind in progress(self._kinds.items(), 'live', len(self._kinds)):
-            before = self._set(node, Config())
+            before = self._request(node, Config())
             for name, parameter in parameters_of(kind).items():
                 given = values.typed(values.values(parameter, random))
                 for index in random.permutation(len(given))[:count]:
-                    before = self._wish(node, kind, name, given[index], parameter.live, before)
-                self._answers(node)
+                    before = self._set_value(node, kind, name, given[index], parameter.live, before)
+                self._check_answer(node)
             for config in GROUPS + NAMES:
                 self._counts['odd'] += 1
-                self._counts['odd', 'refused' if config in NAMES else 'taken'] += 1
+                self._counts['odd', 'refused' if config in NAMES else 'accepted'] += 1
                 self._refused[node] += config in NAMES
-                if self._set(node, config) != before:
-                    self._note('others', node, 'takes what is no parameter')
-            self._answers(node)
+                if self._request(node, config) != before:
+                    self._note('others', node, 'changes its parameters for a request without a valid one')
+            self._check_answer(node)
 
-    def _wish(self, node, kind, name, value, is_live, before):
-        """Wish one value; what the parameters are now."""
+    def _set_value(self, node, kind, name, value, is_live, before):
+        """Request one value, and check the result. Returns the parameters afterward."""
         try:
             settings = reading.taken(kind, name, value) if is_live else None
         except InputError:
             settings = None
-        after = self._set(node, wish(name, value))
+        after = self._request(node, wish(name, value))
         self._counts['live'] += 1
-        self._counts['live', 'refused' if settings is None else 'taken'] += 1
+        self._counts['live', 'refused' if settings is None else 'accepted'] += 1
         if settings is None:
             self._refused[node] += 1
             if after != before:
-                self._note('others', node, 'takes %s for ~%s' % (ascii(value)[:60], name))
+                self._note('others', node, 'accepts %s for ~%s' % (ascii(value)[:60], name))
             return after
         expected = dict(before, **{name: ros_values(settings)[name]})
         if after != expected:
-            self._note('others', node, 'makes of %s for ~%s something else' % (ascii(value)[:60], name))
-        self._answers(node)
-        return self._set(node, wish(name, before[name]))
+            self._note('others', node, 'turns %s for ~%s into something else' % (ascii(value)[:60], name))
+        self._check_answer(node)
+        return self._request(node, wish(name, before[name]))
 
-    def _set(self, node, config):
-        """What the node answers: {name: value}; empty where it does not."""
+    def _request(self, node, config):
+        """Send a request. Returns the parameters that the node answers, {name: value}; empty if it does not."""
         try:
             answer = self._services[node](config).config
         except (rospy.ServiceException, rospy.ROSException) as error:
-            self._note('tracebacks', node, 'answers a wish with an error: %s' % str(error)[:80])
+            self._note('tracebacks', node, 'answers a request with an error: %s' % str(error)[:80])
             return {}
         return answered(answer)
 
-    def _answers(self, node):
-        """Look whether the node does its work still."""
+    def _check_answer(self, node):
+        """Check whether the node still does its work."""
         self._counts['answers'] += 1
         if node == 'page':
             try:
@@ -138,9 +140,9 @@ class Live:
                     return
             except queue.Empty:
                 pass
-        self._note('hangs' if self._nodes[node].process.poll() is None else 'deaths', node, 'answers no frame')
+        self._note('hangs' if self._nodes[node].process.poll() is None else 'deaths', node,
+                   'does not answer a frame')
 
     def _note(self, kind, node, what):
         self._counts[kind] += 1
         self._found.setdefault('%s: %s' % (node, what), 'while it runs')
-

@@ -1,4 +1,4 @@
-"""The page's server against hostile clients: what it answers, holds and takes, and whom it serves meanwhile."""
+"""The page's server with hostile clients: its answers, its resources, and its service for a good client."""
 import ipaddress
 import random
 import sys
@@ -16,31 +16,32 @@ from rig.started import Started
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-# More than before an attack: two uploads; connections to the master, until Python collects them.
+# Allowed growth after an attack: two uploads, and connections to the master that Python has not yet freed.
 MORE_MB, MORE_FDS = 128, 64
-REST_S = 10                  # for which it may have more
-LIMITS = {  # seconds within which who is slow is given up; page_server's are 20, 60, 30
-    'says nothing': (b'', 30), 'a byte of a header a second': (b'GET / HTTP/1.1\r\nX: ', 30),
-    'a byte of an upload a second': (
+RECOVERY_S = 10              # seconds after an attack, within which this must be reached
+LIMITS = {  # what slow clients send, and the seconds until they must be cut off; page_server waits 20, 60, 30
+    'sends nothing': (b'', 30), 'a byte of a header per second': (b'GET / HTTP/1.1\r\nX: ', 30),
+    'a byte of an upload per second': (
         b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n', 75),
-    'takes no answer': (b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\n\r\n' * 100, 75),
-    'takes no stream': (attacks.STREAM, 75)}
+    'reads no answer': (b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\n\r\n' * 100, 75),
+    'reads no stream': (attacks.STREAM, 75)}
 
 
 def run(seconds, seed):
-    """Print what each attack sent and what became of the server."""
+    """Attack the server, and print the effects of each attack. Returns sentences about what was found."""
     found = []
-    print('Target: no 5xx but 503, pictures and the page for a good client during all of it; afterward, within '
-          '%d s, at most %d MB and %d file descriptors more.\n' % (REST_S, MORE_MB, MORE_FDS))
+    print('Targets: no status 5xx but 503; images and the page for a good client all the time; within %d s\n'
+          'after an attack, at most %d MB and %d file descriptors more than before.\n'
+          % (RECOVERY_S, MORE_MB, MORE_FDS))
     with Master(), camera():
         with server() as (page, port):
-            found += listening()
-            found += describe(port, seed, 20)
+            found += open_sockets()
+            found += run_schemathesis(port, seed, 20)
             end = None if seconds is None else time.monotonic() + seconds
             while True:
                 for name in attacks.ATTACKS:
                     found += attack(name, page, port, seed)
-                found += slow(page, port)
+                found += slow_clients(page, port)
                 seed += 1
                 if end is None or time.monotonic() > end:
                     break
@@ -51,7 +52,7 @@ def run(seconds, seed):
 
 @contextmanager
 def camera():
-    """Pictures on attacks.TOPIC, 30 a second."""
+    """Publish 30 images per second on attacks.TOPIC while the block runs."""
     publisher = rospy.Publisher(attacks.TOPIC, Image, queue_size=1)
     timer = rospy.Timer(rospy.Duration(1 / 30), lambda event: publisher.publish(
         image_from_frame(PICTURE, Header(stamp=rospy.Time.now()))))
@@ -61,63 +62,66 @@ def camera():
 
 @contextmanager
 def server():
-    """(the page, Started, with its psutil.Process as ``figures``; its port)."""
+    """Run the page while the block runs. Yields it, Started, and its port.
+
+    ``page.server`` is its psutil.Process.
+    """
     port = free_port()
     page = Started('rosrun', 'unit5', 'page.py', '_port:=%d' % port)
     try:
         page.wait_for('The page is at')
         process = psutil.Process(page.process.pid)
-        page.figures = next(each for each in [process, *process.children(recursive=True)]
-                            if any(word.endswith('page.py') for word in each.cmdline()[:2]))
+        page.server = next(each for each in [process, *process.children(recursive=True)]
+                           if any(word.endswith('page.py') for word in each.cmdline()[:2]))
         yield page, port
     finally:
         page.stop()
 
 
-def listening():
-    """Print which addresses all that runs here listens on; a list of those that the network reaches."""
+def open_sockets():
+    """Print which sockets of the processes here listen. Returns sentences about those open to the network."""
     found = sockets_below(psutil.Process().pid)
     sockets = [(name, address) for name, each in found.items() for _, address in each]
-    open_ = sorted({'%s listens on %s' % (name, address) for name, address in sockets
+    exposed = sorted({'%s listens on %s' % (name, address) for name, address in sockets
                     if not ipaddress.ip_address(address).is_loopback})
     print('%d sockets of %s listen, %d of them to the network' % (
-        len(sockets), ', '.join(sorted({str(name) for name, _ in sockets})), len(open_)), flush=True)
-    return open_
+        len(sockets), ', '.join(sorted({str(name) for name, _ in sockets})), len(exposed)), flush=True)
+    return exposed
 
 
 def attack(name, page, port, seed):
-    """Print a row about one attack; a list of what was found."""
+    """Run one attack, and print a row about it. Returns sentences about what was found."""
     guest = attacks.Guest(port)
     if not guest.is_served():
-        return ['before %s a good client is not served' % name]
-    one, began = attacks.Attack(guest, random.Random(seed)), time.monotonic()
-    frames, before = guest.frames, figures(page)
-    getattr(one, name)(1.0)
+        return ['before %s, a good client is not served' % name]
+    attacker, began = attacks.Attack(guest, random.Random(seed)), time.monotonic()
+    frames, before = guest.frames, resources(page)
+    getattr(attacker, name)(1.0)
     took, frames = time.monotonic() - began, guest.frames - frames
     guest.close()
     most = [before[0] + MORE_MB, before[1] + MORE_FDS, before[2] + 8]
-    end = time.monotonic() + REST_S
-    while any(now > limit for now, limit in zip(figures(page), most)) and time.monotonic() < end:
+    end = time.monotonic() + RECOVERY_S
+    while any(now > limit for now, limit in zip(resources(page), most)) and time.monotonic() < end:
         time.sleep(0.2)
-    after = figures(page)
-    print('%-9s %7d sent in %4.0f s, %4d held at once; answers %s; %d to %d MB, %d to %d file descriptors, '
-          '%d to %d threads; %.0f frames a second to a good client' % (
-              name, one.sent, took, one.held, dict(sorted(one.answers.items())), *(
+    after = resources(page)
+    print('%-9s %7d sent in %4.0f s, %4d connections at once; answers %s; %d to %d MB, %d to %d file '
+          'descriptors, %d to %d threads; %.0f frames per second to a good client' % (
+              name, attacker.sent, took, attacker.held, dict(sorted(attacker.answers.items())), *(
                   figure for pair in zip(before, after) for figure in pair), frames / took), flush=True)
     kinds = 'MB', 'file descriptors', 'threads'
-    return one.faults + ['after %s the server has %d %s, before %d' % (name, now, kind, was)
-                         for was, now, limit, kind in zip(before, after, most, kinds) if now > limit]
+    return attacker.faults + ['after %s, the server has %d %s, but before only %d' % (name, now, kind, was)
+                              for was, now, limit, kind in zip(before, after, most, kinds) if now > limit]
 
 
-def figures(page):
+def resources(page):
     """(MB, file descriptors, threads) of the server."""
-    return page.figures.memory_info().rss / 1e6, page.figures.num_fds(), page.figures.num_threads()
+    return page.server.memory_info().rss / 1e6, page.server.num_fds(), page.server.num_threads()
 
 
-def describe(port, seed, count):
-    """Print what schemathesis found; a list of it."""
+def run_schemathesis(port, seed, count):
+    """Run schemathesis, and print a row about it. Returns sentences about what was found."""
     if sys.version_info < (3, 10):
-        print('schemathesis needs Python 3.10 and later; what the page says of itself is not tried.')
+        print('schemathesis needs Python 3.10 or later, so the description of the page is not tested.')
         return []
     from hostile import described
     answers, faults = described.ask(port, seed, count, {
@@ -130,33 +134,33 @@ def describe(port, seed, count):
 
 
 def connections(process):
-    """What a process has open to the network."""
-    # Its name, and that before psutil 6.
+    """The internet connections of a process."""
+    # Before psutil 6, it has another name.
     ask = process.net_connections if hasattr(process, 'net_connections') else process.connections
     return ask('inet')
 
 
-def slow(page, port):
-    """Print after what time who is slow is given up; a list of those who were not."""
+def slow_clients(page, port):
+    """Print after how long slow clients are cut off. Returns sentences about those that are not."""
     found = []
     with ExitStack() as stack:
-        lines, began = {}, time.monotonic()
+        clients, began = {}, time.monotonic()
         for name, (data, _) in LIMITS.items():
-            lines[name] = stack.enter_context(intruders.connect(port, received=4096))
-            lines[name].sendall(data)
-        while lines:
+            clients[name] = stack.enter_context(intruders.connect(port, received=4096))
+            clients[name].sendall(data)
+        while clients:
             time.sleep(1.0)
             took = time.monotonic() - began
-            held = {each.raddr.port for each in connections(page.figures) if each.raddr}
-            for name, line in list(lines.items()):
+            held = {each.raddr.port for each in connections(page.server) if each.raddr}
+            for name, client in list(clients.items()):
                 data, limit = LIMITS[name]
-                if line.getsockname()[1] not in held:
-                    print('%-30s is given up after %4.1f s' % (name, took), flush=True)
-                    del lines[name]
+                if client.getsockname()[1] not in held:
+                    print('%-30s cut off after %4.1f s' % (name, took), flush=True)
+                    del clients[name]
                 elif took > limit:
-                    found.append('%s is not given up within %d s' % (name, limit))
-                    del lines[name]
+                    found.append('a slow client (%s) is not cut off within %d s' % (name, limit))
+                    del clients[name]
                 elif name.startswith('a byte'):
-                    with suppress(OSError):  # it has hung up just now
-                        line.send(b'a')
+                    with suppress(OSError):  # the server has just hung up
+                        client.send(b'a')
     return found

@@ -1,4 +1,4 @@
-"""Parameters: every one of every node set to what it must not be, and to the utmost that it may be."""
+"""Parameters: each one of each node is set to invalid and to extreme values."""
 import os
 import sys
 import tempfile
@@ -21,13 +21,14 @@ from rig.started import Started
 
 from .live_parameters import Live
 
-STARTS, WISHES = 3, 40  # of each parameter: values at the start of a node, and while it runs
-AT_ONCE = 3
-PATIENCE_S = 30
+# Values of each parameter: at the start of a node, and while it runs.
+START_VALUES, LIVE_VALUES = 3, 40
+MAX_NODES = 3  # at a time
+TIMEOUT_S = 30
 
 
 def run(seconds, seed):
-    """Set all parameters; returns a sentence for each thing found. See torture."""
+    """Set all parameters. Returns a sentence for each fault found."""
     end = time.monotonic() + (seconds or 0)
     kinds = {node: reading.settings_of(node) for node in NODES}
     counts, found = Counter(), {}
@@ -37,7 +38,7 @@ def run(seconds, seed):
             _read(kinds, random, folder, counts, found)
             _start(kinds, random, values.pipe(folder), counts, found)
             with Live(kinds, counts, found) as live:
-                live.wish(random, WISHES)
+                live.set_values(random, LIVE_VALUES)
             seed += 1
             if time.monotonic() >= end:
                 break
@@ -50,56 +51,56 @@ def _print(kinds, counts):
         len(kinds), sum(len(parameters_of(kind)) for kind in kinds.values()),
         sum(parameter.live for kind in kinds.values() for parameter in parameters_of(kind).values())))
     for where, what in (('read', 'values read without a node'), ('start', 'nodes started with a value'),
-                        ('live', 'wishes to running nodes'), ('odd', 'odd messages to running nodes')):
-        print('%6d %s: %d taken, %d refused with a sentence' % (
-            counts[where], what, counts[where, 'taken'], counts[where, 'refused']))
+                        ('live', 'requests to running nodes'), ('odd', 'odd requests to running nodes')):
+        print('%6d %s: %d accepted, %d refused with a sentence' % (
+            counts[where], what, counts[where, 'accepted'], counts[where, 'refused']))
     print('%6d frames and pages answered in between' % counts['answers'])
     for fault in 'tracebacks', 'deaths', 'hangs', 'bad sentences', 'others':
-        print('%6d %s (0)' % (counts[fault], fault))
+        print('%6d %s (target: 0)' % (counts[fault], fault))
 
 
 def _note(counts, found, kind, node, name, value, what):
-    """Take note of a fault, once for a parameter and its kind."""
+    """Count a fault, and report it once for each parameter and kind."""
     counts[kind] += 1
     found.setdefault('%s: ~%s %s' % (node, name, what), 'with ' + ascii(value)[:80])
 
 
-def _given(name, parameter, random, pipe):
-    """All values for a parameter, and where it may be a path, a pipe."""
+def _values_for(name, parameter, random, pipe):
+    """All values to try for a parameter. If it may be a path, a pipe is one of them."""
     given = values.values(parameter, random)
     return given + [pipe] if 'path' in parameter.kind.allowed else given
 
 
-def _refusal(take, *arguments):
-    """As reading.refusal, but what takes too long or too much memory raises an error."""
+def _refusal(read, *arguments):
+    """Like reading.refusal, but raises an error if it takes too long or too much memory."""
     with reading.bounded():
-        return reading.refusal(take, *arguments)
+        return reading.refusal(read, *arguments)
 
 
 def _read(kinds, random, folder, counts, found):
     """Read all values of all parameters, and of the entries of a file of areas, without nodes."""
     parameters = {(kind.__name__, name): (node, kind, name, parameter) for node, kind in kinds.items()
-                  for name, parameter in parameters_of(kind).items()}  # once, what several nodes share
+                  for name, parameter in parameters_of(kind).items()}  # those that nodes share, only once
     for node, kind, name, parameter in progress(parameters.values(), 'read'):
-        for value in _given(name, parameter, random, values.pipe(folder)):
+        for value in _values_for(name, parameter, random, values.pipe(folder)):
             _read_one(node, name, value, counts, found, reading.taken, kind, name, value)
     path, entries = os.path.join(folder, 'areas.yaml'), parameters_of(PictureSettings)
     for name in progress(AREA_ENTRIES, 'areas'):
-        for value in values.short(_given(name, entries[name], random, values.pipe(folder))):
+        for value in values.short(_values_for(name, entries[name], random, values.pipe(folder))):
             _read_one('areas', name, value, counts, found, reading.area_taken, path, name, value)
 
 
-def _read_one(node, name, value, counts, found, *take):
+def _read_one(node, name, value, counts, found, *read):
     counts['read'] += 1
     try:
-        sentence = _refusal(*take)
+        sentence = _refusal(*read)
     except reading.Stuck as error:
         _note(counts, found, 'hangs', node, name, value, 'hangs: %s' % error)
         return
     except Exception as error:
         _note(counts, found, 'tracebacks', node, name, value, 'raises %s' % type(error).__name__)
         return
-    counts['read', 'refused' if sentence else 'taken'] += 1
+    counts['read', 'refused' if sentence else 'accepted'] += 1
     fault = sentence and reading.fault_of(sentence)
     if fault:
         _note(counts, found, 'bad sentences', node, name, value, 'is refused with a bad sentence: %s' % fault)
@@ -110,56 +111,56 @@ def _start(kinds, random, pipe, counts, found):
     jobs = []
     for node, kind in kinds.items():
         for name, parameter in parameters_of(kind).items():
-            given = _given(name, parameter, random, pipe)
+            given = _values_for(name, parameter, random, pipe)
             some = [given[index] for index in random.permutation(len(given)) if values.as_xml(given[index])]
-            jobs += [(node, kind, name, value) for value in some[:STARTS]]
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        outcomes = [pool.submit(_started, node, name, value, 'tortured_%d' % number)
+            jobs += [(node, kind, name, value) for value in some[:START_VALUES]]
+    with ThreadPoolExecutor(MAX_NODES) as pool:
+        outcomes = [pool.submit(_start_node, node, name, value, 'tortured_%d' % number)
                     for number, (node, kind, name, value) in enumerate(jobs)]
         for (node, kind, name, value), outcome in progress(list(zip(jobs, outcomes)), 'start'):
-            told, code, lines = outcome.result()
-            if not told:  # the master itself does not take it
+            stored, code, lines = outcome.result()
+            if not stored:  # the master itself refuses the value
                 continue
             counts['start'] += 1
-            for fault, what in _faults_of_start(kind, name, told, code, lines):
+            for fault, what in _faults_of_start(kind, name, stored, code, lines):
                 _note(counts, found, fault, node, name, value, what)
-            counts['start', 'taken' if code is None else 'refused'] += 1
+            counts['start', 'accepted' if code is None else 'refused'] += 1
 
 
-def _faults_of_start(kind, name, told, code, lines):
-    """[(kind of fault, what it is)] of a node that was started so."""
+def _faults_of_start(kind, name, stored, code, lines):
+    """[(kind of fault, description)] of the start of a node. For the arguments, see _start_node."""
     if code == 'hangs':
         return [('hangs', 'neither starts nor ends')]
     if any('Traceback' in line for line in lines):
-        return [('tracebacks', 'shows a traceback: %s' % lines[-1].strip())]
+        return [('tracebacks', 'prints a traceback: %s' % lines[-1].strip())]
     if code is None:
-        must = told[0] is not None and _refusal(reading.taken, kind, name, told[0])
-        return [('others', 'is taken at the start and must not be')] if must else []
-    said = [line.partition(']: ')[2].rstrip('\n') for line in lines if '[FATAL]' in line]
-    if code != 1 or len(said) != 1:
-        return [('others', 'ends it with exit code %s and %d sentences' % (code, len(said)))]
-    fault = reading.fault_of(said[0])
-    return [('bad sentences', 'ends it with a bad sentence: %s' % fault)] if fault else []
+        refusal = stored[0] is not None and _refusal(reading.taken, kind, name, stored[0])
+        return [('others', 'is accepted at the start, but must not be')] if refusal else []
+    sentences = [line.partition(']: ')[2].rstrip('\n') for line in lines if '[FATAL]' in line]
+    if code != 1 or len(sentences) != 1:
+        return [('others', 'ends the node with exit code %s and %d sentences' % (code, len(sentences)))]
+    fault = reading.fault_of(sentences[0])
+    return [('bad sentences', 'ends the node with a bad sentence: %s' % fault)] if fault else []
 
 
-def _started(node, name, value, alias):
-    """What becomes of a node with that value: ([the value as the master tells it], exit code, lines).
+def _start_node(node, name, value, alias):
+    """Start a node with that value: ([the value that the master has stored], exit code, lines).
 
-    The list is empty where the master itself does not take the value, and has
-    None where it cannot tell it. The code is None where the node starts.
+    The list is empty if the master itself refuses the value, and has None if
+    the master cannot return it. The exit code is None if the node starts.
     """
     parameter = '/%s/%s' % (alias, name)
     master = rosgraph.Master('/torture')
     if not set_parameter(parameter, value):
         return [], None, []
     try:
-        told = master.getParam(parameter)
-    except Exception:  # whatever its client raises
-        told = None
+        stored = master.getParam(parameter)
+    except Exception:  # its client may raise anything
+        stored = None
     port = ['_port:=%d' % free_port()] * (node == 'page' and name != 'port')
     program = os.path.join(package_folder(), 'src', node + '.py')
     process = Started(sys.executable, program, '__name:=' + alias, *port)
-    end, code = time.monotonic() + PATIENCE_S, 'hangs'
+    end, code = time.monotonic() + TIMEOUT_S, 'hangs'
     while time.monotonic() < end and code == 'hangs':
         time.sleep(0.1)
         code = process.process.poll()
@@ -171,4 +172,4 @@ def _started(node, name, value, alias):
     process.stop()
     process.ends()
     master.deleteParam('/' + alias)
-    return [told], code, process.lines
+    return [stored], code, process.lines

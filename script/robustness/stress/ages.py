@@ -1,4 +1,4 @@
-"""All image nodes, the poses and the page before a camera, and how old what they publish is."""
+"""All image nodes, the poses, and the page with a camera, and the age of what they publish."""
 import asyncio
 import json
 import os
@@ -24,26 +24,27 @@ STAMP = struct.Struct('<III')  # a std_msgs/Header begins with seq, seconds, nan
 
 
 class Ages:
-    """How old what comes on a topic is, seconds since its stamp, when it comes."""
+    """The age of each message on a topic: the seconds from its stamp to its arrival."""
 
     def __init__(self, topic):
-        self.taken = deque()  # (when, age)
-        # As it is: to make messages of it would take the time that is measured.
-        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._take, queue_size=None, tcp_nodelay=True)
+        self._received = deque()  # (time of arrival, age)
+        # Deserializing the messages would distort the measurement.
+        self._subscriber = rospy.Subscriber(topic, rospy.AnyMsg, self._on_message, queue_size=None,
+                                            tcp_nodelay=True)
 
-    def _take(self, message):
+    def _on_message(self, message):
         now = time.time()
         _, seconds, nanoseconds = STAMP.unpack_from(message._buff)
-        self.taken.append((now, now - seconds - nanoseconds / 1e9))
+        self._received.append((now, now - seconds - nanoseconds / 1e9))
 
     def stop(self):
-        """Leave the topic; (n, 2): when what came has come, and how old it was then."""
+        """Unsubscribe. Returns (n, 2): the time of arrival and the age of each message."""
         self._subscriber.unregister()
-        return np.array(self.taken).reshape(-1, 2)
+        return np.array(self._received).reshape(-1, 2)
 
 
 class Viewer:
-    """A browser that shows all pictures of the page, each as soon as it can."""
+    """A browser that shows all images of the page, each as soon as possible."""
 
     def __init__(self, port, topics):
         self._port, self._topics = port, topics
@@ -52,11 +53,11 @@ class Viewer:
 
     def _run(self):
         try:
-            asyncio.run(self._look())
-        except Exception as error:  # told by who looks at the figures
+            asyncio.run(self._view())
+        except Exception as error:  # the caller reports it
             self.fault = repr(error)
 
-    async def _look(self):
+    async def _view(self):
         page = await websocket_connect('ws://localhost:%d/live' % self._port)
         await page.write_message(json.dumps({'look': self._topics}))
         while True:
@@ -71,7 +72,7 @@ class Viewer:
 
 @contextmanager
 def process(*command):
-    """A process while the block runs; a psutil.Process."""
+    """Run a command while the block runs. Yields its psutil.Process."""
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
         yield psutil.Process(running.pid)
@@ -82,16 +83,16 @@ def process(*command):
 
 @contextmanager
 def camera(width=640, height=480, rate=30):
-    """A camera while the block runs."""
+    """Run a simulated camera while the block runs."""
     with process(sys.executable, '-m', 'robustness.stress.camera_node', str(width), str(height), str(rate)):
         yield
 
 
 @contextmanager
 def nodes(names, page=True):
-    """Nodes while the block runs, and the page with a browser that shows them all.
+    """Run nodes while the block runs, and the page with a browser that shows them all.
 
-    ({name: Process}, Viewer or None).
+    Yields ({name: Process}, Viewer or None).
     """
     source = os.path.join(PACKAGE, 'src')
     port = free_port()
@@ -104,14 +105,14 @@ def nodes(names, page=True):
         yield running, Viewer(port, ['/%s/image' % name for name in names]) if page else None
 
 
-def first_of(topics, seconds=WAIT_S):
-    """Wait until something has come on each of the topics."""
+def wait_for_all(topics, seconds=WAIT_S):
+    """Wait until a message has arrived on each of the topics."""
     for topic in topics:
         rospy.wait_for_message(topic, rospy.AnyMsg, seconds)
 
 
-def ages(topics, seconds):
-    """{topic: (n, 2)} of what has come within so many seconds: see Ages."""
+def measure_ages(topics, seconds):
+    """{topic: (n, 2)}: the ages of all messages that arrive within so many seconds, see Ages."""
     listening = {topic: Ages(topic) for topic in topics}
     time.sleep(seconds)
     return {topic: each.stop() for topic, each in listening.items()}

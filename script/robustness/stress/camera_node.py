@@ -1,4 +1,4 @@
-"""A camera that drives past the wall: WIDTH x HEIGHT pixels, RATE frames a second, in bgr8."""
+"""A simulated camera that drives past the wall, in bgr8. Arguments: width, height, frames per second."""
 import sys
 from itertools import cycle
 
@@ -10,7 +10,7 @@ from benchmark.simulated.drives import LIVELY, WIDE, drive
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
-MEMORY_BYTES = 1 << 28  # for frames made before
+MEMORY_BYTES = 1 << 28  # for the frames, which are rendered in advance
 
 
 def main(width, height, rate):
@@ -18,13 +18,13 @@ def main(width, height, rate):
     count = max(4, min(90, MEMORY_BYTES // (3 * width * height)))
     path = LIVELY if 4 * height >= 3 * width else WIDE
     frames = [frame.image for frame in drive(path, count, noise=2.0, light=0.3, size=(width, height))]
-    pictures = rospy.Publisher('camera/rgb/image_raw', Image, queue_size=1)
-    lens = rospy.Publisher('camera/rgb/camera_info', CameraInfo, queue_size=1)
+    images = rospy.Publisher('camera/rgb/image_raw', Image, queue_size=1)
+    infos = rospy.Publisher('camera/rgb/camera_info', CameraInfo, queue_size=1)
     pause = rospy.Rate(rate)
     for frame in cycle(frames + frames[::-1]):
         header = Header(stamp=rospy.Time.now(), frame_id='camera')
-        lens.publish(camera_info(Camera(width, height), header))
-        pictures.publish(image_from_frame(frame, header))
+        infos.publish(camera_info(Camera(width, height), header))
+        images.publish(image_from_frame(frame, header))
         pause.sleep()
         if rospy.is_shutdown():
             break

@@ -1,4 +1,4 @@
-"""Disks that fill up, and programs that are ended at random moments."""
+"""Disks that fill up, and programs that are terminated at random moments."""
 import os
 import random
 import subprocess
@@ -18,14 +18,14 @@ DISK_BYTES, RECORDED_S = 16 << 20, '20'
 
 
 def run(seconds, seed):
-    """Fill disks, and kill; what was wrong then."""
-    found = fill()
+    """Fill a disk, and terminate programs. Returns sentences about what was found."""
+    found = fill_disk()
     with Master(), kills.camera():
-        return found + kill(seconds, seed)
+        return found + kill_programs(seconds, seed)
 
 
-def fill():
-    """Record with script/demo onto a disk that is too small."""
+def fill_disk():
+    """Record with script/demo to a disk that is too small. Returns sentences about what was found."""
     with tempfile.TemporaryDirectory() as folder:
         if subprocess.call(['mount', '-t', 'tmpfs', '-o', 'size=%d' % DISK_BYTES, 'unit5', folder]):
             print('A small disk cannot be mounted here, so none is filled.')
@@ -34,31 +34,31 @@ def fill():
             demo = os.path.join(kills.FOLDER, kills.DEMO)
             done = subprocess.run([demo, '--record', '--seconds', RECORDED_S, '--folder', folder],
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-            found = ['the demo leaves half a file: ' + path for path in kills.halves(folder)]
+            found = ['the demo leaves an incomplete file: ' + path for path in kills.halves(folder)]
             video, frames = cv2.VideoCapture(folder + '/exercise5_6.avi'), 0
             while video.grab():
                 frames += 1
             if not 0 < frames == video.get(cv2.CAP_PROP_FRAME_COUNT):
-                found.append('of the video %d frames can be read' % frames)
+                found.append('%d frames of the video can be read' % frames)
             sentence = 'demo: the disk of %s is full: recording has ended. Make room there' % folder
             if done.returncode != 1 or sentence not in done.stdout or 'Traceback' in done.stdout:
-                found.append('the demo ends with %d, saying:\n%s' % (done.returncode, done.stdout))
+                found.append('the demo ends with exit code %d and prints:\n%s' % (done.returncode, done.stdout))
         finally:
             subprocess.check_call(['umount', '--lazy', folder])
-    print('script/demo --record on a disk of %d MB: %d frames of video, whole: %d findings (target: 0)' % (
+    print('script/demo --record on a disk of %d MB: %d frames of complete video, %d faults (target: 0)' % (
         DISK_BYTES >> 20, frames, len(found)))
     return found
 
 
-def kill(seconds, seed):
-    """End programs at random moments, COUNT or for so long."""
+def kill_programs(seconds, seed):
+    """Terminate programs at random moments: COUNT of them, or for so many seconds."""
     others = *kills.NODES, *kills.TOOLS, *kills.LAUNCHES
     end = None if seconds is None else time.monotonic() + seconds
-    taken, found = [], []
+    durations, found = [], []
 
     def strike(each):
         took, sentences = kills.strike(each)
-        taken.append(took)
+        durations.append(took)
         for sentence in sentences:
             tell(sentence)
         found.extend(sentences)
@@ -68,9 +68,9 @@ def kill(seconds, seed):
             if end is not None and time.monotonic() > end:
                 break
             strike(each)
-    while not taken or (end is not None and time.monotonic() < end):
+    while not durations or (end is not None and time.monotonic() < end):
         with ThreadPoolExecutor(AT_A_TIME) as pool:
-            demos = kills.kills(random.Random(seed), [kills.DEMO])  # they share build/: one at a time
+            demos = kills.kills(random.Random(seed), [kills.DEMO])  # one at a time, since they share build/
             jobs = [pool.submit(strike_all, demos, COUNT // 10)]
             for number in range(1, AT_A_TIME):
                 ways = kills.kills(random.Random(AT_A_TIME * seed + number), others)
@@ -78,7 +78,7 @@ def kill(seconds, seed):
         for job in jobs:
             job.result()
         seed += 1
-    print('%d programs ended by SIGINT, SIGTERM or SIGKILL at a random moment: %d findings (target: 0);\n'
-          'they took %.2f s to end, the slowest %.1f s (target: below %d s)'
-          % (len(taken), len(found), np.median(taken), max(taken), kills.ENDS_S))
+    print('%d programs terminated by SIGINT, SIGTERM, or SIGKILL at a random moment: %d faults (target: 0).\n'
+          'They took %.2f s to end (median), the slowest %.1f s (target: below %d s).'
+          % (len(durations), len(found), np.median(durations), max(durations), kills.ENDS_S))
     return found

@@ -1,21 +1,21 @@
-"""All nodes at once on this machine, and cameras that are faster, larger or slower than most."""
+"""All nodes at once on this machine, with cameras that are faster, larger, or slower than most."""
 import numpy as np
 from benchmark.ros.master import Master
 
-from .ages import ALL, ages, camera, first_of, nodes
+from .ages import ALL, camera, measure_ages, nodes, wait_for_all
 
 SECONDS = 40.0
-SHARE = 4  # cases, which share what time is given
+CASES = 4  # which share the time that is given
 MAX_PERIODS = 2
-MAX_GROWTH = 0.1  # seconds of latency a minute: more is no noise
+MAX_GROWTH = 0.1  # seconds of latency per minute; more is not noise
 
 
 def run(seconds, seed):
-    """Print rates and ages for all cases."""
-    seconds = SECONDS if seconds is None else seconds / SHARE
+    """Print frame rates and ages for all cases. Returns sentences about what was found."""
+    seconds = SECONDS if seconds is None else seconds / CASES
     found = []
-    print('Age: from the stamp of the frame to the receipt of what the node publishes last of it, its ~tags.\n'
-          'Old: so many are older than two periods of the camera. Growth: of the age, by a straight line.\n')
+    print('The age is from the stamp of a frame to the receipt of its ~tags, which a node publishes last.\n'
+          'Frames older than two periods of the camera are old. ms/min is the growth of the age.\n')
     print('%-34s %-12s %8s %9s %9s %9s %6s %10s' % (
         'camera', 'node', 'frames/s', 'median ms', '99 % ms', 'max ms', 'old', 'ms/min'))
     with Master():
@@ -30,16 +30,16 @@ def run(seconds, seed):
 
 
 def measure(case, names, seconds):
-    """Print what nodes make of a camera for so many seconds; a list of what was found."""
+    """Print how nodes answer a camera for so many seconds. Returns sentences about what was found."""
     settings = dict(dict(width=640, height=480, rate=30), **case)
     title = '%(width)d x %(height)d at %(rate)d Hz' % settings
     topics = {'/%s/tags' % name: name for name in names}
     with camera(**settings):
-        first_of(topics)
-        taken = ages(topics, 3.0)  # that all have learned the wall, and the page shows it
-        taken = ages(topics, seconds)
+        wait_for_all(topics)
+        measure_ages(topics, 3.0)  # until all have learned the wall, and the page shows it
+        received = measure_ages(topics, seconds)
     found = []
-    for topic, each in taken.items():
+    for topic, each in received.items():
         when, age = each.T
         if len(age) < 0.5 * seconds * min(settings['rate'], 1):
             found.append('%s, %s: only %d frames were answered within %d s'
@@ -54,6 +54,6 @@ def measure(case, names, seconds):
             found.append('%s, %s: %d frames older than two periods were published'
                          % (title, topics[topic], old))
         if growth > MAX_GROWTH:
-            found.append('%s, %s: the latency grows by %.0f ms a minute'
+            found.append('%s, %s: the latency grows by %.0f ms per minute'
                          % (title, topics[topic], 1000 * growth))
     return found
