@@ -1,4 +1,4 @@
-"""Run tests, and say how many passed, failed and were skipped. For script/test, which prepares what is needed.
+"""Run tests, and print how many passed, failed, and were skipped. Called by script/test after the setup.
 
 main.py [--quick | NAME ...]
 """
@@ -15,16 +15,16 @@ from xml.etree import ElementTree
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 RESULTS = os.path.join(PACKAGE, 'build', 'test_results')
-FOUND = os.path.join(RESULTS, 'unit5')
-TIMEOUT_S = 600  # of a rostest; its own limit for the test in it is 300 s
+REPORTS = os.path.join(RESULTS, 'unit5')
+TIMEOUT_S = 600  # for a rostest; the test in it has its own limit of 300 s
 MATRIX = 'test/node/test_matrix.py'
-# A constant of a rostest that says why it runs alone, with nothing beside it.
+# A constant that gives the reason why a rostest must run alone.
 ALONE = re.compile(r'^ALONE = ', re.MULTILINE)
 SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/skipping.py
 
 
 class Rostest:
-    """NAME_test.py, in a folder of test/ros."""
+    """A rostest: NAME_test.py in a folder of test/ros."""
 
     def __init__(self, path):
         self.name = os.path.basename(path)[:-len('_test.py')]
@@ -35,54 +35,57 @@ class Rostest:
             self.is_alone = bool(ALONE.search(source.read()))
 
     def run(self, stream=None):
-        """Run it; (Cases, seconds that it took). What it prints goes to ``stream``, or else to a file."""
-        begin, log = time.monotonic(), '%s/%s.log' % (FOUND, self.name)
+        """Run it. Returns (Cases, seconds). Its output goes to ``stream``, or to a file if that is None."""
+        begin, log = time.monotonic(), '%s/%s.log' % (REPORTS, self.name)
         command = ['rostest', '--results-base-dir', RESULTS, '--results-filename', self.name + '.xml']
         with open(log, 'w') as file, subprocess.Popen([*command, *self._launch], stdout=stream or file,
                                                       stderr=subprocess.STDOUT) as process:
             try:
                 code = process.wait(TIMEOUT_S)
             except subprocess.TimeoutExpired:
-                process.send_signal(signal.SIGINT)  # at which it ends its nodes
+                process.send_signal(signal.SIGINT)  # rostest then stops its nodes
                 code = 'nothing within %d s' % TIMEOUT_S
-        cases = Cases(self.name, '%s/rosunit-%s_test.xml' % (FOUND, self.name))
+        cases = Cases(self.name, '%s/rosunit-%s_test.xml' % (REPORTS, self.name))
         if code and not cases.failed:
-            where = '' if stream else '; what it printed is in ' + os.path.relpath(log)
+            where = '' if stream else '; its output is in ' + os.path.relpath(log)
             cases.failed.append((self.name, 'rostest returned %s%s' % (code, where)))
         return cases, time.monotonic() - begin
 
 
 class Matrix:
-    """The plain tests with other versions of Python and of libraries: on one processor, beside the rostests."""
+    """The plain tests with other versions of Python and of libraries.
+
+    They need one processor, and run beside the rostests.
+    """
 
     name, is_alone = 'matrix', False
 
     def run(self):
-        """As Rostest.run."""
+        """Like Rostest.run."""
         begin = time.monotonic()
-        with open('%s/matrix.log' % FOUND, 'w') as file:
+        with open('%s/matrix.log' % REPORTS, 'w') as file:
             cases = run_pytest('matrix', '-q', MATRIX, stdout=file)
         return cases, time.monotonic() - begin
 
 
 class Cases:
-    """How the cases of a test went: their names, and why those failed or skipped that did."""
+    """The results of a test: the names of its cases, and the reasons of those that failed or were skipped."""
 
     def __init__(self, test, path):
-        """``path``: of its results, as XML; without them it has failed."""
+        """``path``: the XML file with the results. Without it, the test has failed."""
         self.test, self.passed, self.failed, self.skipped = test, [], [], []
         try:
             results = ElementTree.parse(path)
         except (OSError, ElementTree.ParseError) as error:
-            self.failed.append((test, 'it crashed or never started, as there are no results: %s' % error))
+            self.failed.append((test, 'it crashed or never started, since there are no results: %s' % error))
             return
-        told = {}  # rosunit's results do not say what was skipped
+        reasons = {}  # rosunit's results do not say which cases were skipped
         for text in results.iter('system-out'):
-            told.update(SKIPPED.findall(text.text or ''))
-        self.skipped += told.items()
+            reasons.update(SKIPPED.findall(text.text or ''))
+        self.skipped += reasons.items()
         for case in results.iter('testcase'):
             name = case.get('name')
-            if name in told:
+            if name in reasons:
                 continue
             fault, skipped = [next((child for child in case if child.tag in tags), None)
                               for tags in (('failure', 'error'), ('skipped',))]
@@ -95,7 +98,7 @@ class Cases:
 
 
 def rostests():
-    """{name: Rostest} of all."""
+    """{name: Rostest} of all rostests."""
     return {test.name: test for test in map(Rostest, sorted(glob.glob('test/ros/*/*_test.py')))}
 
 
@@ -106,8 +109,8 @@ def pytests():
 
 
 def run_pytest(name, *arguments, stdout=None):
-    """The Cases of pytest with these arguments."""
-    path = '%s/%s.xml' % (FOUND, name)
+    """Run pytest with these arguments. Returns Cases."""
+    path = '%s/%s.xml' % (REPORTS, name)
     code = subprocess.run([sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', '--junit-xml=' + path,
                            *arguments], stdout=stdout).returncode
     cases = Cases(name, path)
@@ -116,8 +119,8 @@ def run_pytest(name, *arguments, stdout=None):
     return cases
 
 
-def run_side_by_side(tests):
-    """The Cases of each: as many side by side as there are processors, but for those that must be alone."""
+def run_in_parallel(tests):
+    """Run as many tests at a time as there are processors, then those that must run alone. Yields Cases."""
     for is_alone in False, True:
         chosen = [test for test in tests if test.is_alone == is_alone]
         with ThreadPoolExecutor(1 if is_alone else os.cpu_count()) as pool:
@@ -128,13 +131,13 @@ def run_side_by_side(tests):
                     print('%4d s  %-24s %s' % (seconds, cases.test, 'FAILED' if cases.failed else
                                                'passed' if cases.passed else 'skipped'), flush=True)
                     yield cases
-            finally:  # at Ctrl-C no others are begun
+            finally:  # after Ctrl-C, no other tests start
                 for run in runs:
                     run.cancel()
 
 
 def run_named(names):
-    """The Cases of some, one after the other; all that they print is shown."""
+    """Run some tests one after the other, and show all their output. Yields Cases."""
     for name in names:
         if name in rostests():
             yield rostests()[name].run(sys.stdout)[0]
@@ -143,15 +146,15 @@ def run_named(names):
 
 
 def run_all():
-    """The Cases of everything."""
+    """Run all tests. Yields Cases."""
     yield run_pytest('pytest', '-q', '-n', 'auto', '--ignore', MATRIX, 'test/plain', 'test/node')
-    yield from run_side_by_side([Matrix(), *rostests().values()])
+    yield from run_in_parallel([Matrix(), *rostests().values()])
 
 
 def main(names):
     os.chdir(PACKAGE)
     shutil.rmtree(RESULTS, ignore_errors=True)
-    os.makedirs(FOUND)
+    os.makedirs(REPORTS)
     if names == ['--quick']:
         done = [run_pytest('plain', '-q', '-n', 'auto', 'test/plain')]
     else:
