@@ -1,7 +1,8 @@
-// The one door that ROS_HOSTNAME=localhost leaves open. A node in C++ has its topics and services on
-// the loopback then, but its XML-RPC server on all addresses; and whoever reaches that can have the
-// topics sent to themselves by UDP, feed the node others, and shut it down. Loaded before ROS's
-// libxmlrpcpp (LD_PRELOAD, in script/env), this takes the place of the function that binds it.
+// Closes the one socket that ROS_HOSTNAME=localhost leaves open to the network. With it, a node in C++
+// has its topics and services on the loopback interface, but its XML-RPC server on all addresses.
+// Whoever reaches that server can have the topics sent to themselves by UDP, feed the node other
+// topics, and shut it down. This library is loaded before ROS's libxmlrpcpp (LD_PRELOAD in script/env),
+// and replaces the function that binds the server.
 #include <arpa/inet.h>
 #include <cstdlib>
 #include <cstring>

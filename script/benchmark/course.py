@@ -1,8 +1,8 @@
-"""The course's own code for exercise 5.6, frame in to painted frame out: what ours is measured against.
+"""The course's own code for exercise 5.6, from a frame to the painted frame: the baseline of the benchmark.
 
-Step by step as the course has it, with the names that OpenCV gives these
-functions today. The picture is loaded once, as it would be in a node, and the
-frame keeps its size, which the course shrinks to 0.7 first.
+It follows the course step by step, with the names that OpenCV gives these
+functions today. The picture is loaded once, as in a node. The frame keeps its
+size, whereas the course first shrinks it to 0.7.
 """
 import cv2
 import numpy as np
@@ -10,9 +10,9 @@ from aruco_ar import DICTIONARIES
 
 
 class Course:
-    """Finds the area in each frame alone, and paints the whole frame.
+    """Finds the area in each frame separately, and paints the whole frame.
 
-    ``ids``: the four tags that count, where there are more; the course has no such choice.
+    ``ids``: the four tags that span the area, if a frame shows others, too. The course has no such choice.
     """
 
     def __init__(self, dictionary, picture, ids=()):
@@ -22,7 +22,7 @@ class Course:
         self._picture = picture
 
     def area(self, frame):
-        """(4, 2) int: the area's corners, or None without four tags."""
+        """(4, 2) int: the area's corners, or None if there are fewer than four tags."""
         gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = self._detector.detectMarkers(gray)
         if ids is not None and self._ids:
@@ -34,16 +34,19 @@ class Course:
         return centers[[np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]]
 
     def paint(self, frame):
-        """The frame with the picture in the area, and the area's corners."""
+        """The frame with the picture painted into the area, and the area's corners.
+
+        If no area is found, the frame stays as it is, and the corners are None.
+        """
         area = self.area(frame)
         painted = None if area is None else self.paint_at(frame, area)
         return (frame, None) if painted is None else (painted, area)
 
     def paint_at(self, frame, area):
-        """The frame with the picture in an area, (4, 2) pixels, or None where there is no homography."""
+        """The frame with the picture painted into an area, (4, 2) pixels, or None if there is no homography."""
         height, width = self._picture.shape[:2]
-        ends = np.array([[0, 0], [width, 0], [width, height], [0, height]])
-        homography, _ = cv2.findHomography(ends, area)
+        picture_corners = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+        homography, _ = cv2.findHomography(picture_corners, area)
         if homography is None:
             return None
         warped = cv2.warpPerspective(self._picture, homography, frame.shape[1::-1])

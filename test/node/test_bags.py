@@ -18,8 +18,8 @@ from aruco_ar import Tracker
 from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
-from bags import BEGIN_S, JPEG, record
-from drives import FRAMES_PER_S, LIVELY, drive
+from benchmark.ros.bags import BEGIN_S, JPEG, record
+from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 

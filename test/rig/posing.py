@@ -4,8 +4,8 @@ from aruco_ar import Tag
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Camera, wall_to_camera
 from aruco_ar.tags.tag import square
-from drives import LIVELY
-from poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
+from benchmark.simulated.drives import LIVELY
+from benchmark.simulated.poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
 
 PINHOLE = lens_of(Camera())
 BENT = Camera(distortion=[-0.3, 0.1, 0, 0, 0])

@@ -17,7 +17,7 @@ from aruco_ar import (
 )
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
-from course import Course
+from benchmark.course import Course
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 

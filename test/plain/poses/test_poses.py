@@ -7,8 +7,8 @@ from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.poses.belief import Belief
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
-from drives import LIVELY
-from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
+from benchmark.simulated.drives import LIVELY
+from benchmark.simulated.poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
 from rig.posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
 
 

@@ -8,7 +8,7 @@ from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
-from poses import SIDE, TAGS_WALL, true_pose
+from benchmark.simulated.poses import SIDE, TAGS_WALL, true_pose
 from rig.posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
 
 

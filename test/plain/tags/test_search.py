@@ -10,8 +10,18 @@ from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Poster
-from drives import WALL, drive
-from search import CROWDS, CROWDS_DICTIONARY, FRAMES, PHOTOS, SAME_CORNER_PX, TAGS, apart, crowd, views
+from benchmark.simulated.drives import WALL, drive
+from benchmark.simulated.search import (
+    CROWDS,
+    CROWDS_DICTIONARY,
+    FRAMES,
+    PHOTOS,
+    SAME_CORNER_PX,
+    TAGS,
+    apart,
+    crowd,
+    views,
+)
 
 
 @pytest.mark.parametrize('name, least', list(zip(CROWDS, (12, 24))))

@@ -5,7 +5,7 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import WallTag
-from drives import SLOW, STILL, WALL, drive
+from benchmark.simulated.drives import SLOW, STILL, WALL, drive
 from rig.following import USUAL, assert_never_wrong, follow, later, rms
 
 

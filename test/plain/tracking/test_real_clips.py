@@ -3,9 +3,9 @@ import os
 
 import numpy as np
 import pytest
-import real
 from aruco_ar import Tracker
-from truth import truth_of
+from benchmark.real_clips import clips as real
+from benchmark.real_clips.truth import truth_of
 
 
 @pytest.mark.clips

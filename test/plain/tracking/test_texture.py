@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from aruco_ar.walls.wall import Poster
-from drives import FAST, LIVELY, SLOW, STILL, WALL, drive
+from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 from rig.following import assert_never_wrong, follow, later, rms
 
 ALL = WALL.area

@@ -7,7 +7,7 @@ import pytest
 from aruco_ar import InputError, Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import Poster
-from drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
+from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
 from rig.following import USUAL, assert_never_wrong, follow, later, rms
 
 

@@ -6,7 +6,7 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
-from drives import WALL, Frame
+from benchmark.simulated.drives import WALL, Frame
 from rig.following import follow
 
 

@@ -1,0 +1,1 @@
+"""Both methods on videos of real cameras, compared with the truth about them."""

@@ -1,0 +1,1 @@
+"""The chart of the results, and the record of what was printed."""

@@ -1,0 +1,1 @@
+"""Measurements of nodes, of the page, of the network between them, and of bags."""

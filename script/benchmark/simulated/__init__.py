@@ -1,0 +1,1 @@
+"""Measurements on simulated frames, about which the truth is known."""

@@ -1,0 +1,1 @@
+"""The torture tests: what the package withstands."""

@@ -1,0 +1,1 @@
+"""Hostile messages, pictures, bytes, parameters and HTTP clients."""

@@ -1,0 +1,1 @@
+"""High load, long runs, full disks and signals at random moments."""
