@@ -1,4 +1,4 @@
-"""What the rostests in a browser share: the page, open in Chromium."""
+"""The base of the rostests that open the page in Chromium."""
 import os
 import shutil
 
@@ -13,13 +13,13 @@ OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-backg
 
 
 class BrowserTest(ServerTest):
-    """Has the page open as ``page``; what is wrong on its console fails the test, unless ``expected``."""
+    """Opens the page as ``page``. An error on its console fails the test unless it contains ``expected``."""
 
     @classmethod
     def setUpClass(cls):
         path = next(filter(None, map(shutil.which, BROWSERS)), None)
         if path is None:
-            skip(cls.__name__, 'no Chromium here')
+            skip(cls.__name__, 'Chromium is not installed')
         from playwright.sync_api import sync_playwright
         super().setUpClass()
         cls.playwright = sync_playwright().start()
@@ -50,7 +50,7 @@ class BrowserTest(ServerTest):
         self.page.close()
 
     def wait_for_text(self, selector, words):
-        """Wait until the elements of that kind, of which there must be one, all say these words."""
+        """Wait until all elements that match the selector contain these words; there must be at least one."""
         self.page.wait_for_function(
             '''([selector, words]) => {
                  const texts = [...document.querySelectorAll(selector)].map((element) => element.textContent);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run a node some of whose functions raise, from when a file names them until it does not.
+"""Run a node in which some functions raise an error for as long as a file names them.
 
 failing.py FILE MODULE:FUNCTION[,MODULE:FUNCTION...] NODE.py [argument...]
 """
@@ -14,7 +14,7 @@ NUMBERS = count()
 
 
 def fail_at(place, file):
-    """Have a function, MODULE:NAME or MODULE:CLASS.NAME, raise while the file names it."""
+    """Make a function, MODULE:NAME or MODULE:CLASS.NAME, raise an error while the file names it."""
     module, _, path = place.partition(':')
     *owner, name = path.split('.')
     holder = reduce(getattr, owner, importlib.import_module(module))

@@ -1,4 +1,4 @@
-"""Robots and a base station, each on a host of its own, with what they run."""
+"""A fleet: a base station and its robots, each on a host of its own, with the nodes that they run."""
 import json
 import os
 import sys
@@ -12,13 +12,13 @@ VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'far_viewer.py
 
 
 class Far:
-    """A base station with a roscore, and its robots, each with the simulated camera."""
+    """A base station with a roscore, and its robots, each with a simulated camera."""
 
     def __init__(self, made, radios):
         (self.base, *self.robots), self.radios, self.running = made, radios, []
 
     def begin(self, of_robots, of_base):
-        """Start all; see far."""
+        """Start everything; for the arguments see running_fleet."""
         self.running.append(Started(*self.base.command('roscore')))
         self.running[0].wait_for('started core service')
         for number, robot in enumerate(self.robots):
@@ -29,24 +29,24 @@ class Far:
                                            'port:=%d' % (8090 + number), *of_base))]
 
     def view(self, *exercises):
-        """Look at what these exercises make of the frames of all robots."""
+        """Start a viewer on the base station, which compares all robots' frames with the painted ones."""
         pairs = ['/%s/%s' % (robot.name, topic) for robot in self.robots for exercise in exercises
                  for topic in ('base_camera/image_raw', exercise + '/image')]
         self.running.append(Started(*self.base.command(sys.executable, VIEWER, *pairs)))
         return self.running[-1]
 
     def sent(self):
-        """Bytes that the robots have sent so far."""
+        """The number of bytes that the robots have sent so far."""
         return sum(robot.bytes_to(BASE) for robot in self.robots)
 
 
 def views(viewer, after=0):
-    """What a viewer has seen: (topic, stamp, age, part that is painted or None) of each."""
+    """What a viewer has seen: (topic, stamp, age, painted share or None) of each frame."""
     return [json.loads(line) for line in viewer.lines[after:] if line.startswith('[')]
 
 
 def seconds_of(far, viewer, seconds):
-    """What is seen, and the bytes that are sent, while so many seconds go by."""
+    """The frames seen and the number of bytes sent within this many seconds."""
     seen, sent = len(viewer.lines), far.sent()
     time.sleep(seconds)
     return views(viewer, seen), far.sent() - sent
@@ -54,10 +54,11 @@ def seconds_of(far, viewer, seconds):
 
 @contextmanager
 def far(robots, of_robots=(), of_base=(), loss=LOSS):
-    """A Far while the block runs. Raises OSError or CalledProcessError where hosts cannot be made.
+    """A Fleet that runs during the block.
 
-    ``of_robots``, ``of_base``: arguments of robot.launch and base_station.launch.
-    """
+``of_robots``, ``of_base``: arguments of robot.launch and base_station.launch. Raises OSError or
+CalledProcessError if hosts cannot be created.
+"""
     with hosts(robots, loss) as (made, radios):
         found = Far(made, radios)
         try:

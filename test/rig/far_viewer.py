@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What comes to a base station, a line of JSON for each painted frame: topic, stamp, age, part that is painted.
+"""Print a line of JSON for each painted frame that arrives: topic, stamp, age, painted share.
 
-Arguments: the topics of frames and of what is painted into them, in pairs.
+The arguments are pairs of topics: that of the frames, and that of the painted frames.
 """
 import json
 import sys
@@ -14,13 +14,13 @@ from aruco_node.messages.images import frame_from_image
 from aruco_node.ros_internals.newest import subscribe_newest
 from sensor_msgs.msg import Image
 
-KEPT = 30  # frames that what is painted into them is awaited of
-OTHER = 60  # gray levels by which a pixel is another
-SPEAKING = threading.Lock()
+KEPT = 30  # so many frames are kept until their painted frames arrive
+OTHER = 60  # gray levels: a pixel that differs by more is painted
+PRINTING = threading.Lock()
 
 
 class Viewer:
-    """Looks at a frame and what is made of it."""
+    """Compares each frame with its painted frame."""
 
     def __init__(self, frames, painted):
         self._topic, self._frames, self._lock = painted, {}, threading.Lock()
@@ -41,7 +41,7 @@ class Viewer:
         if frame is not None:
             off = np.abs(frame_from_image(frame)[::4, ::4].astype(int) - frame_from_image(message)[::4, ::4])
             part = float((off > OTHER).any(axis=2).mean())
-        with SPEAKING:
+        with PRINTING:
             print(json.dumps([self._topic, stamp.to_sec(), now - stamp.to_sec(), part]), flush=True)
 
 

@@ -1,16 +1,16 @@
-"""Following the area through drives, and how far off it is."""
+"""The tracker on simulated drives, and how far off its area is."""
 import numpy as np
 
 USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
 
 
 def later(frames, seconds):
-    """The same frames at a later time."""
+    """The same frames, shifted to a later time."""
     return [frame._replace(stamp=frame.stamp + seconds) for frame in frames]
 
 
 def follow(tracker, frames):
-    """(n, 4) pixels: how far each corner is off, NaN without an area."""
+    """(n, 4) pixels: how far off each corner of the area is, or NaN without an area."""
     errors = []
     for frame in frames:
         area = tracker.update(frame.image, frame.stamp)
@@ -24,7 +24,7 @@ def rms(errors):
 
 
 def assert_never_wrong(errors, frames):
-    """No corner is off by more than 5 % of the area's longer side."""
+    """Assert that no corner is off by more than 5 % of the area's longer side."""
     for error, frame in zip(errors, frames):
         longer = np.linalg.norm(frame.corners - np.roll(frame.corners, 1, axis=0), axis=1).max()
         assert np.isnan(error[0]) or error.max() < 0.05 * longer

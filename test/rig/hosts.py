@@ -1,4 +1,4 @@
-"""A base station and robots as network namespaces of this machine, with a poor link to each robot."""
+"""Hosts for a base station and robots: network namespaces of this machine, with a poor link to each robot."""
 import json
 import os
 import subprocess
@@ -9,8 +9,8 @@ from rig.skipping import skip
 
 BASE, BASE_ADDRESS, ROBOT_ADDRESS = 'base', '10.55.0.1', '10.55.0.%d'
 LINK = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'link.py')
-DELAY_S, LOSS, RATE = 0.030, 0.01, '20mbit'  # of each link, each way
-QUEUE_S = 0.1                                # of packets at its entrance: what comes then is lost
+DELAY_S, LOSS, RATE = 0.030, 0.01, '20mbit'  # of each link, in each direction
+QUEUE_S = 0.1                                # the longest that a packet waits at its entrance; others are lost
 
 
 class Host:
@@ -22,13 +22,13 @@ class Host:
         self._variables = ['ROS_IP=' + address, 'ROS_MASTER_URI=http://%s:11311' % master, 'PYTHONUNBUFFERED=1']
 
     def command(self, *command):
-        """A command with its environment, to be done on the host, as arguments of Popen or Started."""
-        # What script/env sets would keep all to the host itself.
+        """The command with its environment, to be run on this host, as arguments of Popen or Started."""
+        # The variables that script/env sets would keep all connections on the host itself.
         return ['ip', 'netns', 'exec', self._namespace, 'env', '-u', 'ROS_HOSTNAME', '-u', 'LD_PRELOAD',
                 *self._variables, *command]
 
     def bytes_to(self, device):
-        """How many bytes have gone out by a device so far."""
+        """The number of bytes sent through a device so far."""
         told = _ip('-n', self._namespace, '-s', '-j', 'link', 'show', 'dev', device)
         return json.loads(told)[0]['stats64']['tx']['bytes']
 
@@ -40,7 +40,7 @@ class Radio:
         self._process = process
 
     def set(self, up):
-        """Have it carry nothing any more, or all again."""
+        """Let the link carry packets, or drop them all."""
         self._process.stdin.write('up\n' if up else 'down\n')
         self._process.stdin.flush()
         self._process.stdout.readline()
@@ -48,9 +48,9 @@ class Radio:
 
 @contextmanager
 def hosts(robots, loss=LOSS):
-    """A base and so many robots while the block runs: Hosts, the base first, and the Radio of each robot.
+    """The Hosts of a base station and of some robots, the base first, and each robot's Radio, during the block.
 
-    The master's place is the base. Raises OSError or CalledProcessError where that cannot be made.
+    The ROS master belongs on the base. Raises OSError or CalledProcessError if hosts cannot be created.
     """
     with ExitStack() as stack:
         base = Host(BASE, BASE_ADDRESS, BASE_ADDRESS)
@@ -65,12 +65,12 @@ def hosts(robots, loss=LOSS):
 
 
 def until_it_ends(test, context):
-    """What a context manager of hosts gives, until the test ends, which is skipped where there can be none."""
+    """Enter a context manager until the test ends, or skip the test if hosts cannot be created."""
     stack = ExitStack()
     try:
         given = stack.enter_context(context)
     except (OSError, subprocess.CalledProcessError) as error:
-        skip(test.id(), 'No hosts can be made here, as network namespaces with tunnels: %s' % error)
+        skip(test.id(), 'network namespaces with tunnels cannot be created here: %s' % error)
     test.addCleanup(stack.close)
     return given
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""A link between two hosts that are network namespaces: slow to arrive, lossy, and away when told so.
+"""A link between two hosts that are network namespaces: it delays packets, loses some, and can be cut.
 
-What either host sends goes out at the other's end after a delay; some of it is lost. Reads lines from stdin:
-"down" and "up". Ends with stdin. How much a link carries is for the hosts' own ``tc`` to say.
+What one host sends leaves at the other end after a delay; some of it is lost. The commands "down" and "up" are
+read from stdin, and the link ends with stdin. The hosts limit the rate themselves, with ``tc``.
 """
 import ctypes
 import fcntl
@@ -17,11 +17,11 @@ from contextlib import suppress
 
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454ca, 1, 0x1000  # linux/if_tun.h
 NEW_NETWORK = 0x40000000                               # CLONE_NEWNET of linux/sched.h
-MOST_BYTES = 2048                                      # of a packet
+MOST_BYTES = 2048                                      # the largest packet
 
 
 class Link:
-    """Packets from one tunnel to the other."""
+    """Carries packets from one tunnel to the other."""
 
     def __init__(self):
         self.is_up = True
@@ -36,7 +36,7 @@ class Link:
                     due, packet = waiting.popleft()
                 time.sleep(max(0.0, due - time.monotonic()))
                 if self.is_up:
-                    with suppress(OSError):  # its device is not up yet
+                    with suppress(OSError):  # the device is not up yet
                         os.write(target, packet)
         threading.Thread(target=deliver, daemon=True).start()
         while True:
@@ -48,10 +48,10 @@ class Link:
 
 
 def tunnel(host, name):
-    """The descriptor of a new tunnel's end; the tunnel is a device of that network namespace."""
+    """Create a tunnel as a device of a network namespace; returns the file descriptor of its end."""
     with open('/run/netns/' + host) as namespace:
         if ctypes.CDLL(None, use_errno=True).setns(namespace.fileno(), NEW_NETWORK):
-            raise OSError(ctypes.get_errno(), 'no way into the namespace ' + host)
+            raise OSError(ctypes.get_errno(), 'cannot enter the namespace ' + host)
     end = os.open('/dev/net/tun', os.O_RDWR)
     fcntl.ioctl(end, TUNSETIFF, struct.pack('16sH22x', name.encode(), IFF_TUN | IFF_NO_PI))
     return end

@@ -1,4 +1,4 @@
-"""Listening to topics, and knowing who listens."""
+"""Subscribers that wait for messages, and publishers that know their subscribers."""
 import queue
 import re
 import threading
@@ -13,21 +13,22 @@ LEFT_OUT = re.compile(r'\d+ of \d+ frames (were dropped|did not arrive)')
 
 
 class Inbox(queue.Queue):
-    """The messages of a topic; ``get`` waits for the next."""
+    """A queue of a topic's messages."""
 
     def __init__(self, topic, kind):
         super().__init__()
         self.subscriber = rospy.Subscriber(topic, kind, self.put, queue_size=10, buff_size=1 << 25)
 
     def next(self):
+        """Wait for the next message."""
         return self.get(timeout=WAIT_S)
 
 
 def moments(topics, count, seconds=WAIT_S, keep=bool):
-    """Wait for stamps with which something came on every topic and which ``keep`` takes.
+    """Wait for moments: messages of all topics with the same stamp, which ``keep`` accepts.
 
-    topics: {topic: kind}. Returns a list of at least count of {topic: message}, in the order in which they
-    became whole.
+    ``topics``: {topic: type}. Returns a list of at least ``count`` moments, {topic: message}, in the order in
+    which they became complete.
     """
     parts, whole, changed = {}, {}, threading.Condition()
 
@@ -48,12 +49,12 @@ def moments(topics, count, seconds=WAIT_S, keep=bool):
     for subscriber in subscribers:
         subscriber.unregister()
     if not done:
-        raise AssertionError('only %d of %d moments were whole within %d s' % (len(found), count, seconds))
+        raise AssertionError('only %d of %d moments were complete within %d s' % (len(found), count, seconds))
     return found
 
 
 class Connections(rospy.SubscribeListener):
-    """Tells when somebody subscribes to a topic, and when they leave."""
+    """Counts the subscribers of a topic."""
 
     def __init__(self):
         super().__init__()
@@ -77,7 +78,7 @@ class Connections(rospy.SubscribeListener):
 
 
 class Diagnoses:
-    """What /diagnostics says of the nodes, by their names."""
+    """What /diagnostics reports about nodes."""
 
     def __init__(self):
         self._statuses, self._changed = {}, threading.Condition()
@@ -90,21 +91,21 @@ class Diagnoses:
             self._changed.notify_all()
 
     def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
-        """Wait until a node is said, from now on, to be at that level, in these words; its {name: value}."""
+        """Wait for a new status of a node with this level and these words; returns its {name: value}."""
         def is_meant(said):
             return said.level == level and all(word in said.message for word in words)
         return self._wait(node, is_meant, '%s at level %d' % (words, level), seconds)
 
     def wait_for_any(self, node):
-        """Wait until anything is said of a node, from now on."""
-        self._wait(node, lambda said: True, 'anything', WAIT_S)
+        """Wait for any new status of a node."""
+        self._wait(node, lambda said: True, 'reported at all', WAIT_S)
 
     def wait_for_frames(self, node):
-        """Wait until a node is said, from now on, to get frames, if only some of them on a busy machine."""
+        """Wait for a new status that says that a node gets frames, perhaps only some of them."""
         def gets_frames(said):
             return (said.level == DiagnosticStatus.OK and 'frames a second' in said.message) or \
                 (said.level == DiagnosticStatus.WARN and LEFT_OUT.search(said.message))
-        return self._wait(node, gets_frames, 'that it gets frames', WAIT_S)
+        return self._wait(node, gets_frames, 'one that says that it gets frames', WAIT_S)
 
     def _wait(self, node, is_meant, words, seconds):
         name = node + ': frames'
@@ -114,17 +115,17 @@ class Diagnoses:
             def found():
                 return next(filter(is_meant, self._statuses.get(name, [])), None)
             if not self._changed.wait_for(found, seconds):
-                raise AssertionError('of %s nobody said %s, but %s' % (
+                raise AssertionError('the status of %s is not %s, but %s' % (
                     node, words, self._statuses.get(name, [None])[-1]))
             return {item.key: item.value for item in found().values}
 
 
 def until(is_so, seconds=WAIT_S):
-    """Ask a function again and again until what it returns is true; that."""
+    """Call a function repeatedly until its result is true; returns the result."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         answer = is_so()
         if answer:
             return answer
-        time.sleep(0.05)  # it may be the ROS master who is asked, of whom all want something
-    raise AssertionError('it never came true')
+        time.sleep(0.05)  # not more often, since the function may ask the ROS master, which serves everybody
+    raise AssertionError('the condition never became true')

@@ -1,4 +1,4 @@
-"""What the rostests that start nodes share: a camera of their own, nodes before it, and what they answer."""
+"""The base of the rostests that start nodes: it has a camera, starts nodes, and collects their answers."""
 import queue
 import unittest
 from itertools import count
@@ -24,7 +24,7 @@ from rig.started import WAIT_S
 CAMERA = '/camera/rgb/image_raw'
 NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'camera_relay', 'wall_camera',
          'page']
-IMAGES = {name: '/%s/image' % name for name in NODES[:-3]}  # that the nodes before a camera make
+IMAGES = {name: '/%s/image' % name for name in NODES[:-3]}  # the nodes that answer frames with images
 IMAGES['camera_relay'] = '/camera_relay/image_raw'
 CENTERS = {1: (160, 120), 2: (480, 120), 3: (480, 360), 4: (160, 360)}
 GRAY = 180
@@ -35,9 +35,9 @@ INSIDE, OUTSIDE = (slice(180, 300), slice(220, 420)), (slice(0, 60), slice(0, 64
 
 
 def scene(ids=None, dictionary='DICT_6X6_250', narrow=(), centers=CENTERS, side=80):
-    """Tags on gray, a frame (480, 640, 3) uint8: those of ``ids``, or all of ``centers``, {id: (x, y)}.
+    """A frame, (480, 640, 3) uint8, with tags on gray: those of ``ids``, or all of ``centers``, {id: (x, y)}.
 
-    Tags are ``side`` pixels wide, ``narrow`` ones 32; with their margins a quarter more.
+    Tags are ``side`` pixels wide, and those in ``narrow`` 32 pixels. Their white margins add a quarter to that.
     """
     frame = BLANK.copy()
     for tag_id in centers if ids is None else ids:
@@ -50,7 +50,7 @@ def scene(ids=None, dictionary='DICT_6X6_250', narrow=(), centers=CENTERS, side=
 
 
 class NodeTest(unittest.TestCase):
-    """Starts nodes, shows them frames, and takes all away again."""
+    """Starts nodes, shows them frames, and removes everything afterward."""
 
     def setUp(self):
         self.running, self._inboxes = [], {}
@@ -64,7 +64,7 @@ class NodeTest(unittest.TestCase):
         self.forget_parameters()
 
     def forget_parameters(self):
-        for name in rospy.get_param_names():  # what _name:=value set outlives the node
+        for name in rospy.get_param_names():  # what _name:=value sets outlives the node
             if name.startswith(tuple('/%s/' % node for node in NODES)):
                 rospy.delete_param(name)
 
@@ -73,7 +73,7 @@ class NodeTest(unittest.TestCase):
         return self.running[-1]
 
     def start_all(self, names=NODES):
-        """Nodes by their names, ready."""
+        """Start nodes and wait until they are ready; returns {name: Started}."""
         port = free_port()
         nodes = {name: self.start(name + '.py', *['_port:=%d' % port] * (name == 'page')) for name in names}
         for name in names:
@@ -81,7 +81,7 @@ class NodeTest(unittest.TestCase):
         return nodes
 
     def camera(self, topic=CAMERA, kind=Image):
-        """(publisher, connections) of a camera without a picture yet."""
+        """(publisher, connections) of a camera that has not shown a frame yet."""
         connections = Connections()
         publisher = rospy.Publisher(topic, kind, connections, queue_size=10)
         self.running.append(publisher)
@@ -99,65 +99,65 @@ class NodeTest(unittest.TestCase):
         publisher.publish(camera_info(Camera(), Header()))
 
     def before_camera(self, name, *arguments, topics=('image',), **others):
-        """Start a node before a camera and listen to its images and ~tags, and to ``others``: {topic: type}."""
+        """Start a node before a camera; subscribe to its images, ~tags and ``others``, {topic: type}."""
         self.publisher, self.connections = self.camera()
         self.node = self.start(name + '.py', *arguments)
         kinds = dict(dict.fromkeys(topics, Image), tags=TagArray, **others)
         self.attend({topic: self.listen('/%s/%s' % (name, topic), kind) for topic, kind in kinds.items()})
 
     def attend(self, inboxes):
-        """Have ``see`` answer with what is in these inboxes, by their names, as soon as they get something."""
+        """Let answer_to take the answers from these inboxes, {name: Inbox}, and wait until each gets some."""
         self._inboxes = inboxes
         for inbox in inboxes.values():
-            while not inbox.empty():  # of before
+            while not inbox.empty():  # discard what came before
                 inbox.get()
-        until(self.publisher.get_num_connections)  # what is shown before is lost
+        until(self.publisher.get_num_connections)  # frames that are published earlier are lost
         for inbox in inboxes.values():
             def answered():
-                self.show(scene([1]))  # of which nothing is learned
+                self.show(scene([1]))  # nothing can be learned from it
                 try:
-                    inbox.get(timeout=1.0)  # a busy node that is shown more would drop some
+                    inbox.get(timeout=1.0)  # a busy node would drop frames if it were shown more
                 except queue.Empty:
                     return False
                 return True
             until(answered)
 
     def show(self, frame, stamp=None):
-        """Publish a frame; its time, 1/30 s after that of the one before unless another is given."""
+        """Publish a frame; returns its stamp, by default 1/30 s after that of the frame before."""
         stamp = rospy.Time(next(self._seconds)) if stamp is None else stamp
         self.publisher.publish(image_from_frame(frame, Header(stamp=stamp, frame_id='eye')))
         return stamp
 
     def see(self, frame, *topics, stamp=None):
-        """What the node makes of a frame: on each of these topics, or on ~image."""
+        """The node's answers to a frame on these topics, or that on ~image."""
         stamp = self.show(frame, stamp)
         answers = []
         for topic in topics or ['image']:
             message = self._inboxes[topic].next()
-            while getattr(message, 'header', Header(stamp=stamp)).stamp != stamp:  # an answer to one before
+            while getattr(message, 'header', Header(stamp=stamp)).stamp != stamp:  # an earlier answer
                 message = self._inboxes[topic].next()
             answers.append(frame_from_image(message) if isinstance(message, Image) else message)
         return answers if topics else answers[0]
 
     def sees(self, frame):
-        """The sorted ids of the tags that the node sees in a frame."""
+        """The sorted ids of the tags that the node finds in a frame."""
         return sorted(tag.id for tag in self.see(frame, 'tags')[0].tags)
 
     def assert_painted(self, image, frame):
-        """The area, and it alone, is another than in the frame."""
+        """Assert that the image differs from the frame in the area, and only there."""
         self.assertGreater(np.any(image != frame, axis=2)[INSIDE].mean(), 0.99)
         np.testing.assert_array_equal(image[OUTSIDE], frame[OUTSIDE])
 
 
 def picture_file(folder, name, pixels):
-    """The path of a picture, written there."""
+    """Write a picture into a folder; returns its path."""
     path = '%s/%s' % (folder, name)
     cv2.imwrite(path, pixels)
     return path
 
 
 def change(node, **values):
-    """Set parameters of a node, of whatever type; {name: value} of all that it then has."""
+    """Set parameters of a node, of any type; returns {name: value} of all its parameters afterward."""
     config = Config()
     for name, value in values.items():
         fields, kind = KINDS[type(value)]

@@ -1,4 +1,4 @@
-"""Tags seen on simulated drives, with corners computed rather than detected, and how far poses are off."""
+"""Tags on simulated drives, with computed instead of detected corners, and how far off poses are."""
 import numpy as np
 from aruco_ar import Tag
 from aruco_ar.geometry.plane_pose import rotation_matrices
@@ -14,32 +14,32 @@ AREA = [1, 2, 3, 4]
 
 
 def off(pose, truth):
-    """(meters, degrees) by which a pose is off."""
+    """(meters, degrees): how far off a pose is."""
     error = error_of(pose.rotation, pose.translation, truth)
     return np.linalg.norm(error[:3]), np.degrees(np.linalg.norm(error[3:]))
 
 
 def surprise(pose, truth):
-    """NEES: 6 on average if the pose's covariance is honest."""
+    """The normalized estimation error squared: 6 on average if the pose's covariance is right."""
     error = error_of(pose.rotation, pose.translation, truth)
     return error @ np.linalg.inv(pose.covariance) @ error
 
 
 def seen_from(view):
-    """The camera's true pose in wall coordinates."""
+    """(R, t): the camera's true pose in wall coordinates."""
     return view[0].T, -view[0].T @ view[1]
 
 
 def tag_at(tag_id, pose, random, lens=PINHOLE, size=SIDE, noise=NOISE_PX):
-    """The Tag that a lens sees of a tag at a pose (R, t) in the camera, give or take noise in pixels."""
+    """The Tag that a lens shows of a tag at a pose (R, t) in the camera, with noise in pixels."""
     pixels = lens.project(square([size])[0] @ pose[0].T + pose[1])
     return Tag(tag_id, np.float32(pixels + random.normal(0, noise, (4, 2))))
 
 
 def drive(estimator, random, places=lambda number: {}, ids=AREA, count=60, first=0, **look):
-    """For each frame of a lively drive: the poses, their truth, the view and the CameraPose.
+    """Yields the poses, the true poses, the view and the CameraPose for each frame of a lively drive.
 
-    ``places``: of a frame's number, {id: (R, t)}, the poses on the wall of tags that are elsewhere.
+    ``places``: a function of the frame's number that returns {id: (R, t)}, the wall poses of displaced tags.
     """
     for number in range(first, first + count):
         view = wall_to_camera(LIVELY.at(number / 30)[0])
@@ -53,6 +53,6 @@ def drive(estimator, random, places=lambda number: {}, ids=AREA, count=60, first
 
 
 def on_wall(tag_id, shift=(0, 0, 0), turn=(0, 0, 0)):
-    """The pose on the wall of a tag that was moved and turned about its center."""
+    """The pose on the wall of a tag that is shifted, and turned about its center."""
     tag = next(tag for tag in TAGS_WALL.tags if tag.id == tag_id)
     return rotation_matrices(np.array([turn]))[0], np.array([tag.x, tag.y, 0]) + shift

@@ -1,4 +1,4 @@
-"""What the exercises' rostests share: frames, results and truth of one stamp, put together."""
+"""The base of the exercises' rostests: frames, results and the truth, matched by their stamps."""
 import unittest
 
 import cv2
@@ -18,7 +18,7 @@ TIMEOUT_S = 60
 
 
 class Moment:
-    """All that was published with one stamp: frame, tags, area and the results by topic."""
+    """What was published with one stamp: the frame, the true tags and area, and the results."""
 
     def __init__(self, parts, frame, results, to_frame):
         self.header = frame.header
@@ -26,7 +26,7 @@ class Moment:
         self.messages = [parts[topic] for topic in results]
         self.results = [frame_from_image(message) for message in self.messages]
         shape = np.array(self.frame.shape[1::-1])
-        # The truth: the tags that lie wholly in the frame, and the area if all of its tags do.
+        # The truth: the tags that are completely in the frame, and the area if all four tags are.
         everywhere = [Tag(tag.id, np.float32([(p.x, p.y) for p in tag.corners]))
                       for tag in parts[TAGS].tags]
         self.tags = [tag for tag in everywhere
@@ -43,7 +43,7 @@ class ReplayTest(unittest.TestCase):
 
     results = ()        # the topics that the exercise publishes
     transport = 'compressed'
-    count = 60          # of different stamps to wait for
+    count = 60          # stamps to wait for
 
     @classmethod
     def setUpClass(cls):
@@ -53,7 +53,7 @@ class ReplayTest(unittest.TestCase):
         cls.moments = [Moment(parts, parts[FRAMES + suffix], cls.results, to_frame)
                        for parts in moments(topics, cls.count, TIMEOUT_S)]
         cls.with_area = [moment for moment in cls.moments if moment.area]
-        assert cls.with_area, 'no frame in which all four tags are seen'
+        assert cls.with_area, 'all four tags are seen in no frame'
 
     def test_the_header_is_kept_and_the_encoding_is_bgr8(self):
         for moment in self.moments:
@@ -63,17 +63,17 @@ class ReplayTest(unittest.TestCase):
                 self.assertEqual(message.encoding, 'bgr8')
 
     def assert_untouched_without_area(self, topic):
-        """Where a tag's center is out of the frame, the frame goes through unchanged."""
+        """Assert that a frame is returned unchanged if a tag's center is outside of it."""
         place = self.results.index(topic)
         without = [moment for moment in self.moments if moment.cut]
-        self.assertTrue(without, 'no frame in which a tag is out of view')
+        self.assertTrue(without, 'a tag is out of view in no frame')
         for moment in without:
             np.testing.assert_array_equal(moment.results[place], moment.frame)
 
     def assert_stays_with_tags_out_of_view(self, topic):
-        """Where only two or three tags are in the frame, the area is where it belongs.
+        """Assert that the area stays in place while only two or three tags are in the frame.
 
-        Unless they are the first that the node got to see: then nothing is changed.
+        Frames before the node has seen all four are returned unchanged.
         """
         place = self.results.index(topic)
         changed = []
@@ -81,16 +81,16 @@ class ReplayTest(unittest.TestCase):
             inside, outside = split(moment.remembered, moment.frame.shape)
             np.testing.assert_array_equal(moment.results[place][outside], moment.frame[outside])
             share = np.any(moment.results[place] != moment.frame, axis=2)[inside].mean()
-            self.assertTrue(share == 0 or share > 0.9, '%d %% of the area are changed' % (100 * share))
+            self.assertTrue(share == 0 or share > 0.9, '%d %% of the area is changed' % (100 * share))
             changed.append(share > 0)
         self.assertGreater(np.mean(changed), 0.6)
 
     def assert_corners(self, moment, result, color, px):
-        """The area painted in a result has its corners within px of the true ones.
+        """Assert that the corners of the area painted in a result are within ``px`` of the true ones.
 
-        ``color`` is what is painted along its rim.
+        ``color``: what is painted along the area's rim.
         """
-        # How much of each pixel is painted, between the frame's color and that.
+        # How much of each pixel is painted: 0 has the frame's color, 1 has the given color.
         frame = moment.frame.astype(np.float32)
         change, full = result - frame, np.float32(color) - frame
         span = np.maximum((full * full).sum(axis=2), 1)
@@ -101,18 +101,18 @@ class ReplayTest(unittest.TestCase):
 
 
 def split(area, shape, px=3):
-    """(inside, outside) of an area, both at least px away from its rim, as boolean masks."""
+    """(inside, outside): boolean masks of the pixels that are at least ``px`` away from the area's rim."""
     mask = area_mask(np.zeros(shape, np.uint8), area)[..., 0]
     kernel = np.ones((2 * px + 1, 2 * px + 1), np.uint8)
     return cv2.erode(mask, kernel) == 255, cv2.dilate(mask, kernel) == 0
 
 
 def corners_of(covered, near):
-    """The corners, (4, 2), of a quadrilateral that lie near given ones.
+    """(4, 2): the corners of a quadrilateral, close to the given ones.
 
-    ``covered``: (h, w) float32, the part of each pixel that it covers. Each
-    side is measured between its tags, where it crosses plain wall: by how far
-    what is covered reaches along lines across the side.
+    ``covered``: (h, w) float32, the share of each pixel that the quadrilateral
+    covers. Each side is measured between the tags, where the wall is plain:
+    along lines across the side, by how far the covered part reaches.
     """
     reach, step = 6.0, 0.25
     steps = np.arange(-reach + step / 2, reach, step)[:, None]
@@ -130,12 +130,12 @@ def corners_of(covered, near):
             points.append(place + reached * outward)
         center = np.mean(points, axis=0)
         normal = np.linalg.svd(points - center)[2][1]
-        lines.append((normal, normal @ center))  # normal . point = distance
+        lines.append((normal, normal @ center))  # normal @ point == distance
     return np.array([np.linalg.solve([before[0], after[0]], [before[1], after[1]])
                      for before, after in zip(lines[-1:] + lines[:-1], lines)])
 
 
 def main(name, case):
-    """Run a test case as a rostest's node."""
+    """Run a test case as the node of a rostest."""
     rospy.init_node(name)
     rostest.rosrun('unit5', name, case)

@@ -1,4 +1,4 @@
-"""What the rostests of the page's server share: the page on a port that is free, and asking it."""
+"""The base of the rostests of the page's server: it starts the server on a free port, and sends requests."""
 import socket
 import unittest
 import urllib.error
@@ -14,14 +14,14 @@ PICTURE[100:200, 400:500] = np.random.RandomState(1).randint(0, 255, (100, 100, 
 
 
 def free_port():
-    """A port of this machine that nobody has."""
+    """A port of this machine that is free."""
     with socket.socket() as probe:
         probe.bind(('127.0.0.1', 0))
         return probe.getsockname()[1]
 
 
 def ask(port, path, data=None, **headers):
-    """(status, headers, body)."""
+    """Send a request to the server; returns (status, headers, body)."""
     request = urllib.request.Request('http://127.0.0.1:%d%s' % (port, path), data,
                                      {name.replace('_', '-'): value for name, value in headers.items()})
     try:
@@ -32,7 +32,7 @@ def ask(port, path, data=None, **headers):
 
 
 class ServerTest(unittest.TestCase):
-    """Has the page at ``port``."""
+    """Starts the page's server at ``port``."""
 
     @classmethod
     def setUpClass(cls):

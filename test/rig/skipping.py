@@ -1,8 +1,8 @@
-"""Skipping a rostest: rosunit's results do not tell, so it is printed, where script/test finds it."""
+"""Skips rostests. The results of rosunit do not contain the reason, so it is printed for script/test."""
 from unittest import SkipTest
 
 
 def skip(what, reason):
-    """Skip the test, or the class of tests, of that name."""
+    """Skip a test, or a class of tests, with that name."""
     print('SKIPPED %s: %s' % (what, reason))
     raise SkipTest(reason)

@@ -1,4 +1,4 @@
-"""The sockets on which processes wait for others."""
+"""The sockets at which processes wait for connections and packets."""
 import os
 from contextlib import suppress
 
@@ -6,7 +6,7 @@ import psutil
 
 
 def name_of(process):
-    """The node's name, or its program's; None for what is no part of ROS."""
+    """The node's or the program's name, or None for a process that does not belong to ROS."""
     words = process.cmdline()
     for word in words:
         if word.startswith('__name:='):
@@ -16,17 +16,17 @@ def name_of(process):
 
 
 def sockets_of(process):
-    """[(whether it is of TCP, address)] of what comes in, from wherever."""
-    # Its name, and that before psutil 6.
+    """[(is_tcp, address)] of the sockets that receive from anywhere."""
+    # psutil 6 renamed this method.
     ask = process.net_connections if hasattr(process, 'net_connections') else process.connections
     return [(each.status == psutil.CONN_LISTEN, each.laddr.ip) for each in ask('inet')
             if each.status == psutil.CONN_LISTEN or (each.status == psutil.CONN_NONE and each.laddr)]
 
 
 def sockets_below(pid):
-    """{name: [(whether it is of TCP, address)]} of all that a process has started."""
+    """{name: [(is_tcp, address)]} of all descendants of a process."""
     found = {}
     for process in psutil.Process(pid).children(recursive=True):
-        with suppress(psutil.NoSuchProcess):  # one of the script's own little commands, which has ended
+        with suppress(psutil.NoSuchProcess):  # a short command of the script, which has ended
             found.setdefault(name_of(process), []).extend(sockets_of(process))
     return found

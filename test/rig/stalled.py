@@ -1,4 +1,4 @@
-"""Subscribers that do not go on as they should."""
+"""Subscribers that connect and then stall."""
 import socket
 import struct
 from xmlrpc.client import ServerProxy
@@ -9,10 +9,10 @@ from rig.started import WAIT_S
 
 
 class HalfOpen:
-    """Who connects to a node's topics, and then says nothing."""
+    """Connects to a topic of a node, and then sends nothing."""
 
     def __init__(self, uri, topic):
-        """``uri``: the node's."""
+        """``uri``: that of the node's XML-RPC server."""
         code, _, (_, host, port) = ServerProxy(uri).requestTopic('/stalled', topic, [['TCPROS']])
         assert code == 1
         self._socket = socket.create_connection((host, port), WAIT_S)
@@ -22,7 +22,7 @@ class HalfOpen:
 
 
 class Stalled(HalfOpen):
-    """A subscriber that reads nothing of a topic until it is asked to."""
+    """A subscriber that does not read a topic's messages until ``read`` is called."""
 
     def __init__(self, uri, topic, kind):
         super().__init__(uri, topic)
@@ -31,10 +31,10 @@ class Stalled(HalfOpen):
             'topic': topic, 'type': kind._type, 'md5sum': kind._md5sum, 'callerid': '/stalled',
             'message_definition': kind._full_text})
         self._stream = self._socket.makefile('rb')
-        self._read()  # the node's header
+        self._read()  # the header that the node sends
 
     def read(self):
-        """The next message."""
+        """Read the next message."""
         return self._kind().deserialize(self._read())
 
     def _read(self):

@@ -1,4 +1,4 @@
-"""Processes under test: started, read as they print, and ended."""
+"""Processes under test."""
 import os
 import signal
 import subprocess
@@ -8,7 +8,7 @@ WAIT_S = 20
 
 
 class Started:
-    """A command as a process; what it prints is read as it comes."""
+    """A running command whose output is read as it is printed."""
 
     def __init__(self, *command):
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -25,17 +25,17 @@ class Started:
                     self._arrived.notify_all()
 
     def wait_for(self, *words, after=0):
-        """Wait until a line has all these words, of those after the first so many; that line."""
+        """Wait for a line that contains all these words; returns it. The first ``after`` lines are skipped."""
         def found():
             return [line for line in self.lines[after:] if all(word in line for word in words)]
         with self._arrived:
             if not self._arrived.wait_for(found, WAIT_S):
-                raise AssertionError('%s never said %s but: %s' % (self.process.args, words,
+                raise AssertionError('%s did not print %s, but: %s' % (self.process.args, words,
                                                                    ''.join(self.lines)))
             return found()[0]
 
     def ends(self):
-        """The exit code; all that it printed is in ``lines`` then."""
+        """Wait until the process ends; returns its exit code. All its output is in ``lines`` then."""
         code = self.process.wait(WAIT_S)
         self._reader.join(WAIT_S)
         return code
@@ -45,7 +45,7 @@ class Started:
 
 
 def stop_all(commands):
-    """End what has been Started, all at once."""
+    """Stop running commands, all at the same time."""
     running = [each.process for each in commands if each.process.poll() is None]
     for process in running:
         os.killpg(process.pid, signal.SIGINT)
@@ -54,5 +54,5 @@ def stop_all(commands):
 
 
 def node(name, *arguments):
-    """A node of the package, Started."""
+    """Start a node of the package; returns it as Started."""
     return Started('rosrun', 'unit5', name, *arguments)
