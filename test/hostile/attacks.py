@@ -1,4 +1,4 @@
-"""Attacks on the page's server, one by one, and what a client notices of them who means well."""
+"""Attacks on the page's server, and what a well-meaning client notices of them."""
 import collections
 import socket
 import threading
@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from hostile import intruders
 from hostile.intruders import WAIT_S, closed, connect, get, say, statuses, upgrade
 
-TOPIC = '/eye/image'  # the camera that there has to be
+TOPIC = '/eye/image'  # the tests must publish images on it
 FLOODS = {'drive': ['{"drive": [1, 0]}'], 'picture': ['{"picture": "x"}'], 'slide': ['{"slide": ["noise", 1]}'],
           'shown': ['{"shown": "/x"}'], 'look': ['{"look": ["/x%d", "%s"]}' % (number, TOPIC * (number % 2))
                                                  for number in range(50)]}
@@ -16,7 +16,7 @@ STREAM = b'GET /stream?topic=%s HTTP/1.1\r\nHost: localhost\r\n\r\n' % TOPIC.enc
 
 
 class Guest:
-    """Who looks at a stream all the time, and now and then at the page."""
+    """A well-meaning client that watches a stream, and now and then asks for the page."""
 
     def __init__(self, port):
         self.port, self.frames = port, 0
@@ -32,10 +32,10 @@ class Guest:
                     self.frames += data.count(b'\xff\xd8\xff')
                     self._moved.notify_all()
         except OSError:
-            pass  # whoever waits for frames notices it
+            pass  # is_served notices it, since no frames come
 
     def is_served(self):
-        """Whether three more frames come, and the page."""
+        """Whether three more frames and the page arrive."""
         with self._moved:
             wanted = self.frames + 3
             if not self._moved.wait_for(lambda: self.frames >= wanted, WAIT_S):
@@ -47,17 +47,17 @@ class Guest:
 
 
 def send(line, data):
-    """Send, to a server that may have hung up already."""
+    """Send data to a server that may already have hung up."""
     try:
         line.sendall(data)
     except OSError:
-        pass  # what that means, others ask
+        pass  # the caller checks what follows from it
 
 
 class Attack:
-    """What has been sent and answered.
+    """One run of the attacks, and what the server answered.
 
-    ``answers``: {status: how often}; ``faults``: sentences; ``held``: connections at once.
+    ``answers``: {status: count}. ``faults``: sentences. ``held``: the most connections that were open at once.
     """
 
     def __init__(self, guest, random):
@@ -70,31 +70,31 @@ class Attack:
             self.faults.append(words)
 
     def take(self, name, answer, allowed, most=1):
-        """An answer to something raw: at most so many, each with one of these statuses."""
+        """Check an answer to a raw request: it has at most ``most`` parts, each with an allowed status."""
         found = statuses(answer)
         self.sent += 1
         self.answers.update(found)
         self.expect(len(found) <= most and set(found) <= set(allowed), '%s is answered with %s' % (name, found))
-        self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s tells what is secret' % name)
+        self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s reveals a secret' % name)
 
     def ask_guest(self, meanwhile):
-        self.expect(self.guest.is_served(), 'during %s a good client is not served' % meanwhile)
+        self.expect(self.guest.is_served(), 'a well-meaning client is not served during %s' % meanwhile)
 
     def paths(self, share):
-        """Addresses that lead out of the folders that are served."""
+        """Addresses outside of the folders that the server serves."""
         for path in intruders.OUTSIDE:
             self.take(path, get(self.port, path), (400, 403, 404))
         self.ask_guest('odd paths')
 
     def requests(self, share):
-        """Requests that are none, or are two, or are much too long."""
+        """Requests that are malformed, ambiguous, or much too long."""
         for name, data, most in intruders.requests():
             allowed = 200, 400, 403, 404, 405, 413, 414, 416, 422, 431, 505
             self.take(name, say(self.port, data, 0.1, 1.0), allowed, most)
         self.ask_guest('odd requests')
 
     def queries(self, share):
-        """Queries of odd values."""
+        """Queries with odd values."""
         for _ in range(int(400 * share)):
             target = intruders.query(self.random)
             answer = get(self.port, target, WAIT_S if '/stream?' not in target else 0.1)
@@ -102,21 +102,21 @@ class Attack:
         self.ask_guest('odd queries')
 
     def bombs(self, share):
-        """Uploads that are no picture, or one that would take memory or hours."""
+        """Uploads that are not pictures, or would take too much memory or time."""
         for name, data in intruders.bombs().items():
             for length in True, False:
                 self.take(name, say(self.port, intruders.post(data, length), WAIT_S), (422,))
         self.ask_guest('picture bombs')
 
     def uploads(self, share):
-        """Uploads large and too large, or said to be, and many at once, half of which wait for no answer."""
+        """Large uploads, too large ones, false lengths, and many at once, half of which do not wait."""
         self.take('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
         self.take('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
         claim = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\nab'
         for size in 17 << 20, 1 << 40, 10**30:
             self.take('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
         large = intruders.post(intruders.made('JPEG', 64, 64) + bytes(15 << 20))
-        for _ in range(20):  # one after the other: nothing may be left of any
+        for _ in range(20):  # one after the other, since nothing may be left of any
             self.take('15 MB', say(self.port, large, WAIT_S), (204, 422))
 
         def upload(waits):
@@ -124,7 +124,7 @@ class Attack:
                 try:
                     line.sendall(large)
                     answer = waits and line.recv(65536)
-                except OSError:  # it has hung up
+                except OSError:  # the server has hung up
                     answer = b''
             self.take('one upload of many', answer or b'', (204, 422, 503))
         for _ in range(int(5 * share) or 1):
@@ -145,7 +145,7 @@ class Attack:
         self.ask_guest('nonsense on websockets')
 
     def floods(self, share):
-        """All that can be said on a websocket, again and again, by who does not read."""
+        """Messages of all kinds on a websocket, again and again, by a client that does not read."""
         for name, sayings in FLOODS.items():
             data = b''.join(intruders.frame(each.encode()) for each in sayings) * (500 // len(sayings))
             with upgrade(self.port, received=4096) as line:
@@ -167,7 +167,7 @@ class Attack:
             at = self._part(line, data, at)
 
     def _part(self, line, data, at):
-        """Send what goes of data[at:]; where it goes on, or -1 where the server has hung up."""
+        """Send a part of data[at:]; returns where to continue, or -1 if the server has hung up."""
         try:
             at = (at + line.send(data[at:])) % len(data)
             self.sent += not at
@@ -178,12 +178,12 @@ class Attack:
         return at
 
     def crowds(self, share):
-        """Hundreds that say nothing, half a request, a slow upload; that take nothing; streams; websockets."""
+        """Hundreds of clients: silent, slow, or not reading; also hundreds of streams and websockets."""
         half = b'GET / HTTP/1.1\r\nHost: localhost\r\nX: '
         slow = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\nab'
         page = b'GET /page/style.css HTTP/1.1\r\nHost: localhost\r\n\r\n'
-        crowds = [('silent', b'', max(300, int(1000 * share))), ('half a request', half, 300),
-                  ('slow uploads', slow, 300), ('takers of nothing', page * 100, 100), ('streams', STREAM, 300)]
+        crowds = [('silent', b'', max(300, int(1000 * share))), ('half requests', half, 300),
+                  ('slow uploads', slow, 300), ('not reading', page * 100, 100), ('streams', STREAM, 300)]
         for name, data, count in crowds:
             with self._crowd(data, count) as lines:
                 for _ in range(1 + int(2 * share)):
@@ -191,11 +191,11 @@ class Attack:
                         send(line, b'' if not data or data.endswith(b'\r\n') else b'a')
                     self.ask_guest('%d %s' % (count, name))
                 if name == 'streams':
-                    self.expect(sum(map(closed, lines)) < count, 'all streams are gone')
+                    self.expect(sum(map(closed, lines)) < count, 'no stream is left')
         lines = [upgrade(self.port) for _ in range(200)]
         self.sent += len(lines)
         self.held = max(self.held, len([line for line in lines if line]))
-        self.expect(0 < len([line for line in lines if line]) < 200, 'there are any number of websockets')
+        self.expect(0 < len([line for line in lines if line]) < 200, 'the number of websockets is not limited')
         self.ask_guest('200 websockets')
         for line in filter(None, lines):
             line.close()

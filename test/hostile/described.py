@@ -1,4 +1,4 @@
-"""Requests made by schemathesis from the description of the page's addresses: right ones, and wrong ones."""
+"""Valid and invalid requests that schemathesis makes from the page's OpenAPI description."""
 import collections
 import warnings
 
@@ -19,11 +19,11 @@ SETTINGS = dict(deadline=None, database=None, phases=[Phase.generate], suppress_
 
 
 def ask(port, seed, count, known):
-    """Ask each address so many times in the right way, and so many in wrong ones.
+    """Send ``count`` valid and ``count`` invalid requests to each address.
 
-    known: {parameter: [values that there are]}, each of which is asked for now and then.
+    ``known``: {parameter: [values that exist]}; some requests get one of these.
 
-    Returns ({(method, path, status): how often}, [sentences about answers that are not as described]).
+    Returns {(method, path, status): count}, and sentences about answers that do not match the description.
     """
     schema = schemathesis.openapi.from_url('http://127.0.0.1:%d%s' % (port, DESCRIPTION))
     answers, faults = collections.Counter(), []
@@ -51,16 +51,16 @@ def ask(port, seed, count, known):
                 except hypothesis.errors.Unsatisfiable:
                     if mode == GenerationMode.POSITIVE:
                         raise
-                    # else nothing of it can be wrong
+                    # else no request to this address can be invalid
     return answers, faults
 
 
 def answer_to(case, port):
-    """The requests.Response to a schemathesis Case; of what need not end, without its body."""
+    """The requests.Response to a schemathesis Case. The body of a stream is not read, since it does not end."""
     request = case.as_transport_kwargs('http://127.0.0.1:%d' % port)
     with requests.request(stream=True, timeout=WAIT_S, **request) as answer:
         if 'multipart' in answer.headers.get('Content-Type', ''):
             answer._content, answer._content_consumed = b'', True
         else:
-            len(answer.content)  # reads it
+            len(answer.content)  # this reads the body
     return answer

@@ -1,4 +1,4 @@
-"""Files that nobody should give a node, and some that look odd but are good."""
+"""Hostile files, and some files that look odd but are good."""
 import io
 import os
 import random
@@ -14,11 +14,11 @@ from PIL import Image
 
 from .texts import TEXTS
 
-GIGANTIC = 20 * 2**30  # bytes, of a file that takes no room on the disk
+GIGANTIC = 20 * 2**30  # bytes: the size of a sparse file, which takes no space on the disk
 
 
 class Case(NamedTuple):
-    """A path, and whether a picture can be read from it: True, False, or None for both are right."""
+    """A file; ``is_picture`` says whether it can be read as a picture, or is None if both are right."""
 
     name: str
     path: str
@@ -26,7 +26,7 @@ class Case(NamedTuple):
 
 
 def cases(folder, seed=1):
-    """Make all files in a folder; yield a Case for each. Some paths lead elsewhere, or nowhere."""
+    """Create all files in a folder; yields a Case for each. Some paths lead elsewhere, or nowhere."""
     for name, path in _paths(folder):
         yield Case(name, path, False)
     contents = [_good_pictures(), _broken_pictures(), _bombs(), _cut(seed),
@@ -46,7 +46,7 @@ def cases(folder, seed=1):
 
 
 def _paths(folder):
-    """(name, path) of what is no file that can be read."""
+    """(name, path) of what is not a readable file."""
     def at(name):
         return os.path.join(folder, name)
     yield 'missing', at('missing.jpg')
@@ -63,7 +63,7 @@ def _paths(folder):
     for device in ('/dev/zero', '/dev/null', '/dev/full', '/dev/random', '/dev/tty', '/proc/self/mem',
                    '/proc/self/pagemap'):
         yield device, device
-    if os.getuid() != 0:  # whom no permission keeps away
+    if os.getuid() != 0:  # root may read everything
         os.close(os.open(at('private'), os.O_CREAT, 0))
         yield 'private', at('private')
     for name, path in (('long name', 'n' * 256), ('long path', 'p/' * 2500), ('lines', 'a\nb\r\x1b[31m.jpg'),
@@ -81,16 +81,16 @@ def jpeg(width=60, height=40, **options):
 
 
 def picture(kind, mode='RGB', size=(60, 40), **options):
-    """A picture of one color as the bytes of a file."""
+    """The bytes of a file with a picture of one color."""
     file, image = io.BytesIO(), Image.new(mode, size, 1)
-    if mode == 'P':  # Pillow 11 writes a BMP without one, which nobody can read
+    if mode == 'P':  # without a palette, Pillow 11 writes a BMP that nobody can read
         image.putpalette([number // 3 for number in range(3 * 256)])
     image.save(file, kind, **options)
     return file.getvalue()
 
 
 def animation(kind, count=3, size=(60, 40)):
-    """Several pictures as the bytes of a file."""
+    """The bytes of an animated picture."""
     file = io.BytesIO()
     first, *others = [Image.new('RGB', size, (number * 40, 90, 200)) for number in range(count)]
     first.save(file, kind, save_all=True, append_images=others, duration=100)
@@ -98,7 +98,7 @@ def animation(kind, count=3, size=(60, 40)):
 
 
 def video(suffix, fourcc, size=(64, 48), count=8):
-    """A video as the bytes of a file."""
+    """The bytes of a video."""
     path = '/dev/shm/unit5-%d%s' % (os.getpid(), suffix)
     writer = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*fourcc), 10, size)
     for number in range(count):
@@ -110,7 +110,7 @@ def video(suffix, fourcc, size=(64, 48), count=8):
 
 
 def png(width, height, rows=b'', bits=1, kind=0, more=b''):
-    """A PNG that claims that size. ``rows``: its uncompressed data; ``more``: chunks before it."""
+    """A PNG that claims this size. ``rows``: its uncompressed data. ``more``: chunks before the data."""
     head = struct.pack('>IIBBBBB', width, height, bits, kind, 0, 0, 0)
     return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + more + chunk(b'IDAT', zlib.compress(rows, 9)) + \
         chunk(b'IEND', b'')
@@ -160,7 +160,7 @@ def _broken_pictures():
     yield '0 x 0.gif', b'GIF89a\0\0\0\0\x80\0\0' + bytes(6) + b';', False
     yield 'no data.png', png(60, 40), False
     yield 'half.jpg', re.sub(rb'\xff\xd9$', b'', jpeg(600, 400)[:-2000]), False
-    # Texts that FFmpeg takes for videos and which lead it to other files.
+    # Texts that FFmpeg takes for videos, and that lead it to other files.
     yield 'list.mp4', b'#EXTM3U\n#EXT-X-TARGETDURATION:9\n#EXTINF:9,\nfile:///dev/zero\n#EXT-X-ENDLIST\n', False
     yield 'list.m3u8', b'#EXTM3U\n#EXTINF:9,\nhttp://localhost:1/a.mp4\n', False
     yield 'concat.mp4', b'ffconcat version 1.0\nfile pipe.mp4\n', False
@@ -176,9 +176,9 @@ def _bombs():
     yield 'bomb.jpg', _resized_jpeg(jpeg(), 65000, 65000), False
     wide = b',\0\0\0\0\xff\xff\xff\xff\0\x02\x02D\x01\0'  # a frame of a GIF
     yield 'bomb.gif', b'GIF89a\xff\xff\xff\xff\x80\0\0' + bytes(6) + wide + b';', False
-    # Whose canvas is small, but not its second frame.
+    # Its canvas is small, but its second frame is not.
     yield 'growing.gif', animation('GIF', 1)[:-1] + wide + b';', None
-    # Frames of one pixel, of which each takes but a few bytes.
+    # Each of its frames is one pixel, and takes only a few bytes.
     yield '100000 frames.gif', b'GIF89a\x09\0\x09\0\x80\0\0' + bytes(6) + \
         100000 * b',\0\0\0\0\x01\0\x01\0\0\x02\x02D\x01\0' + b';', True
     moving = animation('WEBP')
@@ -191,14 +191,14 @@ def _bombs():
 
 
 def _scans(count):
-    """A progressive JPEG in which the last scan comes again and again."""
+    """A progressive JPEG whose last scan is repeated many times."""
     data = jpeg(progressive=True)
     last = data.rindex(b'\xff\xda')
     return data[:last] + count * data[last:-2] + data[-2:]
 
 
 def _resized_jpeg(data, width, height):
-    """The data, of a JPEG or an AVI of JPEGs, with another size claimed."""
+    """A JPEG, or an AVI of JPEGs, that claims another size."""
     for place, size in ((rb'(\xff\xc0\0\x11\x08)....', struct.pack('>HH', height, width)),
                         (rb'(strf....\x28\0\0\0)........', struct.pack('<ii', width, height))):
         data = re.sub(place, lambda found, size=size: found.group(1) + size, data, flags=re.DOTALL)
@@ -206,7 +206,7 @@ def _resized_jpeg(data, width, height):
 
 
 def _cut(seed):
-    """Good files that end early, and such in which some bytes are others."""
+    """Good files that are cut off, and good files in which some bytes are changed."""
     dice = random.Random(seed)
     good = {'c.jpg': jpeg(), 'progressive.jpg': jpeg(progressive=True), 'c.png': picture('PNG', 'RGBA'),
             'c.gif': animation('GIF'), 'c.webp': animation('WEBP'), 'a.png': animation('PNG'),

@@ -1,4 +1,4 @@
-"""What a hostile client says to the page's server: raw requests, uploads, websocket frames."""
+"""A hostile client of the page's server: raw requests, uploads and websocket frames."""
 import base64
 import io
 import os
@@ -12,9 +12,9 @@ import numpy as np
 from PIL import Image
 
 WAIT_S = 20
-ENOUGH = 1 << 20  # bytes of an answer: a stream does not end
-FORGED = 'FORGED'  # must not begin a line of any log
-SECRETS = b'root:', b'<name>unit5</name>', b'"""'  # of /etc/passwd, of package.xml, of any of our modules
+ENOUGH = 1 << 20  # bytes of an answer, since a stream does not end
+FORGED = 'FORGED'  # no line of a log may begin with it
+SECRETS = b'root:', b'<name>unit5</name>', b'"""'  # from /etc/passwd, package.xml, and any of our modules
 OUTSIDE = [
     '/../package.xml', '//package.xml', '/page/../package.xml', '/page/..%2fpackage.xml',
     '/page/%2e%2e/package.xml', '/page/%252e%252e/package.xml', '/page/..%252fpackage.xml',
@@ -48,7 +48,7 @@ SAYINGS = [
 
 
 def requests():
-    """[(name, bytes, how many answers it may have at most)]: requests that are none, or are two."""
+    """[(name, bytes, the most answers allowed)] of malformed and ambiguous requests."""
     get = b'GET / HTTP/1.1\r\nHost: localhost\r\n'
     post = b'POST /picture HTTP/1.1\r\nHost: localhost\r\n'
     hidden = b'GET /page/page.js HTTP/1.1\r\nHost: localhost\r\n\r\n'
@@ -69,7 +69,7 @@ def requests():
         ('chunk of a huge size', post + chunked + b'\r\nffffffffffffffff\r\nab', 1),
         ('chunk with a long name', post + chunked + b'\r\n5;' + b'a' * 100000 + b'\r\nabcde\r\n0\r\n\r\n', 1),
         ('chunk that does not end', post + chunked + b'\r\n3\r\nabcde\r\n0\r\n\r\n' + hidden, 1),
-        # Before 6.5, tornado takes the length for another header, and what follows for a request.
+        # Before 6.5, Tornado takes the length for another header, and the rest for a second request.
         ('space before the colon', get + b'Content-Length : 5\r\n\r\nabcde' + hidden, 2),
         ('folded header', get + b'X: a\r\n ' + FORGED.encode() + b'\r\n\r\n', 1),
         ('bare CR in a header', get + b'X: a\r' + FORGED.encode() + b': b\r\n\r\n', 1),
@@ -108,7 +108,7 @@ def requests():
 
 
 def connect(port, received=None):
-    """A connection; ``received``: of how many bytes its buffer is, for who does not want to read."""
+    """Open a connection. ``received``: the size in bytes of the receive buffer, if the client will not read."""
     line = socket.socket()
     if received:
         line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, received)
@@ -118,9 +118,10 @@ def connect(port, received=None):
 
 
 def say(port, data, pause=0.3, patience=WAIT_S):
-    """Say something raw; what is answered until the server hangs up.
+    """Send raw data; returns the answer.
 
-    Or says nothing more for ``pause`` seconds, or nothing at all within ``patience``.
+    The answer ends if the server hangs up, or sends nothing more for ``pause`` seconds. It is empty if nothing
+    comes within ``patience`` seconds.
     """
     answer = b''
     with connect(port) as line:
@@ -134,23 +135,23 @@ def say(port, data, pause=0.3, patience=WAIT_S):
                 answer += more
                 line.settimeout(pause)
         except (socket.timeout, OSError):
-            pass  # it has hung up, or has nothing more to say
+            pass  # the server has hung up, or sends nothing more
     return answer
 
 
 def get(port, target, pause=0.3):
-    """What is answered to a GET of that raw target."""
+    """The answer to a GET request for a raw target."""
     request = 'GET %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n' % target
     return say(port, request.encode(), pause)
 
 
 def statuses(answer):
-    """The status codes of all answers in there."""
+    """The status codes in an answer."""
     return [int(code) for code in re.findall(rb'(?:^|\n)HTTP/1\.[01] (\d{3}) ', answer)]
 
 
 def query(random):
-    """A random target with a query that makes no sense, or nearly does. ``random``: a random.Random."""
+    """A random target whose query is wrong, or nearly right. ``random``: a random.Random."""
     address = random.choice([
         '/stream', '/snapshot', '/stream_viewer', '/picture', '/live', '/', '/page/page.js'])
     known = {'topic': '/eye/image'} if random.random() < 0.7 else {}
@@ -161,7 +162,7 @@ def query(random):
 
 
 def png(width, height, depth=1, rows=b''):
-    """A PNG that claims that size."""
+    """A PNG that claims this size."""
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
     return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', width, height, depth, 0, 0, 0, 0))
@@ -169,21 +170,21 @@ def png(width, height, depth=1, rows=b''):
 
 
 def made(kind, width, height, **options):
-    """A black picture of that kind, as bytes."""
+    """The bytes of a black picture in this format."""
     data = io.BytesIO()
     Image.fromarray(np.zeros((height, width), np.uint8)).save(data, kind, **options)
     return data.getvalue()
 
 
 def scans(count, side=4000):
-    """A progressive JPEG with so many scans more than it needs, each as wide as the picture."""
+    """A progressive JPEG with ``count`` superfluous scans, each as wide as the picture."""
     data = made('JPEG', side, side, progressive=True)
     last = data.rindex(b'\xff\xda')
     return data[:-2] + data[last:-2] * count + b'\xff\xd9'
 
 
 def bombs():
-    """{name: bytes} of uploads that are no picture, or one that takes too much."""
+    """{name: bytes} of uploads that are not pictures, or would take too much memory or time."""
     good, gif, bmp = made('PNG', 64, 64), made('GIF', 2, 2), made('BMP', 2, 2)
     return {
         'nothing': b'', 'text': b'no picture', 'half a PNG': good[:60],
@@ -201,7 +202,7 @@ def bombs():
 
 
 def post(data, length=True):
-    """The request that drops a picture onto the page."""
+    """The request that uploads a picture. ``length``: whether it says its length, or comes in chunks."""
     how = b'Content-Length: %d' % len(data) if length else b'Transfer-Encoding: chunked'
     body = data if length else b''.join(b'%x\r\n%s\r\n' % (len(data[at:at + 65536]), data[at:at + 65536])
                                         for at in range(0, len(data), 65536)) + b'0\r\n\r\n'
@@ -209,7 +210,7 @@ def post(data, length=True):
 
 
 def upgrade(port, received=None):
-    """A connection that has become a websocket, or None if that was refused."""
+    """Open a websocket; returns its connection, or None if it was refused."""
     line = connect(port, received)
     key = base64.b64encode(os.urandom(16))
     line.sendall(b'GET /live HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
@@ -227,7 +228,7 @@ def upgrade(port, received=None):
 
 
 def frame(data, opcode=1, fin=True, length=None, mask=b'\0\0\0\0'):
-    """A websocket frame; ``length``: another than it has; ``mask``: none breaks the rules."""
+    """A websocket frame. ``length``: the length that it claims. Without a ``mask`` it breaks the protocol."""
     length = len(data) if length is None else length
     size = bytes([length]) if length < 126 else b'\x7e' + struct.pack('>H', length) if length < 65536 else \
         b'\x7f' + struct.pack('>Q', length)
@@ -235,7 +236,7 @@ def frame(data, opcode=1, fin=True, length=None, mask=b'\0\0\0\0'):
 
 
 def frames():
-    """{name: bytes} of what is no good on a websocket."""
+    """{name: bytes} of invalid websocket frames, and of far too many valid ones."""
     text = frame(b'{"look": []}')
     return {
         'a giant message': frame(b'a' * 200000), 'a claimed giant': frame(b'a', length=2**63 - 1),
@@ -250,7 +251,7 @@ def frames():
 
 
 def closed(line):
-    """Whether the server has hung up, as far as it is known now."""
+    """Whether the server is known to have hung up."""
     line.setblocking(False)
     try:
         while True:

@@ -1,4 +1,4 @@
-"""Programs of the package that are ended at random moments, by signals, and what is left of them."""
+"""Kills programs of the package at random moments, and looks for what they leave behind."""
 import os
 import signal
 import subprocess
@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 
 FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MARK = 'UNIT5_STRUCK'
-ENDS_S = 25.0    # roslaunch asks its nodes for 15 s before it insists
+ENDS_S = 25.0    # roslaunch waits 15 s for its nodes before it kills them
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
@@ -34,7 +34,7 @@ NUMBERS = count()
 
 @dataclass
 class Kill:
-    """A program that is to be ended; ``watched``: while somebody listens to it, and asks for snapshots."""
+    """A program and how it is killed. ``watched``: whether somebody subscribes to it and asks for snapshots."""
 
     name: str
     signal: signal.Signals
@@ -46,23 +46,23 @@ class Kill:
 
 
 def kills(random, names=(*NODES, *TOOLS, *LAUNCHES, DEMO)):
-    """Kill after Kill without end, by a random.Random: of each name, by each signal, as often."""
+    """Yields Kills without end: every name with every signal equally often. ``random``: a random.Random."""
     while True:
         ways = [(name, kind) for name in names for kind in SIGNALS
-                # Who kills roslaunch so has its nodes left.
+                # roslaunch leaves its nodes behind if it gets SIGKILL.
                 if not (name in LAUNCHES and kind == signal.SIGKILL)]
         random.shuffle(ways)
         for name, kind in ways:
             shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else (0, 25)
             if name in LAUNCHES:
-                shortest, longest = 2, 10  # roslaunch passes over a Ctrl-C while it begins
+                shortest, longest = 2, 10  # roslaunch ignores a Ctrl-C while it starts
             watched = name in IMAGES and random.random() < 0.7
             yield Kill(name, kind, random.uniform(shortest, longest), watched)
 
 
 def command_of(name):
-    """(words, variables) that start a program in a namespace of its own."""
-    space = 'struck_%d' % next(NUMBERS)  # nodes of one name end each other
+    """(words, namespace): the command that starts a program, and a namespace of its own."""
+    space = 'struck_%d' % next(NUMBERS)  # nodes with the same name would end each other
     if name in NODES:
         return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
                 '_port:=%d' % free_port()], space
@@ -74,7 +74,7 @@ def command_of(name):
 
 
 def strike(kill):
-    """Start a program and end it; (seconds that its end took, sentences about what it left)."""
+    """Start a program and kill it; returns the seconds until it ended, and sentences about what it left."""
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile('w+') as output:
         words, space = command_of(kill.name)
         mark = '%s=%s' % (MARK, folder)
@@ -93,28 +93,28 @@ def strike(kill):
                 code = process.wait(ENDS_S)
             except subprocess.TimeoutExpired:
                 code = None
-                process.send_signal(signal.SIGABRT)  # has Python say where it is
+                process.send_signal(signal.SIGABRT)  # makes Python print where it is
                 process.wait()
                 output.seek(0)
-                found.append('it does not end within %d s:\n%s' % (ENDS_S, output.read()))
+                found.append('it did not end within %d s:\n%s' % (ENDS_S, output.read()))
             took = time.monotonic() - began
         left = left_of(mark)
         if left:
-            found.append('these are left: ' + ', '.join(' '.join(each) for each in left))
+            found.append('these processes are left: ' + ', '.join(' '.join(each) for each in left))
         output.seek(0)
         said = output.read()
-        begun = 'Traceback' not in said or FOLDER + '/src' in said  # else it was Python's own beginning
+        begun = 'Traceback' not in said or FOLDER + '/src' in said  # else Python had not started yet
         if begun and 'Traceback' in said:
-            found.append('it says:\n' + said[-3000:])
-        # What Python, rospy, bash and roslaunch make of the signal, or the program was done before.
+            found.append('it printed:\n' + said[-3000:])
+        # Python, rospy, bash and roslaunch use these exit codes for the signal; 0 means it had already ended.
         if begun and code not in (0, -kill.signal, 128 + kill.signal, None):
-            found.append('its exit code is %d; it says:\n%s' % (code, said[-1000:]))
-        found += ['this is left: ' + path for path in halves(folder)]
+            found.append('its exit code is %d; it printed:\n%s' % (code, said[-1000:]))
+        found += ['this file is left: ' + path for path in halves(folder)]
         return took, ['%s: %s' % (kill, each) for each in found]
 
 
 def left_of(mark, seconds=ENDS_S):
-    """The commands of processes with that variable that do not end in that time by themselves; kills them."""
+    """Kill the processes with that variable that do not end by themselves in time; returns their commands."""
     end = time.monotonic() + seconds
     while True:
         marked = [each for each in psutil.process_iter() if _has(each, mark)]
@@ -133,12 +133,12 @@ def _has(process, mark):
     try:
         with open('/proc/%d/environ' % process.pid) as file:
             return mark in file.read().split('\0')
-    except OSError:  # it has ended, or is another's
+    except OSError:  # the process has ended, or belongs to somebody else
         return False
 
 
 def halves(folder):
-    """Paths of files that are hidden, or that are no whole picture or PDF."""
+    """The paths of hidden files, and of pictures and PDFs that are incomplete."""
     found = []
     for place, _, names in os.walk(folder):
         for name in names:
@@ -158,13 +158,13 @@ def halves(folder):
 
 @contextmanager
 def watched(space, name):
-    """Listen to the images of a node in a namespace, and ask it for one snapshot after the other."""
+    """Subscribe to the images of a node in a namespace, and ask it for snapshots all the time."""
     stopped = threading.Event()
     subscriber = rospy.Subscriber('/' + space + IMAGES[name], Image, lambda message: None, queue_size=1)
 
     def ask():
         while not stopped.wait(0.02):
-            with suppress(Exception):  # it is not there yet, or not any more
+            with suppress(Exception):  # the service does not exist yet, or no longer
                 rospy.ServiceProxy('/%s/%s/snapshot' % (space, name), Trigger)()
     asking = threading.Thread(target=ask, daemon=True)
     asking.start()
@@ -178,7 +178,7 @@ def watched(space, name):
 
 @contextmanager
 def camera():
-    """Frames, thirty a second."""
+    """Publish frames, 30 per second, during the block."""
     publisher = rospy.Publisher(CAMERA, Image, queue_size=1)
     frame = scene()
 

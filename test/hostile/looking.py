@@ -1,4 +1,4 @@
-"""What the nodes do with a picture, all of it, and what would be wrong with what comes of it."""
+"""All that nodes do with a picture, and checks of the results."""
 import time
 import traceback
 from io import BytesIO
@@ -33,20 +33,20 @@ from std_msgs.msg import Header
 from .scenes import DICTIONARIES, FOCAL, FOUR_SIDE, SQUARE
 from .sequences import sequence
 
-PICTURES_EACH = 20       # of a sequence
-BIG_EVERY = 250          # one of so many sequences is of a few large pictures
+PICTURES_EACH = 20       # pictures in a sequence
+BIG_EVERY = 250          # one of so many sequences has a few large pictures
 SEARCH_SHARES = 0.25, 0.7, 0.05
-# A corner of the area may be out of view, where tags show it: but beyond so many
-# times the frame's longer side a thousandth of the tags' sides off is a frame off.
+# The tags may show an area's corner that is out of view. Beyond this many times the frame's longer side,
+# an error of a thousandth of a tag's side moves the corner by a whole frame.
 MAX_AREA = 30.0
-MAX_TAG = 1.0            # times the frame's longer side: beyond its edges a tag's corner may be
-SURE_PX = 1.5            # off a side of the area a pixel is either in it or out of it
-INK = (201, 13, 77)      # of a picture of one color
+MAX_TAG = 1.0            # a tag's corner may be this far outside of the frame, in units of its longer side
+SURE_PX = 1.5            # this far from its sides a pixel is clearly inside or outside of the area
+INK = (201, 13, 77)      # the color of the plain pictures
 PICTURES = [np.full((8, 12, 3), INK, np.uint8), np.full((1, 4096, 3), INK, np.uint8),
             np.full((64, 1, 3), INK, np.uint8),
             np.random.RandomState(1).randint(0, 256, (48, 64, 4)).astype(np.uint8)]
-PLAIN = 3                # so many of them are of one color
-MODELS = {               # of lenses: the distortion, and whether it is a fisheye
+PLAIN = 3                # the first PICTURES, which have one color
+MODELS = {               # {name: (distortion, is_fisheye)} of lenses
     'none': ([], False), 'some': ([-0.3, 0.1, 0.001, -0.001, 0.0], False), 'folding': ([-0.8, 0, 0, 0], False),
     'pincushion': ([1.0, 0.5, 0, 0, 0], False),
     'rational': ([0.5, -0.2, 0.001, -0.001, 0.01, 0.8, -0.1, 0.02], False),
@@ -56,9 +56,9 @@ MODELS = {               # of lenses: the distortion, and whether it is a fishey
 
 
 class Looking:
-    """A detector, a tracker and an estimator that see one picture after the other.
+    """A detector, a tracker and a pose estimator that get one picture after the other.
 
-    Everything about them is chosen by a RandomState.
+    A RandomState chooses all their settings.
     """
 
     def __init__(self, random):
@@ -84,7 +84,7 @@ class Looking:
         self.found = np.zeros(4, int)  # tags, areas, poses, poses of the camera
 
     def _wall(self):
-        """A wall.Wall that the tags of a scene may hang on, or not; or None."""
+        """A Wall on which the tags of a scene may hang or not, or None."""
         if self._random.rand() < 0.5:
             return None
         places = SQUARE * [0.9, -0.9] + (0 if self._random.rand() < 0.7 else self._random.normal(0, 1, (4, 2)))
@@ -101,7 +101,7 @@ class Looking:
         return Lens(width, height, matrix, np.array(distortion, np.float64), fisheye)
 
     def look(self, picture):
-        """A list of sentences: what is wrong with what comes of a Picture."""
+        """Process a Picture; returns sentences about wrong results."""
         try:
             with np.errstate(divide='raise', invalid='raise', over='raise'):
                 return list(self._faults(picture))
@@ -156,7 +156,7 @@ class Looking:
             if image.shape != shape or image.dtype != np.uint8:
                 yield 'an image of shape %s, %s' % (image.shape, image.dtype)
         if np.any(frame != before):
-            yield 'what only reads the frame has written into it'
+            yield 'the frame was changed by what should only read it'
 
     def _faults_of_tag(self, tag, size):
         corners = np.asarray(tag.corners)
@@ -175,7 +175,7 @@ def _header():
 
 
 def _faults_of_area(area, size, most):
-    """``most``: pixels, as far may it be out of the frame."""
+    """``most``: pixels: the corners may be this far outside of the frame."""
     corners = np.asarray(area.corners)
     if corners.shape != (4, 2) or corners.dtype != np.float32 or not np.isfinite(corners).all():
         yield 'an area with corners %s' % corners
@@ -184,11 +184,11 @@ def _faults_of_area(area, size, most):
     elif np.any(np.abs(corners - np.array(size) / 2) > np.array(size) / 2 + most):
         yield 'an area far beyond the frame of %d x %d: %s' % (*size, corners.tolist())
     if area.ratio is not None and not 0 < area.ratio < np.inf:
-        yield 'an area that is %s times as wide as high' % area.ratio
+        yield 'an area with the ratio %s' % area.ratio
 
 
 def _cover(area, shape):
-    """(h, w): how far each pixel is inside the area, pixels, below 0 outside of it."""
+    """(h, w) pixels: how far each pixel is inside the area, negative outside of it."""
     corners = np.float64(area.corners)
     along = np.roll(corners, -1, axis=0) - corners
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -199,7 +199,7 @@ def _cover(area, shape):
 
 
 def faults_of_paint(frame, area, random):
-    """What is wrong with the frame's mask, and with a picture painted into it, sentence by sentence."""
+    """Yields sentences about what is wrong with the area's mask, and with a picture painted into the area."""
     inside = _cover(area, frame.shape)
     inside, outside = inside > SURE_PX, inside < -SURE_PX
     mask = area_mask(frame, area)
@@ -220,14 +220,14 @@ def faults_of_paint(frame, area, random):
 def _faults_of_pose(pose, name):
     spread = pose.covariance
     if not all(np.isfinite(part).all() for part in (pose.rotation, pose.translation, spread)):
-        yield 'a pose of a %s that is no number' % name
+        yield 'a pose of a %s that is not finite' % name
         return
     if np.abs(pose.rotation @ pose.rotation.T - np.eye(3)).max() > 1e-6 or np.linalg.det(pose.rotation) < 0:
-        yield 'a pose of a %s that is no rotation' % name
+        yield 'a pose of a %s without a rotation matrix' % name
     scale = np.sqrt(spread.diagonal().clip(1e-300))
     if np.abs(spread - spread.T).max() > 1e-6 * np.abs(spread).max() or \
             np.linalg.eigvalsh((spread + spread.T) / 2 / np.outer(scale, scale)).min() < -1e-6:
-        yield 'a covariance of a %s that is none: %s' % (name, spread.tolist())
+        yield 'an invalid covariance of a %s: %s' % (name, spread.tolist())
 
 
 def _faults_of_messages(tags, poses, camera, on_wall, lens):
@@ -242,11 +242,11 @@ def _faults_of_messages(tags, poses, camera, on_wall, lens):
         message.serialize(BytesIO())
         bad = sorted(set(_not_finite(message)))
         if bad:
-            yield 'a %s with %s that is no number' % (message._type, ', '.join(bad))
+            yield 'a %s whose %s is not finite' % (message._type, ', '.join(bad))
 
 
 def _not_finite(message, name=''):
-    """The names of the fields of a message, at any depth, that are NaN or infinite."""
+    """Yields the names of all fields of a message, at any depth, that are NaN or infinite."""
     if isinstance(message, float):
         if not np.isfinite(message):
             yield name
@@ -259,10 +259,10 @@ def _not_finite(message, name=''):
 
 
 def watch(seed, number):
-    """What comes of one sequence of hostile pictures, the one with that number.
+    """Process the sequence of hostile pictures with this number.
 
-    For each picture its kind, (tags, areas, poses, poses of the camera) that
-    were found, CPU seconds, and the sentences that say what is wrong.
+    Yields for each picture its kind, the numbers of (tags, areas, poses, camera
+    poses) found, the CPU seconds, and sentences about wrong results.
     """
     random = np.random.RandomState([seed, number])
     looking = Looking(random)

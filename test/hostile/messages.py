@@ -1,4 +1,4 @@
-"""Images, compressed images and calibrations as no camera should send them, and some as it should; seeded."""
+"""Hostile images, compressed images and calibrations, and some good ones. A seed determines them."""
 import io
 import struct
 import zlib
@@ -24,12 +24,12 @@ NANOSECONDS = [0, 1, 999999999, 10**9, 2**31, 2**32 - 1]
 FRAMES = ['', '/', '//', 'eye', '/eye', 'a b', 'a\nb', 'é⚠', 'tag_1', '\0', '%s', '../..', 'x' * 300]
 FORMATS = ['', 'jpeg', 'png', 'bgr8; jpeg compressed bgr8', '16UC1; compressedDepth', 'é\n', 'x' * 1000]
 FLOATS = [float('nan'), float('inf'), -float('inf'), 0.0, -1.0, 1e-300, 1e-3, 1e300, 5e5, 2e6, 320.0]
-GOOD = 0.05   # of the messages are good
-LARGE = 0.05  # of which are of megabytes
+GOOD = 0.05   # the share of good messages
+LARGE = 0.05  # the share of the good ones that have megabytes
 
 
 class Garbage:
-    """A message that says to be of a kind, and is made of other bytes."""
+    """A message that claims a type, but consists of other bytes."""
 
     def __init__(self, like, data):
         self._data, self.header = data, Header()
@@ -40,10 +40,10 @@ class Garbage:
 
 
 class Hostile:
-    """Makes messages, one as bad as the other, always the same for a seed."""
+    """Makes hostile messages, which are always the same for a seed."""
 
     def __init__(self, seed, frames):
-        """``frames``: a list of (h, w, 3) BGR uint8, which are good."""
+        """``frames``: a list of good frames, (h, w, 3) BGR uint8."""
         self._random = Random(seed)
         self._noise = np.random.RandomState(seed).bytes(1 << 16)
         self._frames = [cv2.resize(frame, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
@@ -70,7 +70,7 @@ class Hostile:
                             self._patched_file, self._random_file, self._garbage(CompressedImage))
 
     def camera_info(self):
-        """A CameraInfo with numbers of all kinds, or one that is good for some of the images."""
+        """A CameraInfo with numbers of all kinds, or a good one for some of the images."""
         pick, number = self._random.choice, self._number
         info = CameraInfo(header=self.header())
         sizes = [frame.shape[:2] for frame in self._frames]
@@ -89,14 +89,14 @@ class Hostile:
         return info
 
     def largest(self, kind):
-        """What takes most memory, of Image or CompressedImage, each several times."""
+        """The messages, Image or CompressedImage, that take the most memory; each kind comes several times."""
         height, width = self._large.shape[:2]
         if kind is CompressedImage:
             return [self._compressed(self._large_file) for _ in range(5)]
         return [self._image(width, height, encoding) for encoding in KNOWN for _ in range(3)]
 
     def header(self):
-        """A Header with any stamp and frame_id."""
+        """A Header with a random stamp and frame_id."""
         header = Header(stamp=Time(), frame_id=self._random.choice(FRAMES))
         header.stamp.secs, header.stamp.nsecs = self._random.choice(SECONDS), self._random.choice(NANOSECONDS)
         return header
@@ -192,7 +192,7 @@ class Hostile:
         return self._compressed(bytes(data))
 
     def _patched_file(self):
-        """A small file with another size in its header."""
+        """A small file whose header claims another size."""
         data = self._random.choice(self._files)
         size = [self._random.choice([0, *SIDES, *HUGE]) for _ in range(2)]
         return self._compressed(_png_of_size(data, *size) if data[:1] == b'\x89' else jpeg_of_size(data, *size))
@@ -212,7 +212,7 @@ class Hostile:
 
 
 def _size_of(encoding):
-    """Bytes a pixel, about."""
+    """About how many bytes a pixel has."""
     channels = 4 if 'a8' in encoding or 'a16' in encoding else 2 if 'yuv' in encoding else \
         1 if encoding.startswith(('mono', 'bayer')) else 3
     return channels * (2 if '16' in encoding else 4 if '32' in encoding else 8 if '64' in encoding else 1)
@@ -235,13 +235,13 @@ def _png_of_size(data, width, height):
 
 
 def jpeg_of_size(data, width, height):
-    """The bytes of a JPEG with another size in its header."""
+    """The bytes of a JPEG, whose header claims another size."""
     at = max(data.find(b'\xff\xc0'), data.find(b'\xff\xc2')) + 5
     return data[:at] + struct.pack('>HH', min(height, 65535), min(width, 65535)) + data[at + 4:]
 
 
 def _other_formats(frame):
-    """Files that are pictures or like them, but neither JPEG nor PNG."""
+    """Files that are similar to pictures, or are pictures, but neither JPEG nor PNG."""
     made = []
     for kind in 'GIF', 'TIFF', 'BMP', 'WEBP', 'PPM', 'ICO', 'TGA':
         file = io.BytesIO()
@@ -254,7 +254,7 @@ def _other_formats(frame):
 
 
 def _bombs():
-    """Few bytes that are many pixels, much work or much text."""
+    """Files of a few bytes that decompress to many pixels or much text, or take much work."""
     gray = np.full((1000, 1000), 90, np.uint8)
     jpeg = cv2.imencode('.jpg', gray[:64, :64], [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
     scan = jpeg[jpeg.rfind(b'\xff\xda'):-2]

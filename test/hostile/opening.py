@@ -1,6 +1,6 @@
-"""Open every hostile file with all that reads files; tells, a line of JSON for each, what became of it.
+"""Open every hostile file with every loader, and print a line of JSON about the result of each.
 
-Its arguments are the folder to make the files in, and a seed.
+The arguments are the folder in which the files are created, and a seed.
 """
 import faulthandler
 import json
@@ -17,12 +17,12 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.parameters.settings import load_areas
 from hostile.files import cases
 
-MEMORY_BYTES = 8 * 2**30  # for which no file of these should ask
+MEMORY_BYTES = 8 * 2**30  # no file should need more
 HANG_S = 60
 
 
 def look(path):
-    """Open what can be painted, and watch it for a while."""
+    """Open a picture source, and look at its pictures for a while."""
     source = open_source(path, lambda sentence: None)
     for stamp in np.arange(0, 1, 0.1):
         picture = source.at(stamp)
@@ -34,7 +34,7 @@ LOADERS = {'picture': look, 'wall': load_wall, 'areas': load_areas, 'path': load
 
 
 def peak_mb():
-    """The most memory that this process has had since the last time it was asked."""
+    """The peak memory of this process since the last call."""
     with open('/proc/self/status') as file:
         peak = int(re.search(r'VmHWM:\s*(\d+)', file.read()).group(1)) / 1024
     with open('/proc/self/clear_refs', 'w') as file:

@@ -1,4 +1,4 @@
-"""Publishing no faster than is taken up."""
+"""A publisher that does not outrun its subscribers."""
 import socket
 import struct
 import time
@@ -10,32 +10,33 @@ STUCK_S = 60
 
 
 class PacedPublisher(rospy.Publisher):
-    """Publishes the next message when all who listen, on this machine, have taken up the one before.
+    """Publishes a message after all subscribers on this machine have read the one before.
 
-    Otherwise rospy's subscribers pass over all but the newest. It asks the
-    kernel, by netlink's sock_diag, what has not been read yet at the other ends.
+    Otherwise subscribers of rospy skip all but the newest message. The publisher asks the kernel, by the
+    sock_diag interface of netlink, how many bytes wait to be read at the other ends.
     """
 
     def __init__(self, topic, kind, listener=None):
         with warnings.catch_warnings():
-            warnings.simplefilter('ignore')  # without a queue, publishing ends when all is sent
+            # Without a queue, publish returns after everything is sent, but rospy warns.
+            warnings.simplefilter('ignore')
             super().__init__(topic, kind, listener)
         self._kernel = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 4)
 
     def publish(self, message):
-        """Raises RuntimeError if somebody does not take it up for STUCK_S."""
+        """Raises RuntimeError if a subscriber does not read the message within STUCK_S."""
         super().publish(message)
         end = time.monotonic() + STUCK_S
         while any(self._unread(each.socket) for each in self.impl.connections):
             time.sleep(0.0005)
             if time.monotonic() > end:
-                raise RuntimeError('a message has not been taken up for %d s' % STUCK_S)
+                raise RuntimeError('a message has not been read for %d s' % STUCK_S)
 
     def _unread(self, connection):
-        """Bytes that wait to be read at the other end."""
+        """The number of bytes that wait to be read at the other end."""
         try:
             (address, port), (other, other_port) = connection.getsockname(), connection.getpeername()
-        except (AttributeError, OSError):  # closed meanwhile
+        except (AttributeError, OSError):  # closed in the meantime
             return 0
         wanted = struct.pack('=BBBBI', socket.AF_INET, socket.IPPROTO_TCP, 0, 0, 0xffffffff) + \
             struct.pack('>HH16s16s', other_port, port, socket.inet_aton(other), socket.inet_aton(address)) + \

@@ -1,4 +1,4 @@
-"""What a node reads before it goes to work, without a node: its parameters, and what they name."""
+"""Reads and validates parameters and the files that they name, as a node does before it starts working."""
 import os
 import resource
 import runpy
@@ -24,11 +24,11 @@ FRAME = np.full((48, 64, 3), 180, np.uint8)
 
 
 class Stuck(BaseException):
-    """Raised where something takes too long; no Exception, which somebody might catch."""
+    """Raised if something takes too long. It is no Exception, since that might be caught."""
 
 
 def settings_of(node):
-    """The class of the parameters of a node, which it tells when it is run."""
+    """The settings class of a node, which is known by running the node's program."""
     told = []
 
     def tell(name, work, manual):
@@ -40,17 +40,17 @@ def settings_of(node):
 
 
 def read_with(kind, name, value):
-    """Settings of that class where one parameter has that value and all others their own."""
+    """Settings of a class in which one parameter has this value, and the others their defaults."""
     return read(kind, lambda other, default: value if other == name else default)
 
 
 def taken(kind, name, value):
-    """The Settings with that value of a parameter, of which all that they name has been opened.
+    """The Settings with this value of a parameter, after opening everything that they name.
 
-    Raises InputError where a node would refuse it.
+    Raises InputError if a node would refuse the value.
     """
     settings = read_with(kind, name, value)
-    assert read(kind, ros_values(settings).get) == settings, 'it reads otherwise from the parameter server'
+    assert read(kind, ros_values(settings).get) == settings, 'the parameter server gives it back differently'
     has = {each: getattr(settings, each) for each in ros_values(settings)}
     if has.get('areas', 'none') != 'none':
         for area in load_areas(settings.areas):
@@ -69,9 +69,9 @@ def taken(kind, name, value):
 
 
 def area_taken(path, name, value):
-    """What is read of a file of areas, written to that path, whose first area has such an entry.
+    """Write a file of areas to a path, the first of which has this entry, and read it.
 
-    Raises InputError where a node would refuse it.
+    Raises InputError if a node would refuse it.
     """
     with open(path, 'w') as file:
         yaml.dump({'areas': [{'ids': [1, 2, 3, 4], name: value}, {'ids': [5, 6, 7, 8]}]}, file)
@@ -90,7 +90,7 @@ def _look(settings):
 
 
 def refusal(take, *arguments):
-    """The sentence with which a function that takes a value refuses it, or None. Raises what else it raises."""
+    """The sentence with which a function refuses a value, or None. Other errors are not caught."""
     try:
         take(*arguments)
     except InputError as error:
@@ -99,7 +99,7 @@ def refusal(take, *arguments):
 
 
 def fault_of(sentence, name=None):
-    """What is wrong with a sentence that refuses a value, or None. ``name``: the parameter it must name."""
+    """What is wrong with a sentence that refuses a value, or None. It must name the parameter ``name``."""
     if len(sentence) > MAX_SENTENCE:
         return 'it has %d characters' % len(sentence)
     if not sentence.isprintable():
@@ -111,9 +111,9 @@ def fault_of(sentence, name=None):
 
 @contextmanager
 def bounded(seconds=5, more_bytes=1 << 30):
-    """Raise Stuck or MemoryError in the block, in the main thread, if it takes longer or more memory."""
+    """Raise Stuck or MemoryError in the main thread if the block takes more time or memory."""
     def stop(number, frame):
-        raise Stuck('it takes longer than %d s' % seconds)
+        raise Stuck('it took longer than %d s' % seconds)
     with open('/proc/self/statm') as file:
         now = int(file.read().split()[0]) * resource.getpagesize()
     limits = resource.getrlimit(resource.RLIMIT_AS)

@@ -1,7 +1,7 @@
-"""Hostile pictures with tags and without.
+"""Hostile pictures, with tags or without.
 
-Every kind paints a gray canvas, (h, w) uint8, in place, with a numpy RandomState
-and a dictionary's name.
+Each kind is a function that paints on a gray canvas, (h, w) uint8. It gets
+a RandomState and the name of a tag dictionary.
 """
 from functools import lru_cache
 
@@ -12,13 +12,14 @@ from aruco_ar.tags.tag import tag_cells
 
 DICTIONARIES = 'DICT_6X6_250', 'DICT_4X4_50', 'DICT_5X5_1000', 'DICT_ARUCO_ORIGINAL', 'DICT_APRILTAG_36h11'
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
-FOCAL, FOUR_SIDE = 0.9, 0.25  # of the usual lens, widths of the picture; of four tags, sides of their area
-MAX_CELL_PX = 8   # of the picture of a tag that is warped into place
+# The focal length of the usual lens, in widths of the picture; the four tags' sides, in sides of the area.
+FOCAL, FOUR_SIDE = 0.9, 0.25
+MAX_CELL_PX = 8   # of the picture of a tag before it is warped
 
 
 @lru_cache(maxsize=2000)
 def _face(dictionary, tag_id, cell):
-    """A tag of cells of so many pixels, with a white cell around it."""
+    """A picture of a tag with ``cell`` pixels per cell, and a white margin of one cell."""
     return draw_tag(dictionary, tag_id, cell * len(tag_cells(dictionary, tag_id)), quiet=1)
 
 
@@ -27,7 +28,7 @@ def _any_id(random, dictionary):
 
 
 def turned_square(random, center, side, turn=None, slant=0.0, focal=None):
-    """(4, 2): a square of that side, turned, and slanted, radians, about any axis, through a lens."""
+    """(4, 2): a square of that side, rotated, and slanted by an angle in radians about a random axis."""
     turn, axis = random.uniform(0, 2 * np.pi, 2) if turn is None else (turn, random.uniform(0, 2 * np.pi))
     corners = side * SQUARE @ [[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]
     along = np.array([np.cos(axis), np.sin(axis)])
@@ -37,7 +38,7 @@ def turned_square(random, center, side, turn=None, slant=0.0, focal=None):
 
 
 def put(canvas, dictionary, tag_id, quad):
-    """Paint a tag, with a white cell around it, so that its corners are at quad, (4, 2) pixels."""
+    """Paint a tag with a white margin of one cell, so that its corners are at ``quad``, (4, 2) pixels."""
     quad = np.float32(quad)
     count = len(tag_cells(dictionary, tag_id))
     side = np.sqrt(max(cv2.contourArea(quad), 1.0))
@@ -73,7 +74,7 @@ def _scatter(canvas, random, dictionary, count, tag_id=None, beyond=0.0, slant=0
 
 
 def four(canvas, random, dictionary):
-    """An area between four tags, as it should be, seen from somewhere, and a few more tags beside it."""
+    """Four good tags that span an area, from a random viewpoint, and sometimes more tags."""
     size = np.array(canvas.shape[::-1])
     slant, turn = random.uniform(-1.0, 1.0), random.choice([0.0, random.uniform(0, 2 * np.pi)])
     corners = turned_square(random, (size - 1) / 2, 0.7 * min(size), turn, slant, FOCAL * size[0])
@@ -98,7 +99,7 @@ def mirrored(canvas, random, dictionary):
 
 def cut(canvas, random, dictionary):
     _scatter(canvas, random, dictionary, random.randint(4, 9), beyond=0.1, sides=(0.2, 0.7))
-    for _ in range(4):  # and right at the edge, to a pixel
+    for _ in range(4):  # and exactly at the edge
         side = int(_side(canvas, random)) + 1
         x = random.choice([0, 1, canvas.shape[1] - side, canvas.shape[1] - side - 1])
         quad = side * (SQUARE + 0.5) + [x, random.randint(canvas.shape[0])]
@@ -110,7 +111,7 @@ def one_id(canvas, random, dictionary):
 
 
 def hundreds(canvas, random, dictionary):
-    """As many as there is room for, each somewhat turned, in rows."""
+    """As many tags as there is room for, in rows, each slightly rotated."""
     step = random.uniform(2.0, 3.5) * len(tag_cells(dictionary, 0))
     tag_id = _any_id(random, dictionary)
     for y in np.arange(step / 2, canvas.shape[0], step):
@@ -121,7 +122,7 @@ def hundreds(canvas, random, dictionary):
 
 
 def ring(canvas, random, dictionary):
-    """On a circle, so that all are on the hull."""
+    """Tags on a circle, so that all of them are on the convex hull."""
     radius, count = 0.42 * min(canvas.shape), random.randint(4, 40)
     for angle in np.linspace(0, 2 * np.pi, count, endpoint=False):
         center = np.array(canvas.shape[::-1]) / 2 + radius * np.array([np.cos(angle), np.sin(angle)])
@@ -130,7 +131,7 @@ def ring(canvas, random, dictionary):
 
 
 def in_line(canvas, random, dictionary):
-    """Centers on one line, to a few pixels."""
+    """Tags whose centers are on one line, to within a few pixels."""
     start, end = any_place(canvas, random), any_place(canvas, random)
     for number, along in enumerate(np.linspace(0, 1, random.randint(4, 7))):
         center = start + along * (end - start) + random.normal(0, random.choice([0, 0.5, 3]), 2)
@@ -138,7 +139,7 @@ def in_line(canvas, random, dictionary):
 
 
 def nested(canvas, random, dictionary):
-    """One inside another, and so on; of four of them together."""
+    """Four stacks of tags inside of tags."""
     for _ in range(4):
         side, center = _side(canvas, random, 0.3, 0.9), any_place(canvas, random)
         while side > 8:
@@ -158,7 +159,7 @@ def tiny(canvas, random, dictionary):
 
 
 def huge(canvas, random, dictionary):
-    """Up to 3000 px wide, so that the picture shows a part, or a bit more than all, of one."""
+    """One tag up to 3000 px wide, of which the picture shows a part, or all and a little more."""
     side = random.uniform(0.7, 1.2) * min(canvas.shape) if random.rand() < 0.5 else random.uniform(300, 3000)
     put(canvas, dictionary, _any_id(random, dictionary),
         turned_square(random, any_place(canvas, random) if side > max(canvas.shape) else
@@ -166,7 +167,7 @@ def huge(canvas, random, dictionary):
 
 
 def quads(canvas, random, dictionary):
-    """Black quadrilaterals of any shape, with tags stretched into some of them, also turned over."""
+    """Black quadrilaterals of any shape; into some a tag is stretched, perhaps mirrored."""
     for _ in range(12):
         corners = any_place(canvas, random) + random.uniform(-1, 1, (4, 2)) * _side(canvas, random, 0.1, 0.5)
         if random.rand() < 0.5:
@@ -183,7 +184,7 @@ def noise(canvas, random, dictionary):
 
 
 def false_tags(canvas, random, dictionary):
-    """Black frames with cells at random: some of it reads as tags, once corrected."""
+    """Black frames with random cells, some of which read as tags after error correction."""
     count = len(tag_cells(dictionary, 0))
     step = count * random.randint(3, 6)
     for y in range(2, canvas.shape[0] - step, step + 6):
@@ -217,7 +218,7 @@ def plain(canvas, random, dictionary):
 
 
 def frames(canvas, random, dictionary):
-    """Rectangles in each other, lines of one pixel."""
+    """Nested rectangles with lines of one pixel."""
     step = random.randint(1, 6)
     for inset in range(0, min(canvas.shape) // 2, step):
         cv2.rectangle(canvas, (inset, inset), (canvas.shape[1] - 1 - inset, canvas.shape[0] - 1 - inset),
@@ -227,14 +228,14 @@ def frames(canvas, random, dictionary):
 KINDS = {kind.__name__: kind for kind in (
     four, overlapping, mirrored, cut, one_id, hundreds, ring, in_line, nested, slanted, tiny, huge, quads,
     noise, false_tags, text, checkerboard, gradient, plain, frames)}
-MIXED = 'mixed'          # several kinds over each other
-ODD = 'odd'              # of an odd size
+MIXED = 'mixed'          # several kinds in one picture
+ODD = 'odd'              # a picture with an odd size
 NAMES = (*KINDS, MIXED, ODD)
 SHARES = np.array([6.0 if name == 'four' else 0.4 if name == 'hundreds' else 1.0 for name in NAMES])
 
 
 def canvas_of(kind, random, dictionary, size):
-    """A canvas, (h, w) uint8, of a kind and of about that size, (width, height) pixels."""
+    """A canvas, (h, w) uint8, of a kind, and about this size, (width, height) pixels."""
     if kind == ODD:
         sides = 1, 2, 3, 7, 8, 9, 31, 97, 255, 501
         size = tuple(int(side) for side in random.choice(sides, 2))
@@ -244,7 +245,7 @@ def canvas_of(kind, random, dictionary, size):
     mixed = random.choice(list(KINDS), random.randint(2, 4)) if kind in (MIXED, ODD) else [kind]
     for name in mixed:
         some = canvas
-        if kind == MIXED:  # here and there
+        if kind == MIXED:  # in a random place
             x, y = (random.randint(side // 2) for side in size)
             some = canvas[y:y + size[1] // 2, x:x + size[0] // 2]
         own = np.ascontiguousarray(some)

@@ -1,7 +1,7 @@
 """Sequences of hostile pictures.
 
-Each shows some canvases from a camera that moves and jerks, blurred, inverted,
-noisy, covered, with a clock that jumps.
+Each shows a few canvases from a camera that moves and jerks. They may be
+blurred, inverted, noisy or covered, and the clock may jump.
 """
 from collections import namedtuple
 
@@ -10,12 +10,12 @@ import numpy as np
 
 from .scenes import NAMES, SHARES, any_place, canvas_of
 
-# One picture: its kind, what is to be seen, (h, w, 3) BGR uint8, and its time in seconds.
+# A picture: its kind, the frame, (h, w, 3) BGR uint8, and its time in seconds.
 Picture = namedtuple('Picture', 'kind frame stamp')
 
 
 def _moved(random, size, strong):
-    """(3, 3): how pixels move when the camera does; now and then it jerks."""
+    """(3, 3): a homography that moves pixels as a small motion of the camera does, or rarely a jerk."""
     width, height = size
     scale = random.choice([0.004, 0.03, 0.03, 0.3]) * strong
     shift, tilt = scale * random.normal(0, 1, 2) * size, 0.3 * scale * random.normal(0, 1, 2) / size
@@ -27,7 +27,7 @@ def _moved(random, size, strong):
 
 
 def _seen(canvas, random):
-    """The canvas, (h, w) uint8, as a camera may see it: (h, w, 3) BGR."""
+    """(h, w, 3) BGR: how a camera may see the canvas, (h, w) uint8."""
     seen = canvas
     if random.rand() < 0.15:
         seen = cv2.GaussianBlur(seen, (0, 0), random.uniform(0.4, 4))
@@ -40,7 +40,7 @@ def _seen(canvas, random):
     frame = cv2.cvtColor(seen, cv2.COLOR_GRAY2BGR)
     if random.rand() < 0.3:
         frame = cv2.add(frame, random.randint(0, random.choice([4, 20, 80]), frame.shape).astype(np.uint8))
-    if random.rand() < 0.15:  # something stands before it
+    if random.rand() < 0.15:  # something stands in front of it
         low = np.int32(any_place(canvas, random))
         cv2.rectangle(frame, tuple(map(int, low)), tuple(map(int, low + random.randint(5, 100, 2))),
                       tuple(map(int, random.randint(0, 256, 3))), -1)
@@ -48,7 +48,7 @@ def _seen(canvas, random):
 
 
 def _later(stamp, random):
-    """The time of the next picture: usually a 30th of a second later, but clocks stop, jump and are set."""
+    """The time of the next picture: usually 1/30 s later, but clocks may stop, jump, or be set back."""
     kind = random.rand()
     if kind < 0.85:
         return stamp + 1 / 30
@@ -57,13 +57,13 @@ def _later(stamp, random):
 
 
 def sequence(random, dictionary, count, size):
-    """So many Pictures, one after the other; of each few what is seen is another thing, or of another size."""
+    """Yields Pictures. After a few of them, another canvas or another size follows."""
     canvas, stamp = None, float(random.choice([0.0, 1.6e9]))
     while count:
         kind = str(random.choice(NAMES, p=SHARES / SHARES.sum()))
         if canvas is None or random.rand() < 0.8:
             canvas = canvas_of(kind, random, dictionary, size)
-        else:  # another picture of the same size
+        else:  # another canvas of the same size
             canvas = cv2.resize(canvas_of(kind, random, dictionary, size), canvas.shape[::-1])
         motion, speed = np.eye(3), _moved(random, canvas.shape[::-1], 0.2)
         for _ in range(min(count, int(random.choice([1, 3, 8])))):

@@ -1,4 +1,4 @@
-"""YAML that is no wall, no areas and no path, though some of it looks like one."""
+"""YAML that is no valid file of a wall, areas or a path, though some of it looks like one."""
 TAG = '{id: 1, x: 0, y: 0, side: 1}'
 TAGS = 'tags:\n' + ''.join('- {id: %d, x: 0, y: 0, side: 1}\n' % number for number in range(1, 5))
 AREA = 'ids: [1, 2, 3, 4]'
@@ -6,12 +6,12 @@ START = 'start: {x: 0, y: 0, heading: 0}\n'
 
 
 def _laughs(names, form):
-    """Each name stands for nine of the one before it."""
+    """Each name stands for nine copies of the name before."""
     return ''.join('%s: &%s %s\n' % (after, after, form % ','.join(['*' + before] * 9))
                    for before, after in zip(names, names[1:]))
 
 
-# What is short may grow long, or go round in circles.
+# Short texts that expand enormously, or refer to themselves, and long or deep ones.
 ENDLESS = {
     'laughs': 'a: &a [x,x,x,x,x,x,x,x,x]\n' + _laughs('abcdefghijklmnopq', '[%s]') + 'tags: [{id: *q}]',
     'merged laughs': 'a: &a {x: 1}\n' + _laughs('abcdefghijklmn', '{<<: [%s]}'),

@@ -1,7 +1,8 @@
-"""Values that a parameter may be given: of wrong types, extreme, just inside and outside of what is allowed.
+"""Values to try for a parameter: of wrong types, extreme, and close to the limits.
 
-A parameter server gives whatever XML-RPC can carry; dynamic_reconfigure texts, floats, ints and bools alone;
-and a YAML file of areas dates and ints of any size as well.
+A parameter server gives whatever XML-RPC can carry. dynamic_reconfigure gives
+texts, floats, ints and bools. A YAML file of areas may also have dates and
+ints of any size.
 """
 import base64
 import datetime
@@ -59,7 +60,7 @@ LENSES = ([0] * 5, [0.0] * 4, [0.0] * 6, [math.nan] * 5, [math.inf, 0, 0, 0, 0],
 
 
 def others():
-    """What is neither a number nor a text."""
+    """Values that are neither numbers nor texts."""
     deep = []
     for _ in range(DEPTH):
         deep = [deep]
@@ -73,14 +74,14 @@ def others():
 
 
 def around(low, high):
-    """The numbers just inside and just outside of [low, high]."""
+    """Numbers just inside and just outside of [low, high]."""
     return [float(value) for bound in (low, high) for value in (bound, np.nextafter(bound, math.inf),
                                                                 np.nextafter(bound, -math.inf))] + \
         [low, high, low - 1, high + 1, (low + high) / 2]
 
 
 def values(parameter, random, count=20):
-    """A list of values for a Parameter, ``count`` of them made at random."""
+    """Values to try for a Parameter. ``count`` of them are random."""
     kind = parameter.kind
     own = around(kind.low, kind.high) if isinstance(kind, Number) else []
     if isinstance(kind, Choice):
@@ -91,7 +92,7 @@ def values(parameter, random, count=20):
 
 
 def _any(random, common):
-    """Something made at random."""
+    """A random value."""
     chance = random.random_sample()
     if chance < 0.3:
         return float(np.frombuffer(random.bytes(8))[0])
@@ -103,18 +104,18 @@ def _any(random, common):
 
 
 def typed(given):
-    """Those of the values that a dynamic_reconfigure/Config can carry."""
+    """The values that a dynamic_reconfigure/Config can carry."""
     return [value for value in given if isinstance(value, (float, bool))
             or (isinstance(value, str) and as_xml(value)) or (type(value) is int and -INT32 <= value < INT32)]
 
 
 def short(given):
-    """Those of the values that are soon written and read, as YAML as well."""
+    """The values that are fast to write and to read, even as YAML."""
     return [value for value in given if len(as_xml(value) or LONG * 'x') < SHORT]
 
 
 def as_xml(value):
-    """The value as XML-RPC writes it, also such as Python's own client does not; None where there is no way."""
+    """The value as XML-RPC, even if Python's own client refuses it; None if there is no way to write it."""
     try:
         return '<value>%s</value>' % _as_xml(value)
     except (TypeError, UnicodeEncodeError, RecursionError):
@@ -128,7 +129,7 @@ def _as_xml(value):
     if value is None:
         return '<nil/>'
     if isinstance(value, str):
-        value.encode()  # raises for half a character
+        value.encode()  # raises an error for a lone surrogate
         return '<string>%s</string>' % escape(value)
     if isinstance(value, (bytes, Binary)):
         return '<base64>%s</base64>' % base64.b64encode(getattr(value, 'data', value)).decode()
@@ -143,7 +144,7 @@ def _as_xml(value):
 
 
 def pipe(folder):
-    """The path of a pipe in that folder: whoever opens it to read waits for ever."""
+    """The path of a pipe in a folder. Opening it for reading would block forever."""
     path = os.path.join(folder, 'pipe')
     if not os.path.exists(path):
         os.mkfifo(path)
