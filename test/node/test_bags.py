@@ -1,4 +1,4 @@
-"""Bags looked at without a roscore: what is made of them, by however many, whatever ends on the way."""
+"""annotate_bags.py: its results, their independence of the number of workers, restarts, and bad input."""
 import csv
 import os
 import re
@@ -24,33 +24,33 @@ from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
 SECONDS, PIECE_S, WAIT_S = 12, 3, 120
-SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
+SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of the first frame of a piece
 COVERED = range(SEAM - 20, SEAM + 20)
 CAMERA, PAINTED = '/camera/rgb/image_raw', '/exercise5_6/image/camera/rgb/image_raw/compressed'
 
 
 @pytest.fixture(scope='module')
 def frames():
-    """Of a lively drive, two of the four tags covered before and after a seam."""
+    """Frames of a lively drive; two of the four tags are covered before and after a seam."""
     return list(drive(LIVELY, SECONDS * FRAMES_PER_S, lambda number: [1, 3] * (number in COVERED), noise=2.0))
 
 
 @pytest.fixture(scope='module')
 def recorded(frames, tmp_path_factory):
-    """The path of a bag of them."""
+    """The path of a bag of these frames."""
     path = str(tmp_path_factory.mktemp('bags') / 'drive.bag')
     record(path, [frame.image for frame in frames], SECONDS, *JPEG)
     return path
 
 
-def command(package, *arguments):
+def command_for(package, *arguments):
     return [sys.executable, os.path.join(package, 'src', 'annotate_bags.py'), '--piece', str(PIECE_S),
             *map(str, arguments)]
 
 
-def annotated(package, folder, *arguments, code=0):
-    """What it prints, when it has ended with that code."""
-    done = subprocess.run(command(package, '--out', folder, *arguments), stdout=subprocess.PIPE,
+def annotate(package, folder, *arguments, code=0):
+    """Run annotate_bags, which must end with this exit code; returns what it prints."""
+    done = subprocess.run(command_for(package, '--out', folder, *arguments), stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True, timeout=WAIT_S)
     assert done.returncode == code, done.stdout
     return done.stdout
@@ -58,9 +58,9 @@ def annotated(package, folder, *arguments, code=0):
 
 @pytest.fixture(scope='module')
 def done(package, recorded, tmp_path_factory):
-    """The folder of what one process made of the bag."""
+    """The folder with the results of a single process."""
     folder = tmp_path_factory.mktemp('done')
-    annotated(package, folder, recorded, '--workers', '1', '--video')
+    annotate(package, folder, recorded, '--workers', '1', '--video')
     return folder
 
 
@@ -82,7 +82,7 @@ def assert_same(folder, other):
         assert (folder / name).read_bytes() == (other / name).read_bytes(), name
 
 
-def test_the_area_is_where_it_was_at_the_seams_too(frames, recorded, done):
+def test_the_area_is_correct_at_the_seams_too(frames, recorded, done):
     rows, tracker = rows_of(done), Tracker()
     numbers_of = [round((float(row['stamp']) - BEGIN_S) * FRAMES_PER_S) for row in rows]
     areas = {number: area_of(row) for number, row in zip(numbers_of, rows) if row['area0_x']}
@@ -92,9 +92,9 @@ def test_the_area_is_where_it_was_at_the_seams_too(frames, recorded, done):
         in_one = [tracker.update(frame_from_compressed(message), message.header.stamp.to_sec()).corners
                   for _, message, _ in bag.read_messages([CAMERA + '/compressed'])]
     for number, area in areas.items():
-        # Where one tag is left, as it is while two are covered and one leaves the frame, much is predicted.
+        # If one tag is left, as while two are covered and a third leaves the frame, much is predicted.
         assert np.abs(area - in_one[number]).max() < (2 if number in COVERED else 0.5), number
-        # One tag alone leaves the far side open where the robot jerks.
+        # One tag alone does not determine the far side while the robot jerks.
         far = 1.0 if numbers_of.count(number) > 1 else 5.0
         assert np.abs(area - frames[number].corners).max() < far, number
 
@@ -109,7 +109,7 @@ def test_the_table_has_every_tag_in_every_frame(frames, done):
         center = numbers(row, ['center_x', 'center_y'])
         assert np.abs(frames[0].corners - center).max(axis=1).min() < 1
         assert np.abs(corners.reshape(4, 2) - center).max() < 60
-        assert 1 < float(row['z']) < 4  # meters before the camera
+        assert 1 < float(row['z']) < 4  # meters in front of the camera
 
 
 def test_the_bag_has_the_painted_frames_with_their_stamps(frames, done):
@@ -123,7 +123,7 @@ def test_the_bag_has_the_painted_frames_with_their_stamps(frames, done):
     assert off[y - 10:y + 10, x - 10:x + 10].mean() > 30 > 5 > off[:40].mean()
 
 
-def test_the_video_has_them_all(frames, done):
+def test_the_video_has_all_frames(frames, done):
     video, count = cv2.VideoCapture(str(done / 'drive.mp4')), 0
     while video.grab():
         count += 1
@@ -131,12 +131,12 @@ def test_the_video_has_them_all(frames, done):
     assert video.get(cv2.CAP_PROP_FPS) == pytest.approx(FRAMES_PER_S, rel=0.02)
 
 
-def test_what_is_made_does_not_depend_on_how_many_make_it(package, recorded, done, tmp_path):
-    annotated(package, tmp_path, recorded, '--workers', '3')
+def test_the_result_does_not_depend_on_the_number_of_workers(package, recorded, done, tmp_path):
+    annotate(package, tmp_path, recorded, '--workers', '3')
     assert_same(done, tmp_path)
 
 
-def test_how_a_bag_was_recorded_does_not_matter(package, recorded, done, tmp_path):
+def test_the_result_does_not_depend_on_how_the_bag_was_recorded(package, recorded, done, tmp_path):
     with rosbag.Bag(recorded) as bag:
         whole = [(topic, message, time) for topic, message, time in bag.read_messages(raw=True)]
     infos, images = ([each for each in whole if ('info' in each[0]) == is_info] for is_info in (True, False))
@@ -145,12 +145,12 @@ def test_how_a_bag_was_recorded_does_not_matter(package, recorded, done, tmp_pat
         bag.write('/unset_clock', Header(), rospy.Time.from_sec(BEGIN_S % PIECE_S))
         for topic, message, time in [infos[0], *images[half:], *images[half - 1::-1]]:
             bag.write(topic, message, time, raw=True)
-    annotated(package, tmp_path / 'out', tmp_path / 'drive.bag')
+    annotate(package, tmp_path / 'out', tmp_path / 'drive.bag')
     assert (tmp_path / 'out' / 'tags.csv').read_bytes() == (done / 'tags.csv').read_bytes()
 
 
-def test_a_worker_that_is_killed_loses_nothing(package, recorded, done, tmp_path):
-    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '2', recorded),
+def test_no_work_is_lost_if_a_worker_is_killed(package, recorded, done, tmp_path):
+    with subprocess.Popen(command_for(package, '--out', tmp_path, '--workers', '2', recorded),
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         wait_for_piece(tmp_path)
         workers = [child for child in psutil.Process(process.pid).children(recursive=True)
@@ -160,12 +160,12 @@ def test_a_worker_that_is_killed_loses_nothing(package, recorded, done, tmp_path
     assert_same(done, tmp_path)
 
 
-def test_started_again_it_goes_on_where_it_was(package, recorded, done, tmp_path):
-    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
+def test_it_continues_after_an_interruption(package, recorded, done, tmp_path):
+    with subprocess.Popen(command_for(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
         piece = wait_for_piece(tmp_path)
-        os.killpg(process.pid, signal.SIGSTOP)  # so that it is not done before the other has said so
-        assert 'Another annotate_bags works in the folder' in annotated(package, tmp_path, recorded, code=1)
+        os.killpg(process.pid, signal.SIGSTOP)  # so that it is not done before the other one has failed
+        assert 'Another annotate_bags works in the folder' in annotate(package, tmp_path, recorded, code=1)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         os.killpg(process.pid, signal.SIGCONT)
         said, _ = process.communicate(timeout=WAIT_S)
@@ -173,29 +173,29 @@ def test_started_again_it_goes_on_where_it_was(package, recorded, done, tmp_path
     assert said == 'annotate_bags: interrupted. The same command continues from here.\n'
     assert [path.name for path in tmp_path.iterdir()] == ['.unit5']
     made = piece.stat().st_mtime_ns
-    with subprocess.Popen(command(package, '--out', tmp_path, '--workers', '1', recorded)) as process:
-        with suppress(FileNotFoundError):  # it has been joined
+    with subprocess.Popen(command_for(package, '--out', tmp_path, '--workers', '1', recorded)) as process:
+        with suppress(FileNotFoundError):  # the pieces have been joined
             while process.poll() is None:
                 assert piece.stat().st_mtime_ns == made
         assert process.wait(WAIT_S) == 0
     assert_same(done, tmp_path)
-    assert 'is done already' in annotated(package, tmp_path, recorded)
-    annotated(package, tmp_path, 'gone.bag', code=1)
+    assert 'is done already' in annotate(package, tmp_path, recorded)
+    annotate(package, tmp_path, 'gone.bag', code=1)
     assert_same(done, tmp_path)
 
 
 def wait_for_piece(folder):
-    """Wait until a piece is done; its table."""
+    """Wait until a piece is done; returns the path of its table."""
     end = time.monotonic() + WAIT_S
     while time.monotonic() < end:
         tables = list(folder.glob('.unit5/drive/*/drafts/*/[0-9][0-9][0-9][0-9][0-9][0-9].csv'))
         if tables:
             return tables[0]
         time.sleep(0.02)
-    raise AssertionError('no piece is ever done')
+    raise AssertionError('no piece was done in time')
 
 
-def test_bags_that_are_broken_are_said_and_the_others_done(package, recorded, frames, tmp_path):
+def test_broken_bags_are_reported_and_the_others_are_processed(package, recorded, frames, tmp_path):
     with open(recorded, 'rb') as file:
         whole = file.read()
     broken = {'cut.bag': whole[:len(whole) // 2], 'empty.bag': b'', 'text.bag': b'This is no bag.'}
@@ -208,7 +208,7 @@ def test_bags_that_are_broken_are_said_and_the_others_done(package, recorded, fr
         bag.write('/eye/image', image_from_frame(frames[0].image, header), header.stamp)
         bag.write('/eye/image', image_from_frame(frames[0].image, header, 'rgb8'), header.stamp)
     paths = [tmp_path / name for name in (*broken, 'blind.bag', 'gone.bag', 'raw.bag')]
-    said = annotated(package, tmp_path / 'out', *paths, code=1)
+    said = annotate(package, tmp_path / 'out', *paths, code=1)
     for name in (*broken, 'blind.bag', 'gone.bag'):
         assert '%s" cannot be processed: it ' % name in said
     assert 'rosbag reindex' in said and 'it has no images: no topic' in said
@@ -217,7 +217,7 @@ def test_bags_that_are_broken_are_said_and_the_others_done(package, recorded, fr
     assert {row['bag'] for row in rows_of(tmp_path / 'out')} == {'raw.bag'}
 
 
-def test_all_image_topics_are_looked_at_whatever_they_are_called(package, frames, tmp_path):
+def test_all_image_topics_are_processed_whatever_their_names(package, frames, tmp_path):
     path, header = str(tmp_path / 'many.bag'), Header(stamp=rospy.Time(5), frame_id='eye')
     frame = frames[0].image
     with rosbag.Bag(path, 'w', compression='bz2') as bag:
@@ -230,7 +230,7 @@ def test_all_image_topics_are_looked_at_whatever_they_are_called(package, frames
             depth = image_from_frame(frame, header)
             depth.encoding = '32FC1'
             bag.write('/depth', depth, stamp)
-    said = annotated(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
+    said = annotate(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
     assert said.count('Bag "%s": ' % path) == 3
     assert 'frames on /depth are skipped: ' in said and '32FC1' in said
     assert 'there are no poses for /eye/image, since its camera_info cannot be used: its K is not a' in said
@@ -250,30 +250,30 @@ def test_all_image_topics_are_looked_at_whatever_they_are_called(package, frames
     (['--workers', '0'], '--workers'),
     (['_picture:=no.png'], 'no.png'), (['--piece', '0'], '--piece'),
     (['--scheduler', 'tcp://127.0.0.1:9'], 'tcp://127.0.0.1:9 does not answer')])
-def test_what_cannot_be_is_said(package, recorded, tmp_path, arguments, words):
-    said = annotated(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
+def test_wrong_arguments_are_explained(package, recorded, tmp_path, arguments, words):
+    said = annotate(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
                      arguments[0] != '--scheduler' else 1)
     assert words in said and 'Traceback' not in said
 
 
-def test_no_bag_is_written_over(package, recorded, tmp_path):
+def test_no_bag_is_overwritten(package, recorded, tmp_path):
     (tmp_path / 'bags').mkdir()
     (tmp_path / 'bags' / 'drive.bag').symlink_to(recorded)
     os.link(recorded, str(tmp_path / 'one.bag'))
     (tmp_path / 'here').symlink_to(tmp_path)
-    assert 'Give another --out' in annotated(package, tmp_path / 'here', tmp_path / 'one.bag', code=1)
+    assert 'Give another --out' in annotate(package, tmp_path / 'here', tmp_path / 'one.bag', code=1)
     link, folder = tmp_path / 'bags' / 'drive.bag', os.path.dirname(recorded)
-    assert 'Give another --out' in annotated(package, folder, link, code=1)
+    assert 'Give another --out' in annotate(package, folder, link, code=1)
 
 
-def test_what_was_made_otherwise_is_made_anew(package, recorded, done, tmp_path):
-    annotated(package, tmp_path, recorded, '--exercise', '5.2')
+def test_results_of_other_settings_are_made_again(package, recorded, done, tmp_path):
+    annotate(package, tmp_path, recorded, '--exercise', '5.2')
     with rosbag.Bag(str(tmp_path / 'drive.bag')) as bag:
         assert all(topic.startswith('/exercise5_2/') for topic in bag.get_type_and_topic_info().topics)
-    annotated(package, tmp_path, recorded)
+    annotate(package, tmp_path, recorded)
     assert_same(done, tmp_path)
     os.unlink(str(tmp_path / 'drive.bag'))
-    annotated(package, tmp_path, recorded)
+    annotate(package, tmp_path, recorded)
     assert_same(done, tmp_path)
 
 

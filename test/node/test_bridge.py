@@ -1,4 +1,4 @@
-"""Where cv_bridge cannot work with the NumPy and OpenCV here, that is said, and what needs it not goes on."""
+"""A cv_bridge that does not fit NumPy, OpenCV or Python is explained, and what does not need it still works."""
 import os
 import re
 import subprocess
@@ -16,8 +16,8 @@ from std_msgs.msg import Header
 
 
 @pytest.fixture(autouse=True)
-def forgotten():
-    """What was found out about cv_bridge is forgotten, before and after a test."""
+def fresh_cache():
+    """Clears the cached result of the check of cv_bridge before and after each test."""
     fault_of_bridge.cache_clear()
     yield
     fault_of_bridge.cache_clear()
@@ -25,7 +25,7 @@ def forgotten():
 
 @pytest.fixture
 def bridge(tmp_path, monkeypatch):
-    """Makes a cv_bridge whose compiled part has these bytes, before the real one."""
+    """A function that puts a cv_bridge, whose compiled part has these bytes, before the real one."""
     def make(data, suffix=EXTENSION_SUFFIXES[0]):
         folder = tmp_path / 'cv_bridge' / 'boost'
         folder.mkdir(parents=True)
@@ -36,7 +36,7 @@ def bridge(tmp_path, monkeypatch):
     return make
 
 
-def test_the_one_of_this_system_will_do():
+def test_the_cv_bridge_of_this_system_fits():
     assert fault_of_bridge() is None
 
 
@@ -46,13 +46,13 @@ FOR_1, FOR_2 = b'numpy.core._multiarray_umath', b'numpy._core._multiarray_umath\
 
 
 @pytest.mark.parametrize('numpy, data', [('1.17.4', FOR_1), ('1.26.4', FOR_2), ('2.4.6', FOR_2)])
-def test_what_fits_is_taken(numpy, data, bridge, monkeypatch):
+def test_a_cv_bridge_that_fits_is_used(numpy, data, bridge, monkeypatch):
     bridge(data)
     monkeypatch.setattr(np, '__version__', numpy)
     assert fault_of_bridge() is None
 
 
-def test_one_for_numpy_1_is_refused_with_numpy_2(bridge, monkeypatch):
+def test_a_cv_bridge_for_numpy_1_is_refused_with_numpy_2(bridge, monkeypatch):
     bridge(FOR_1)
     monkeypatch.setattr(np, '__version__', '2.4.6')
     assert fault_of_bridge() == SENTENCE
@@ -68,14 +68,14 @@ def test_opencv_5_is_refused(monkeypatch):
     assert 'built for OpenCV 4, but OpenCV 5.0.0 is here' in fault_of_bridge()
 
 
-def test_one_for_another_python_is_refused(bridge, monkeypatch):
+def test_a_cv_bridge_for_another_python_is_refused(bridge, monkeypatch):
     bridge(FOR_1, '.cpython-36m-x86_64-linux-gnu.so')
     assert fault_of_bridge() == "cv_bridge is not built for Python %d.%d; run script/setup, which takes the " \
         "system's own." % sys.version_info[:2]
 
 
-def test_a_program_without_cv_bridge_says_so(package, tmp_path):
-    """One that only sees what is built for another Python."""
+def test_a_program_says_that_cv_bridge_does_not_fit(package, tmp_path):
+    """The only cv_bridge that the program finds is built for another Python."""
     (tmp_path / 'cv_bridge' / 'boost').mkdir(parents=True)
     (tmp_path / 'cv_bridge' / '__init__.py').write_text('')
     path = os.pathsep.join([str(tmp_path), os.environ['PYTHONPATH']])

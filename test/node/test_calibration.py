@@ -1,4 +1,4 @@
-"""What a CameraInfo says of the camera, and what may be wrong with it."""
+"""The Lens that a CameraInfo describes, and what can be wrong with a CameraInfo."""
 import numpy as np
 import pytest
 from aruco_ar import InputError
@@ -20,7 +20,7 @@ def info(**changes):
     return message
 
 
-def test_the_lens_is_the_calibrated_one():
+def test_the_lens_is_that_of_the_camera_info():
     lens = lens_from_info(info(), SIZE)
     assert (lens.width, lens.height, lens.fisheye) == (640, 480, False)
     np.testing.assert_allclose(lens.matrix, CAMERA.matrix)
@@ -36,21 +36,21 @@ def test_a_rectified_image_has_another_matrix_and_no_distortion():
 @pytest.mark.parametrize('changes', [{}, {'distortion_model': 'equidistant', 'D': [0.1, 0.01, 0.0, 0.0]},
                                      {'distortion_model': 'rational_polynomial', 'D': [0.1] * 8}, {'D': []},
                                      {'distortion_model': 'equidistant', 'D': []}])
-def test_all_models_of_the_camera_info(changes):
+def test_all_distortion_models_are_supported(changes):
     lens = lens_from_info(info(**changes), SIZE)
     assert lens.fisheye == (changes.get('distortion_model') == 'equidistant')
     assert len(lens.distortion) == (4 if lens.fisheye else len(changes.get('D', CAMERA.distortion)))
     assert np.all(np.isfinite(lens.rays(lens.project(np.array([[0.1, 0.2, 1.0]])))))
 
 
-def test_a_resized_frame_sees_along_the_same_rays():
+def test_a_resized_frame_has_the_same_rays():
     points = np.array([[0.1, 0.2, 1.0], [-0.3, 0.1, 2.0]])
     whole, half = lens_from_info(info(), SIZE), lens_from_info(info(), (320, 240), scale=0.5)
-    # The middle of the first pixel is (0, 0), its corner (-0.5, -0.5).
+    # The middle of the first pixel is (0, 0), and its outer corner is (-0.5, -0.5).
     np.testing.assert_allclose(half.project(points) + 0.5, (whole.project(points) + 0.5) / 2)
 
 
-def test_binning_and_a_region_are_in_the_frame_already():
+def test_binning_and_a_region_of_interest_are_taken_into_account():
     message = info(binning_x=2, binning_y=2)
     message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height = 100, 80, 400, 320
     lens = lens_from_info(message, (200, 160))
@@ -67,7 +67,7 @@ def test_binning_and_a_region_are_in_the_frame_already():
     (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is not a camera matrix'),
     (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
     (info(distortion_model='mirror ball'), '"mirror ball"')])
-def test_what_is_wrong_with_a_camera_info_is_said(message, words):
+def test_a_wrong_camera_info_is_explained(message, words):
     with pytest.raises(InputError, match=words) as error:
         lens_from_info(message, SIZE)
     assert error.value.kind
@@ -76,7 +76,7 @@ def test_what_is_wrong_with_a_camera_info_is_said(message, words):
 @pytest.mark.parametrize('topic, wish, rectified', [
     ('/camera/rgb/image_raw', 'auto', False), ('/camera/rgb/image_rect_color', 'auto', True),
     ('/camera/image_rect', 'auto', True), ('/camera/image_rect', False, False), ('/usb/image', True, True)])
-def test_a_rectified_topic_is_known_by_its_name(topic, wish, rectified):
+def test_a_rectified_topic_is_recognized_by_its_name(topic, wish, rectified):
     settings = read(PoseSettings, {'rectified': wish}.get)
     calibration = Calibration(settings, topic)
     assert calibration.rectified == rectified

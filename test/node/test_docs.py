@@ -1,4 +1,4 @@
-"""The documentation: Sphinx builds it without a warning, and what README and docs/ link to is there."""
+"""The documentation: Sphinx builds it without warnings, and the files exist to which README and docs/ link."""
 import glob
 import importlib.util
 import os
@@ -17,9 +17,9 @@ from aruco_node.parameters.settings import AreaSettings
 LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
 
 
-def test_sphinx_has_nothing_to_say(package, tmp_path):
+def test_sphinx_builds_the_docs_without_warnings(package, tmp_path):
     if importlib.util.find_spec('myst_parser') is None:
-        pytest.skip('no myst_parser')
+        pytest.skip('myst_parser is not installed')
     clean = {key: value for key, value in os.environ.items() if key not in ('PYTHONDEVMODE', 'PYTHONWARNINGS')}
     done = subprocess.run([sys.executable, '-W', 'ignore', '-m', 'sphinx', '-q', '-W', '--keep-going', '-d',
                            str(tmp_path / 'doctrees'), 'docs', str(tmp_path / 'html')], cwd=package, env=clean,
@@ -28,7 +28,7 @@ def test_sphinx_has_nothing_to_say(package, tmp_path):
     assert (tmp_path / 'html' / 'index.html').is_file()
 
 
-def test_every_file_that_is_linked_to_is_there(package):
+def test_every_linked_file_exists(package):
     for page in [package + '/README.md', *glob.glob(package + '/docs/**/*.md', recursive=True)]:
         with open(page, encoding='utf-8') as file:
             targets = {target for target in LINK.findall(file.read()) if target and '://' not in target}
@@ -36,7 +36,7 @@ def test_every_file_that_is_linked_to_is_there(package):
             assert os.path.isfile(os.path.join(os.path.dirname(page), target)), '%s: %s' % (page, target)
 
 
-def test_the_exercise_of_ones_own_blurs_the_area_and_nothing_else(package, frame, wall, view):
+def test_the_example_of_a_new_exercise_blurs_only_the_area(package, frame, wall, view):
     with open(package + '/docs/howto/new-exercise.md', encoding='utf-8') as page:
         source = re.search(r'```python\n(.*?)```', page.read(), re.DOTALL)[1]
     made = {'__name__': 'exercise'}

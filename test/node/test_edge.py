@@ -1,4 +1,4 @@
-"""The ROS edge without ROS running: messages, parameters, and what is said about silence."""
+"""Frames to and from ROS messages, and the explanations if no frames arrive."""
 import re
 from io import BytesIO
 
@@ -19,7 +19,7 @@ from aruco_node.messages.topics import IMAGE_TYPES
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-COLORS = np.zeros((32, 48, 3), np.uint8)  # smooth, so that Bayer and yuv422 keep it
+COLORS = np.zeros((32, 48, 3), np.uint8)  # smooth colors, which Bayer and yuv422 keep
 COLORS[..., 0] = 40
 COLORS[..., 1] = np.linspace(60, 180, 48).astype(np.uint8)
 COLORS[..., 2] = 200
@@ -33,7 +33,7 @@ def bayer(red_row, red_column):
 
 
 def uyvy():
-    # ITU-R BT.601 in its video range
+    # ITU-R BT.601 in video range
     blue, green, red = (COLORS[..., channel].astype(float) for channel in range(3))
     yuv = np.stack([16 + 0.257 * red + 0.504 * green + 0.098 * blue,
                     128 - 0.148 * red - 0.291 * green + 0.439 * blue,
@@ -76,19 +76,19 @@ def test_every_encoding_becomes_the_same_frame(encoding, padding):
 
 
 @pytest.mark.parametrize('kind', ['.jpg', '.png'])
-def test_jpeg_and_png_are_read(kind):
+def test_jpeg_and_png_are_decoded(kind):
     data = cv2.imencode(kind, COLORS)[1].tobytes()
     frame = frame_from_compressed(CompressedImage(format=kind[1:], data=data))
     assert np.abs(frame.astype(int) - COLORS).max() <= 8
 
 
-def test_gray_and_transparent_pngs_are_read():
+def test_gray_and_transparent_pngs_are_decoded():
     for pixels in (GRAY, cv2.cvtColor(COLORS, cv2.COLOR_BGR2BGRA)):
         frame = frame_from_compressed(CompressedImage(data=cv2.imencode('.png', pixels)[1].tobytes()))
         assert frame.shape == COLORS.shape
 
 
-def test_what_goes_out_comes_back_with_its_header():
+def test_a_frame_survives_a_round_trip_with_its_header():
     header = Header(frame_id='eye')
     out = image_from_frame(COLORS, header)
     assert out.encoding == 'bgr8' and out.header is header
@@ -98,7 +98,7 @@ def test_what_goes_out_comes_back_with_its_header():
     assert np.abs(frame_from_compressed(small).astype(int) - COLORS).max() <= 12
 
 
-def test_a_picture_keeps_its_alpha_on_its_way():
+def test_a_picture_keeps_its_alpha_channel_in_a_round_trip():
     picture = np.dstack([COLORS, np.full(COLORS.shape[:2], 77, np.uint8)])
     out = image_from_frame(picture, Header())
     assert out.encoding == 'bgra8'
@@ -120,7 +120,7 @@ GOOD = message(COLORS, 'bgr8')
     (dict(width=10**4), 'step of 144 bytes, but 10000'),
     (dict(width=10**6), '1000000 x 32 pixels is too large'),
 ])
-def test_a_frame_that_cannot_be_used_is_explained(change, words):
+def test_an_unusable_frame_is_explained(change, words):
     fields = {name: getattr(GOOD, name) for name in ('height', 'width', 'encoding', 'step', 'data')}
     with pytest.raises(InputError, match=words):
         frame_from_image(Image(**dict(fields, **change)))
@@ -128,14 +128,14 @@ def test_a_frame_that_cannot_be_used_is_explained(change, words):
 
 @pytest.mark.parametrize('padding', [0, 6])
 @pytest.mark.parametrize('encoding', ENCODED)
-def test_a_frame_may_be_written_into_and_the_message_stays_as_it_is(encoding, padding):
+def test_writing_into_a_frame_does_not_change_the_message(encoding, padding):
     image = message(ENCODED[encoding], encoding, padding)
     before = bytes(image.data)
     frame_from_image(image)[:] = 7
     assert image.data == before
 
 
-def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
+def test_a_message_is_serialized_to_the_same_bytes_as_by_genpy():
     header = Header(seq=3, frame_id='camera')
     ours, usual = BytesIO(), BytesIO()
     image_from_frame(COLORS, header).serialize(ours)
@@ -145,7 +145,7 @@ def test_a_message_goes_out_byte_by_byte_as_one_of_genpy():
 
 
 @pytest.mark.parametrize('data', [b'', b'no picture', b'\xff\xd8\xff\xe0'])
-def test_compressed_data_that_cannot_be_decoded_is_explained(data):
+def test_undecodable_compressed_data_is_explained(data):
     with pytest.raises(InputError, match='must be a complete JPEG or PNG'):
         frame_from_compressed(CompressedImage(data=data))
 
@@ -164,11 +164,11 @@ RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']
     ('compressed', {'/usb/compressed': COMPRESSED}, 'published: /usb. Choose'),
     ('raw', {'/cam': RAW}, 'has a publisher, but nothing arrives'),
 ])
-def test_silence_is_explained(transport, published, words):
+def test_missing_frames_are_explained(transport, published, words):
     with_words = explain_silence('/cam', transport, published, own=['/out'])
     assert with_words.startswith('Waiting for frames on /cam')
     assert re.search(words, with_words)
 
 
-def test_the_transports_are_the_same_everywhere():
+def test_the_types_of_the_transports_agree():
     assert {name: kind._type for name, (_, kind, _) in TRANSPORTS.items()} == IMAGE_TYPES

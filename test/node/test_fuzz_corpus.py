@@ -1,13 +1,13 @@
-"""What fuzzing found worth keeping, once more: script/torture --only fuzzing begins with it."""
+"""Replays the corpus of fuzzing, with which script/torture --only fuzzing begins."""
 import os
 
 import pytest
 from fuzz.targets import TARGETS
 
 
-@pytest.mark.filterwarnings('ignore:::PIL')  # the package does so, but not in pytest
+@pytest.mark.filterwarnings('ignore:::PIL')  # the package's programs ignore them too, but not within pytest
 @pytest.mark.parametrize('target', TARGETS)
-def test_nothing_in_the_corpus_is_a_fault(package, target):
+def test_no_file_of_the_corpus_causes_a_fault(package, target):
     folder = os.path.join(package, 'test', 'fuzz', 'corpus', target)
     names = sorted(os.listdir(folder))
     assert names

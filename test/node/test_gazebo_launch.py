@@ -1,4 +1,4 @@
-"""The launch file that shows the wall in Gazebo, without Gazebo."""
+"""The launch file that shows the wall in Gazebo, tested without Gazebo."""
 import os
 import re
 import subprocess
@@ -13,12 +13,12 @@ def launch(*arguments, **environment):
     return done.stdout
 
 
-def test_the_launch_file_tells_its_arguments_without_gazebo():
+def test_the_launch_file_lists_its_arguments_without_gazebo():
     assert 'place the ROSbot before the wall' in launch('--ros-args', 'unit5', 'wall_gazebo.launch')
 
 
 def test_the_launch_file_starts_gazebo_and_the_rosbot(package, tmp_path):
-    """With stand-ins for the packages that it takes, since Gazebo's are not everywhere."""
+    """Stand-ins replace Gazebo's packages, which are not installed everywhere."""
     files = {'gazebo_ros/launch/empty_world.launch':
              '<launch><arg name="world_name"/><arg name="gui"/>'
              '<node name="gazebo" pkg="gazebo_ros" type="gzserver" args="$(arg world_name)"/></launch>',

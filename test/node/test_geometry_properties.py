@@ -1,4 +1,4 @@
-"""What holds of the geometry whatever the numbers are."""
+"""Properties of the geometry that hold for all numbers."""
 import cv2
 import numpy as np
 from aruco_ar import Area, CameraPose, Lens, PoseEstimator, Tag, find_area, order_coordinates
@@ -23,7 +23,7 @@ def numbers(low, high, count):
 
 @st.composite
 def areas(draw, reach=150.0):
-    """(4, 2): a convex quadrilateral around (160, 120), from its top left, clockwise."""
+    """(4, 2): a convex quadrilateral around (160, 120), clockwise from its top left."""
     off = draw(numbers(-0.2 * reach, 0.2 * reach, 8)).reshape(4, 2)
     corners = draw(st.floats(0.3, 1)) * reach * (2 * UNIT - 1) + off
     assume(is_quadrilateral(corners))
@@ -32,7 +32,7 @@ def areas(draw, reach=150.0):
 
 @st.composite
 def scattered_tags(draw):
-    """Tags with an id each, of any size, anywhere."""
+    """Tags with different ids, of any size, anywhere."""
     place = st.tuples(st.integers(0, 640), st.integers(0, 480))
     centers = draw(st.lists(place, min_size=4, max_size=8, unique=True))
     return [Tag(number, np.float32(draw(st.integers(4, 60)) * (UNIT - 0.5) + center))
@@ -45,21 +45,21 @@ shifts = numbers(-2, 2, 3)
 
 @given(scattered_tags(), st.randoms(use_true_random=False))
 @same_each_time
-def test_the_area_is_the_same_in_whatever_order_tags_come(tags, random):
+def test_the_area_does_not_depend_on_the_order_of_the_tags(tags, random):
     mixed = list(tags)
     random.shuffle(mixed)
     one, other = find_area(tags), find_area(mixed)
     assert (one is None) == (other is None)
     if one is not None:
         span = [cv2.contourArea(area.corners) for area in (one, other)]
-        np.testing.assert_allclose(*span, rtol=1e-5)  # of two that are as large either may be meant
+        np.testing.assert_allclose(*span, rtol=1e-5)  # if two areas are equally large, either is right
         assert is_quadrilateral(one.corners)
         np.testing.assert_array_equal(one.corners, order_coordinates(one.corners))
 
 
 @given(areas(), st.integers(-200, 200), st.integers(-200, 200), st.sampled_from([0.5, 2, 4]))
 @same_each_time
-def test_an_area_moves_and_grows_as_its_tags_do(corners, right, down, scale):
+def test_an_area_moves_and_scales_with_its_tags(corners, right, down, scale):
     def seen(scale, shift):
         return find_area([Tag(number, np.float32(scale * (10 * UNIT - 5 + corner) + shift))
                           for number, corner in enumerate(corners)])
@@ -71,7 +71,7 @@ def test_an_area_moves_and_grows_as_its_tags_do(corners, right, down, scale):
 
 @given(areas())
 @same_each_time
-def test_the_homography_to_a_square_seen_anyhow_gives_it_back(corners):
+def test_a_homography_to_corners_maps_there_and_back(corners):
     there = homography_to(corners)
     np.testing.assert_allclose(transform(there, UNIT), corners, atol=1e-6)
     np.testing.assert_allclose(transform(np.linalg.inv(there), corners), UNIT, atol=1e-6)
@@ -80,7 +80,7 @@ def test_the_homography_to_a_square_seen_anyhow_gives_it_back(corners):
 
 @given(numbers(-0.2, 0.2, 2), numbers(-0.002, 0.002, 2), numbers(-0.45, 0.45, 16))
 @same_each_time
-def test_what_a_lens_shows_of_a_ray_is_that_ray(bend, skew, rays):
+def test_a_pixel_of_a_ray_maps_back_to_that_ray(bend, skew, rays):
     rays = rays.reshape(-1, 2)
     for lens in (Lens(640, 480, np.diag([550.0, 540, 1]), np.append(bend, skew)),
                  Lens(640, 480, np.diag([550.0, 540, 1]), np.append(bend, skew), fisheye=True)):
@@ -101,14 +101,14 @@ def test_a_fitted_picture_keeps_its_proportions(corners, ratio, width, height):
     part, outer = fit_picture(picture, area, 'cover')
     assert outer is area
     kept = part.shape[1], part.shape[0]
-    assert kept[0] == width or kept[1] == height  # no more is cut off than has to be
+    assert kept[0] == width or kept[1] == height  # no more is cut off than necessary
     off = [abs(kept[0] - kept[1] * ratio), abs(kept[1] - kept[0] / ratio)]
     assert min(off) <= 0.51 or min(kept) == 1
 
 
 @given(areas(reach=250.0), st.integers(0, 99), st.sampled_from([1, -1]))
 @same_each_time
-def test_paint_stays_within_the_area(corners, seed, way):
+def test_only_the_area_is_painted(corners, seed, way):
     random = np.random.RandomState(seed)
     frame = random.randint(0, 256, (240, 320, 3)).astype(np.uint8)
     area = Area(np.float32(corners[::way]), random.choice([None, 0.5, 3.0]))
@@ -117,7 +117,7 @@ def test_paint_stays_within_the_area(corners, seed, way):
 
 @given(st.floats(0.3, 1.0), st.floats(-3, 3), st.floats(-3, 3), st.floats(-0.3, 0.3), st.floats(0.4, 2))
 @same_each_time
-def test_the_pose_of_a_tag_seen_without_noise_is_its_pose(slant, axis, roll, aside, far):
+def test_the_pose_of_a_tag_seen_without_noise_is_exact(slant, axis, roll, aside, far):
     lens = Lens(640, 480, np.array([[550.0, 0, 320], [0, 550, 240], [0, 0, 1]]), np.array([]))
     rotation = rotation_matrices(np.array([[slant * np.cos(axis), slant * np.sin(axis), 0]]))[0] @ \
         rotation_matrices(np.array([[0, 0, roll]]))[0] @ np.diag([1.0, -1, -1])
@@ -130,8 +130,8 @@ def test_the_pose_of_a_tag_seen_without_noise_is_its_pose(slant, axis, roll, asi
 
 @given(numbers(-1, 1, 24), st.floats(-3, 1), st.floats(0, 4))
 @same_each_time
-def test_every_covariance_is_one(deviations, size, far):
-    """Of tags 1 mm to 10 m wide, at any number of sides' distance, with corners that are off."""
+def test_every_covariance_is_valid(deviations, size, far):
+    """Tags of 1 mm to 10 m, at any distance relative to their size, with wrong corners."""
     lens, size = Lens(640, 480, np.array([[550.0, 0, 320], [0, 550, 240], [0, 0, 1]]), np.array([])), 10**size
     tags = []
     for number, (off, x) in enumerate(zip(deviations.reshape(3, 4, 2), (-1, 0, 1))):
@@ -151,7 +151,7 @@ def test_every_covariance_is_one(deviations, size, far):
 
 @given(rotations, shifts, rotations, shifts, rotations, shifts, numbers(-1, 1, 36))
 @same_each_time
-def test_to_carry_twice_is_to_carry_once(rotation, place, turn, shift, other_turn, other_shift, root):
+def test_carrying_a_pose_twice_equals_once(rotation, place, turn, shift, other_turn, other_shift, root):
     root = root.reshape(6, 6)
     pose = CameraPose(rotation, place, root @ root.T, (1,))
     twice, once = pose.carry(turn, shift).carry(other_turn, other_shift), \
@@ -163,8 +163,8 @@ def test_to_carry_twice_is_to_carry_once(rotation, place, turn, shift, other_tur
 
 @given(rotations, shifts, shifts, numbers(-1, 1, 36))
 @same_each_time
-def test_what_is_carried_is_off_as_its_place_moves_with_the_camera(rotation, place, shift, root):
-    """By the slopes of its place by small moves and turns of the camera."""
+def test_the_covariance_of_a_carried_pose_follows_from_small_moves(rotation, place, shift, root):
+    """The expected covariance uses numerical derivatives by small shifts and turns of the camera."""
     def carried(change):
         pose = CameraPose(rotation_matrices(change[None, 3:])[0] @ rotation, place + change[:3], np.eye(6), ())
         return pose.carry(np.eye(3), shift).translation
@@ -176,7 +176,7 @@ def test_what_is_carried_is_off_as_its_place_moves_with_the_camera(rotation, pla
 
 @given(numbers(-1, 1, 3), st.floats(0, 3.141592), shifts)
 @same_each_time
-def test_a_pose_comes_back_from_its_message(axis, angle, place):
+def test_a_pose_survives_a_round_trip_through_its_message(axis, angle, place):
     assume(np.linalg.norm(axis) > 0.1)
     rotation = cv2.Rodrigues(angle * axis / np.linalg.norm(axis))[0]
     message = pose_messages.transform(CameraPose(rotation, place, np.eye(6), ()), Time(1), 'camera', 'tag')

@@ -1,4 +1,4 @@
-"""Files that nobody should give a node: each is taken or refused with a sentence, and takes little memory."""
+"""Hostile files: each is accepted, or refused with a sentence, and takes little memory."""
 import json
 import os
 import re
@@ -12,12 +12,12 @@ from aruco_ar.base.files import write_whole
 from aruco_ar.painting.sources import open_source
 from hostile.files import GIGANTIC, animation, png, video
 
-MAX_MB = 1000  # of all that opens a file: what the largest picture that is taken needs, and some more
+MAX_MB = 1000  # of the process that opens the files: a little more than the largest allowed picture needs
 
 
 @pytest.fixture(scope='module')
 def opened(tmp_path_factory, package):
-    """What became of all hostile files, and the process that opened them."""
+    """The results of opening all hostile files, and the process that opened them."""
     test = os.path.join(package, 'test')
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join([test, os.environ.get('PYTHONPATH', '')]))
     done = subprocess.run([sys.executable, os.path.join(test, 'hostile', 'opening.py'),
@@ -29,23 +29,23 @@ def opened(tmp_path_factory, package):
 
 
 def shown(path):
-    """How a sentence begins to name a path."""
+    """How a sentence shows a path, at most its beginning."""
     return ''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
                    for each in path)[:200]
 
 
-def test_no_hostile_file_ends_or_hangs_what_opens_it(opened):
+def test_no_hostile_file_makes_a_loader_crash_or_hang(opened):
     assert len(opened[0]) > 500
     assert [result for result in opened[0] if result['fault']] == []
 
 
-def test_what_is_no_picture_is_refused_and_what_is_odd_but_good_is_taken(opened):
+def test_bad_pictures_are_refused_and_odd_but_good_ones_are_accepted(opened):
     wrong = [(result['name'], result['said']) for result in opened[0] if result['loader'] == 'picture'
              and result['is_picture'] is not None and (result['said'] is None) != result['is_picture']]
     assert wrong == []
 
 
-def test_no_hostile_file_is_taken_for_yaml(opened):
+def test_no_hostile_file_is_accepted_as_yaml(opened):
     assert [(result['name'], result['loader']) for result in opened[0]
             if result['loader'] != 'picture' and result['said'] is None] == []
 
@@ -64,14 +64,14 @@ def test_no_hostile_file_takes_much_memory(opened):
     assert most['peak_mb'] < MAX_MB, most
 
 
-def test_the_terminal_is_left_alone(opened):
+def test_nothing_is_printed(opened):
     assert opened[1].stderr == b''
 
 
 @pytest.fixture
 def watchdog():
-    """Raises an error where something hangs."""
-    signal.signal(signal.SIGALRM, lambda *_: pytest.fail('it hangs'))
+    """Fails the test if it hangs."""
+    signal.signal(signal.SIGALRM, lambda *_: pytest.fail('the test hangs'))
     signal.alarm(60)
     yield
     signal.alarm(0)
@@ -100,7 +100,7 @@ def pipe(path):
     lambda path: replace(path, png(60000, 60000)), lambda path: replace(path, b'#EXTM3U\n'),
     lambda path: (os.unlink(path), os.mkdir(path))],
     ids=['deleted', 'a pipe', 'gigantic', 'empty', 'cut', 'a bomb', 'a list', 'a folder'])
-def test_a_file_that_changes_goes_on_or_keeps_its_last_picture(tmp_path, watchdog, kind, data, change):
+def test_a_clip_whose_file_changes_plays_on_or_keeps_its_last_picture(tmp_path, watchdog, kind, data, change):
     path, said = str(tmp_path / kind), []
     replace(path, data)
     clip = open_source(path, said.append)
@@ -115,7 +115,7 @@ def test_a_file_that_changes_goes_on_or_keeps_its_last_picture(tmp_path, watchdo
     ('link/a.png', 'File exists|symbolic links'), ('file/a.png', 'Not a directory|File exists'),
     ('a\ud800.png', 'surrogates'),
     ('/proc/unit5/a.png', 'No such file')])
-def test_where_nothing_can_be_written_it_is_said_and_nothing_is_left(tmp_path, path, reason):
+def test_a_file_that_cannot_be_written_is_explained_and_nothing_is_left(tmp_path, path, reason):
     (tmp_path / 'folder').mkdir()
     (tmp_path / 'file').write_bytes(b'before')
     os.symlink('link', str(tmp_path / 'link'))

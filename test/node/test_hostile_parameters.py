@@ -1,4 +1,4 @@
-"""All parameters with wrong and extreme values: taken, or refused with one sentence that names them."""
+"""Wrong and extreme values of all parameters: they are accepted, or refused with a sentence."""
 import pytest
 from aruco_ar import InputError
 from aruco_ar.base.errors import MAX_SENTENCE
@@ -6,12 +6,12 @@ from aruco_node.parameters.parameters import parameters_of, read, ros_values
 from aruco_node.parameters.settings import PictureSettings
 from hostile import reading, values
 
-# One of each class of settings.
+# One node of each settings class.
 NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay', 'wall_camera', 'page'
 
 
 @pytest.mark.parametrize('node', NODES)
-def test_every_value_of_every_parameter_is_read_or_refused_with_a_sentence(node, random):
+def test_every_value_of_every_parameter_is_accepted_or_refused_with_a_sentence(node, random):
     kind = reading.settings_of(node)
     for name, parameter in parameters_of(kind).items():
         taken = refused = 0
@@ -33,18 +33,18 @@ def test_every_value_of_every_parameter_is_read_or_refused_with_a_sentence(node,
     ('tag_sizes', {'7': True}, "~tag_sizes is {'7': True}"), ('tag_sizes', '7: 0.1, 07: 0.2', 'such as 7: 0.1'),
     ('wall', 'two\nlines', '~wall is "two\\\\nlines"'),
     ('folder', 'x' * 10**6, '~folder is "xxx.* ... xxx.*"; it must')])
-def test_what_is_hard_to_see_is_refused(name, value, words):
+def test_values_that_look_almost_right_are_refused(name, value, words):
     with pytest.raises(InputError, match=words):
         reading.taken(reading.settings_of('tag_poses'), name, value)
 
 
 @pytest.mark.parametrize('value', ['00000', [float('nan')] * 5, [1e300] * 5, [True] * 5, {'k1': 0}])
-def test_a_lens_is_five_numbers(value):
+def test_the_distortion_must_be_five_numbers(value):
     with pytest.raises(InputError, match='~distortion is .*five numbers'):
         reading.read_with(reading.settings_of('wall_camera'), 'distortion', value)
 
 
-def test_whatever_a_sentence_repeats_it_is_one_line_that_can_be_read():
+def test_an_error_message_is_one_readable_line_whatever_it_quotes():
     for wrong in 'a' * 10**6, '\n' * 10**6, '\x1b[2J', '\u202e', 'é' * 1000, '\ud800':
         sentence = str(InputError('The file "%s" is wrong; give another.' % wrong))
         assert len(sentence) <= MAX_SENTENCE and sentence.isprintable()
@@ -53,7 +53,7 @@ def test_whatever_a_sentence_repeats_it_is_one_line_that_can_be_read():
 
 
 @pytest.mark.parametrize('name', ['ids', 'picture', 'opacity'])
-def test_every_entry_of_a_file_of_areas_is_read_or_refused_with_a_sentence(name, random, tmp_path):
+def test_every_entry_of_a_file_of_areas_is_accepted_or_refused_with_a_sentence(name, random, tmp_path):
     path, refused = str(tmp_path / 'areas.yaml'), 0
     for value in values.short(values.values(parameters_of(PictureSettings)[name], random)):
         sentence = reading.refusal(reading.area_taken, path, name, value)

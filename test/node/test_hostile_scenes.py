@@ -1,4 +1,4 @@
-"""Hostile pictures, a few of each kind: nothing wrong may come of any; and what once did."""
+"""Hostile pictures: some of each kind, and those that once gave wrong results."""
 import pickle
 
 import cv2
@@ -18,7 +18,7 @@ FACING = np.diag([1.0, -1, -1])
 
 
 @pytest.mark.parametrize('kind', NAMES)
-def test_nothing_wrong_comes_of_a_kind_of_picture(kind):
+def test_a_hostile_picture_gives_no_wrong_results(kind):
     random = np.random.RandomState([3, NAMES.index(kind)])
     for _ in range(3):
         looking = Looking(random)
@@ -27,7 +27,7 @@ def test_nothing_wrong_comes_of_a_kind_of_picture(kind):
             assert looking.look(Picture(kind, cv2.cvtColor(canvas, cv2.COLOR_GRAY2BGR), stamp / 30)) == []
 
 
-def test_nothing_wrong_comes_of_sequences():
+def test_sequences_of_hostile_pictures_give_no_wrong_results():
     found = np.zeros(4, int)
     for number in range(12):
         for step, (kind, counts, _, faults) in enumerate(watch(1, number)):
@@ -36,12 +36,12 @@ def test_nothing_wrong_comes_of_sequences():
     assert found.min() > 0  # tags, areas, poses, poses of the camera
 
 
-def test_a_sequence_that_once_gave_a_covariance_that_was_none():
+def test_a_sequence_that_once_gave_an_invalid_covariance():
     assert [sentence for *_, faults in watch(1, 4897) for sentence in faults] == []
 
 
-def grid(count, first=0, side=0.05):
-    """So many tags in rows on a wall that is seen at a slant."""
+def grid_of_tags(count, first=0, side=0.05):
+    """Tags in rows on a wall that is seen at a slant."""
     rotation, rows = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], int(np.ceil(count**0.5))
     places = [np.array([(n % rows - rows / 2) * 0.1, (n // rows - rows / 2) * 0.08, 0]) for n in range(count)]
     return [Tag(first + number, np.float32(PINHOLE.project((square([side])[0] + place) @ rotation.T
@@ -49,17 +49,17 @@ def grid(count, first=0, side=0.05):
             for number, place in enumerate(places)]
 
 
-def test_ids_that_are_ever_new_do_not_fill_the_memory():
-    """Every two seconds other tags."""
+def test_ever_new_ids_do_not_fill_the_memory():
+    """There are other tags every two seconds."""
     estimator, sizes = PoseEstimator(0.05), []
     for number in range(160):
-        estimator.update(grid(12, 12 * number), PINHOLE, 2.0 * number)
+        estimator.update(grid_of_tags(12, 12 * number), PINHOLE, 2.0 * number)
         sizes.append(len(pickle.dumps(estimator)))
-    assert max(sizes) < 1.02 * max(sizes[:90])  # 1024 ids are remembered
+    assert max(sizes) < 1.02 * max(sizes[:90])  # at most 1024 ids are remembered
 
 
-def test_a_wall_without_an_end_does_not_fill_the_memory():
-    """Past a row of tags, ten of them in sight: those that were left behind long ago are forgotten."""
+def test_an_endless_wall_does_not_fill_the_memory():
+    """The camera moves past a row of tags, and sees ten at a time. It forgets those passed long ago."""
     estimator, sizes = PoseEstimator(0.05), []
     rotation = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0]
     for first in range(0, 160, 4):
@@ -70,18 +70,18 @@ def test_a_wall_without_an_end_does_not_fill_the_memory():
             poses = estimator.update(tags, PINHOLE, (first + number) / 30)
         sizes.append(len(pickle.dumps(estimator)))
         assert len(poses) == 10 and len(estimator.camera().ids) >= 4
-    assert max(sizes) < 1.1 * max(sizes[:28])  # as many as 100 tags make it
+    assert max(sizes) < 1.1 * max(sizes[:28])  # the size with 100 tags
 
 
-def test_of_a_crowd_the_foremost_tell_where_the_wall_is():
-    estimator, crowd = PoseEstimator(0.05), grid(100)
+def test_among_very_many_tags_the_nearest_ones_locate_the_wall():
+    estimator, crowd = PoseEstimator(0.05), grid_of_tags(100)
     for number in range(4):
         poses = estimator.update(crowd, PINHOLE, number / 30)
     assert [pose.id for pose in poses] == list(range(100))
     assert 4 <= len(estimator.camera().ids) <= 24
 
 
-def test_of_more_tags_than_are_read_the_largest_count(monkeypatch):
+def test_if_there_are_too_many_candidates_the_largest_tags_are_read(monkeypatch):
     monkeypatch.setattr(detector, 'MAX_READ', 3)
     frame = np.full((120, 560), 220, np.uint8)
     for number, side in enumerate((30, 60, 40, 80, 50)):
@@ -89,7 +89,7 @@ def test_of_more_tags_than_are_read_the_largest_count(monkeypatch):
     assert sorted(tag.id for tag in Detector().detect(frame)) == [1, 3, 4]
 
 
-def test_an_area_among_many_tags_survives_a_jerk_though_most_of_them_move():
+def test_the_area_survives_a_jerk_in_which_most_other_tags_move():
     random, canvas = np.random.RandomState(1), np.full((300, 400), 220, np.uint8)
     corners = [(40, 40), (360, 40), (360, 260), (40, 260)]
     for number, place in enumerate(corners):
@@ -108,7 +108,7 @@ def test_an_area_among_many_tags_survives_a_jerk_though_most_of_them_move():
     np.testing.assert_allclose(after.corners, before.corners + [12, 0], atol=1.0)
 
 
-def test_what_is_no_quadrilateral_is_no_tag():
+def test_every_tag_found_in_noise_is_a_quadrilateral():
     for seed in range(12):
         noise = np.random.RandomState(seed).randint(0, 256, (40, 53)).astype(np.uint8)
         frame = cv2.resize(noise, (160, 120), interpolation=cv2.INTER_LINEAR)
@@ -117,15 +117,15 @@ def test_what_is_no_quadrilateral_is_no_tag():
 
 
 @pytest.mark.parametrize('seed', range(8))
-def test_a_lens_that_no_camera_has_shows_no_ray_and_is_quiet_about_it(seed):
+def test_an_impossible_lens_raises_no_error(seed):
     distortion = np.random.RandomState(seed).normal(0, 1, 14) * 10**seed
     with np.errstate(divide='raise', invalid='raise', over='raise'):
         rays = Lens(320, 240, np.diag([288.0, 288, 1]), distortion).rays([[0, 0], [160, 120], [310, 0]])
     assert rays.shape == (3, 2)
 
 
-def test_a_covariance_of_numbers_of_very_different_sizes_is_one():
-    """Tags of a millimeter through a telescope."""
+def test_a_covariance_of_very_small_and_large_numbers_is_valid():
+    """The tags are a few millimeters apart, and seen through a telescope."""
     matrix = np.array([[14000.0, 0, 160], [0, 14000, 120], [0, 0, 1]])
     random, lens = np.random.RandomState(3), Lens(320, 240, matrix, np.zeros(0))
     places = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * 0.0015

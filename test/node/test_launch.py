@@ -1,4 +1,4 @@
-"""Launch files: their arguments have the defaults and words of the nodes' parameters, and reach the nodes."""
+"""Launch files: their arguments have the parameters' defaults and descriptions, and reach the nodes."""
 import glob
 import os
 import re
@@ -13,8 +13,8 @@ from roslaunch.config import load_config_default
 PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCRIPT = runpy.run_path(os.path.join(PACKAGE, 'script', 'launch_args'))
 FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
-STARTED = sorted(set(FILES) - {'exercise'})  # which is a part of others
-# What a file gives to some of its nodes, whatever its argument of that name says.
+STARTED = sorted(set(FILES) - {'exercise'})  # a part of the others
+# The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
 FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw')}
 
@@ -24,7 +24,7 @@ def fail(name, sentence):
 
 
 def nodes(name, **arguments):
-    """{name: (class of settings, {parameter: value})} of those of our nodes that a launch file starts."""
+    """{name: (settings class, {parameter: value})} of this package's nodes that a launch file starts."""
     config = load_config_default([(os.path.join(FOLDER, name + '.launch'),
                                    ['%s:=%s' % item for item in arguments.items()])], None)
     return {node.name: (settings_of(node.type[:-len('.py')]),
@@ -35,18 +35,18 @@ def nodes(name, **arguments):
 
 @lru_cache(None)
 def settings_of(node):
-    """The class of the parameters of a node."""
+    """The settings class of a node."""
     return reading.settings_of(node)
 
 
 @pytest.mark.parametrize('name', FILES)
-def test_the_arguments_are_as_the_settings_of_the_nodes_say(name):
+def test_the_arguments_match_the_settings_of_the_nodes(name):
     text = SCRIPT['read'](name)
     for argument, line in FILES[name].items():
         if line not in text:
             found = re.search('.*<arg name="%s" .*' % argument, text)
-            fail(name, 'the argument "%s" is not as the settings of its node say. It is\n%s\n'
-                       'but has to be\n%sscript/launch_args writes it.'
+            fail(name, 'the argument "%s" does not match the settings of its node. It is\n%s\n'
+                       'but must be\n%sscript/launch_args writes it.'
                  % (argument, found.group() if found else '  missing', line))
     if SCRIPT['rewritten'](text, FILES[name]) != text:
         fail(name, 'the arguments are in another order than the parameters. script/launch_args puts them in '
@@ -54,12 +54,12 @@ def test_the_arguments_are_as_the_settings_of_the_nodes_say(name):
 
 
 @pytest.mark.parametrize('name', STARTED)
-def test_every_argument_reaches_every_node_that_has_such_a_parameter(name):
+def test_every_argument_reaches_every_node_with_that_parameter(name):
     known = {}
     for kind, _ in nodes(name).values():
         known.update(parameters_of(kind))
     assert set(FILES[name]) <= set(known)
-    # roslaunch does not look whether a node would take them.
+    # roslaunch does not check whether a node would accept these values.
     given = {argument: number + 0.5 if isinstance(known[argument].kind, Number) else 'given %s' % argument
              for number, argument in enumerate(FILES[name])}
     for node, (kind, values) in nodes(name, **given).items():
@@ -71,7 +71,7 @@ def test_every_argument_reaches_every_node_that_has_such_a_parameter(name):
 
 
 @pytest.mark.parametrize('name', STARTED)
-def test_the_nodes_take_what_they_are_given_without_arguments(name):
+def test_the_nodes_accept_the_default_arguments(name):
     for node, (kind, values) in nodes(name).items():
         unknown = set(values) - set(parameters_of(kind))
         if unknown:
@@ -79,10 +79,10 @@ def test_the_nodes_take_what_they_are_given_without_arguments(name):
         read(kind, values.get)
 
 
-def test_all_files_are_compared():
+def test_all_launch_files_are_compared():
     for path in glob.glob(os.path.join(FOLDER, '*.launch')):
         name = os.path.basename(path)[:-len('.launch')]
-        # The one of the generator takes options of a program, not parameters.
+        # The launch file of the generator has options of a program, not parameters.
         if 'pkg="unit5"' in SCRIPT['read'](name) and name not in {*FILES, 'artag_generator'}:
-            fail(name, 'nobody compares its arguments with the parameters of its nodes. Add it to FILES in '
+            fail(name, 'no test compares its arguments with the parameters of its nodes. Add it to FILES in '
                        'script/launch_args.')

@@ -1,6 +1,6 @@
-"""The tests that need no ROS, with the oldest and the newest of what is allowed.
+"""The tests that need no ROS, with the oldest and the newest allowed Python and packages.
 
-The environments stay in build/matrix. uv makes them, since pip cannot be asked for the lowest versions.
+The environments stay in build/matrix. uv creates them, since pip cannot choose the lowest versions.
 """
 import glob
 import hashlib
@@ -12,21 +12,21 @@ import sys
 import pytest
 
 SYSTEM, OLDEST = 'of the system', '3.8'
-# What is installed: of requirements, which versions.
+# The arguments of "uv pip install".
 LOWEST = ['--resolution', 'lowest-direct', '-r', 'requirements.txt']
 NEWEST = ['-r', 'pyproject.toml', '--extra', 'print']
-# Tests marked "long" run in .venv and with the oldest of everything: between those the versions change little.
+# Tests marked "long" run in .venv and with the oldest versions. They hardly depend on the versions between.
 ALL, SHORT = 'not clips', 'not clips and not long'
 WAYS = {'3.8, lowest': (OLDEST, LOWEST, ALL), 'system, lowest': (SYSTEM, LOWEST, SHORT),
         'system, newest': (SYSTEM, NEWEST, SHORT)}
 
 
 def interpreter(which):
-    """The path of a Python, or None."""
+    """The path of a Python, or None if there is none."""
     if which == SYSTEM:
         return os.path.realpath(sys.executable)
     pyenv = os.environ.get('PYENV_ROOT', os.path.expanduser('~/.pyenv'))
-    # Before those on PATH, which may be of pyenv, too, and then only say that it is not the one in use.
+    # Those of pyenv come first: if PATH leads to pyenv, too, it may only say that this version is not in use.
     for python in [*glob.glob(pyenv + '/versions/3.8.*/bin/python3.8'), shutil.which('python3.8')]:
         if python and subprocess.run([python, '--version'], stdout=subprocess.DEVNULL,
                                      stderr=subprocess.DEVNULL).returncode == 0:
@@ -35,7 +35,7 @@ def interpreter(which):
 
 
 def run(*command, **environment):
-    """What a command prints, without the ROS and the packages of this process."""
+    """Run a command without the ROS and the packages of this process; returns its output."""
     own = 'PYTHON', 'ROS', 'VIRTUAL_ENV', 'LD_PRELOAD'
     clean = {key: value for key, value in os.environ.items() if not key.startswith(own)}
     done = subprocess.run(command, env={**clean, **environment}, stdout=subprocess.PIPE,
@@ -45,7 +45,7 @@ def run(*command, **environment):
 
 
 def environment_of(package, python, wanted):
-    """The Python of an environment in which that is installed, and the newest of what the tests need."""
+    """The Python of an environment with these requirements, and the newest packages that the tests need."""
     text = '\n'.join([python, *wanted])
     for name in 'requirements.txt', 'pyproject.toml', 'test/requirements.txt':
         with open(os.path.join(package, name)) as file:
@@ -67,11 +67,11 @@ def environment_of(package, python, wanted):
 
 
 @pytest.mark.parametrize('way', WAYS)
-def test_all_that_needs_no_ros_passes_with(way, package, tmp_path, monkeypatch):
+def test_the_plain_tests_pass_with(way, package, tmp_path, monkeypatch):
     which, wanted, chosen = WAYS[way]
     python = interpreter(which)
     if python is None:
-        pytest.skip('no python3.8, on PATH or of pyenv')
+        pytest.skip('there is no python3.8 on PATH or in pyenv')
     monkeypatch.chdir(package)
     said = run(environment_of(package, python, wanted), '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
                '--basetemp', str(tmp_path / 'tests'), '-m', chosen, 'test/plain',

@@ -1,4 +1,4 @@
-"""How messages become frames, and what is refused before memory is taken for it."""
+"""How messages become frames, and what is refused before it takes memory."""
 import io
 import os
 import resource
@@ -36,11 +36,11 @@ def image(pixels, encoding, big=0):
 
 
 @pytest.mark.parametrize('encoding', sorted(set(KNOWN) - {'yuv422_yuy2'}))
-def test_every_encoding_is_what_cv_bridge_makes_of_it(encoding, random):
+def test_every_encoding_is_decoded_as_by_cv_bridge(encoding, random):
     kind, channels = CvBridge().encoding_to_dtype_with_channels(encoding)
     shape = (37, 52) + (channels,) * (channels > 1)
     pixels = random.randint(0, np.iinfo(kind).max + 1, shape).astype(kind)
-    usual = image(pixels, encoding)  # at the other order of bytes, cv_bridge fails with NumPy 2
+    usual = image(pixels, encoding)  # if the byte order is not the machine's, cv_bridge fails with NumPy 2
     for message in usual, image(pixels, encoding, big=1):
         np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(usual, 'bgr8'))
         if encoding.startswith(('bgra', 'rgba')):
@@ -51,7 +51,7 @@ def test_every_encoding_is_what_cv_bridge_makes_of_it(encoding, random):
 
 
 @pytest.mark.parametrize('encoding, channels', [('bgr8', 3), ('rgb8', 3), ('bgra8', 4)])
-def test_what_goes_out_is_what_cv_bridge_would_send(encoding, channels, random):
+def test_images_are_encoded_as_by_cv_bridge(encoding, channels, random):
     pixels = random.randint(0, 256, (37, 52, channels)).astype(np.uint8)
     header = Header(seq=3, frame_id='eye')
     sent, usual = io.BytesIO(), io.BytesIO()
@@ -61,7 +61,7 @@ def test_what_goes_out_is_what_cv_bridge_would_send(encoding, channels, random):
     assert sent.getvalue() == usual.getvalue()
 
 
-def test_cv_bridge_is_not_loaded_for_what_most_cameras_send():
+def test_cv_bridge_is_not_loaded_for_the_most_common_encodings():
     script = '''
 import sys
 from aruco_node.messages.images import frame_from_image
@@ -75,19 +75,19 @@ print('cv_bridge' in sys.modules)
         assert done.stdout.strip() == loaded
 
 
-def test_the_other_order_of_yuv422_is_the_same_frame(random):
+def test_yuv422_is_decoded_in_either_order(random):
     pixels = random.randint(0, 256, (8, 6, 2)).astype(np.uint8)
     np.testing.assert_array_equal(frame_from_image(image(pixels[..., ::-1].copy(), 'yuv422_yuy2')),
                                   frame_from_image(image(pixels, 'yuv422')))
 
 
-def test_numbers_of_16_bits_are_scaled_in_either_byte_order():
+def test_16_bit_numbers_are_scaled_in_either_byte_order():
     values = np.uint16([[0, 257, 128 * 257, 65535]])
     for big in (0, 1, 255):
         assert frame_from_image(image(values, 'mono16', big))[0, :, 0].tolist() == [0, 1, 128, 255]
 
 
-def test_bytes_between_rows_are_no_pixels(random):
+def test_padding_between_rows_is_ignored(random):
     wide = random.randint(0, 2**16, (5, 9)).astype(np.uint16)
     padded = image(wide, 'mono16')
     padded.width = 6
@@ -97,7 +97,7 @@ def test_bytes_between_rows_are_no_pixels(random):
 
 @pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6,
                                       'rgb8\n[ERROR]'])
-def test_what_is_no_color_is_refused_in_one_short_line(encoding):
+def test_an_encoding_without_color_is_refused_in_one_short_line(encoding):
     values = np.float32([[np.nan, np.inf, 0, 1]])
     with pytest.raises(InputError, match='Set the camera driver to an encoding such as rgb8') as error:
         frame_from_image(image(values, encoding))
@@ -106,7 +106,7 @@ def test_what_is_no_color_is_refused_in_one_short_line(encoding):
 
 @pytest.mark.parametrize('kind, frame', [('.jpg', np.uint8), ('.png', np.uint8), ('.png', np.uint16)])
 @pytest.mark.parametrize('channels', [1, 3, 4])
-def test_a_compressed_frame_is_what_was_compressed(kind, frame, channels, random):
+def test_a_compressed_frame_is_decoded(kind, frame, channels, random):
     small = random.randint(0, 256, (6, 8, channels)).astype(np.uint8)
     pixels = cv2.resize(small, (64, 48)).reshape(48, 64, channels)
     stored = np.uint16(pixels) * 257 if frame is np.uint16 else pixels
@@ -117,7 +117,7 @@ def test_a_compressed_frame_is_what_was_compressed(kind, frame, channels, random
 
 
 def large(width, height):
-    """A JPEG whose header promises so many pixels."""
+    """A JPEG whose header claims so many pixels."""
     data = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8))[1].tobytes()
     at = data.find(b'\xff\xc0') + 5
     return data[:at] + height.to_bytes(2, 'big') + width.to_bytes(2, 'big') + data[at + 4:] + bytes(10**6)
@@ -136,7 +136,7 @@ def test_a_frame_that_is_too_large_is_refused(make):
         convert(message)
 
 
-def test_bombs_take_neither_memory_nor_time():
+def test_decompression_bombs_take_neither_memory_nor_time():
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     scan = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8), [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
     many = scan[:-2] + scan[scan.rfind(b'\xff\xda'):-2] * 5000 + scan[-2:]
@@ -149,7 +149,7 @@ def test_bombs_take_neither_memory_nor_time():
 
 
 @pytest.mark.parametrize('kind', [Image, CompressedImage])
-def test_a_message_that_cannot_be_read_counts_as_an_empty_one(kind, random):
+def test_an_unreadable_message_counts_as_an_empty_one(kind, random):
     good = io.BytesIO()
     kind(data=random.bytes(100)).serialize(good)
     good = good.getvalue()
@@ -158,7 +158,7 @@ def test_a_message_that_cannot_be_read_counts_as_an_empty_one(kind, random):
         assert tolerant(kind)().deserialize(data).data == b''
 
 
-def test_hostile_messages_are_frames_or_one_of_few_sentences(frame):
+def test_hostile_messages_become_frames_or_one_of_a_few_sentences(frame):
     hostile, found, count = Hostile(1, [frame]), set(), 0
     for kind, make, convert in ((Image, hostile.image, picture_from_image),
                                 (CompressedImage, hostile.compressed, frame_from_compressed)):
@@ -176,7 +176,7 @@ def test_hostile_messages_are_frames_or_one_of_few_sentences(frame):
     assert count > 200
 
 
-def test_nothing_is_written_by_decoders(package):
+def test_the_decoders_print_nothing(package):
     script = '''
 import aruco_ar
 import numpy as np
@@ -196,6 +196,6 @@ for _ in range(1000):
     assert (done.returncode, done.stdout) == (0, '')
 
 
-def test_a_png_may_hold_what_begins_the_scan_of_a_jpeg_often():
+def test_a_png_may_contain_the_start_marker_of_many_jpeg_scans():
     data = png(9, 9, bytes(27), more=chunk(b'tEXt', b'a\0' + 200 * b'\xff\xda'))
     assert frame_from_compressed(CompressedImage(data=data)).shape == (9, 9, 3)

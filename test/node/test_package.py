@@ -1,4 +1,4 @@
-"""The package as ROS sees it: lint, launch files, and an install space."""
+"""The package for ROS: catkin_lint, launch arguments, the benchmark, and an install space."""
 import os
 import shutil
 import subprocess
@@ -21,8 +21,8 @@ def launch_args(package, name):
 
 def test_catkin_lint_is_clean(package, tmp_path):
     if not shutil.which('catkin_lint'):
-        pytest.skip('no catkin_lint')
-    # It wants the folder to have the package's name.
+        pytest.skip('catkin_lint is not installed')
+    # catkin_lint wants the folder to have the package's name.
     shutil.copytree(package, str(tmp_path / 'unit5'),
                     ignore=shutil.ignore_patterns('.git', '.venv', 'build', '__pycache__'))
     done = subprocess.run(['catkin_lint', '--strict', '-W2', 'unit5'], cwd=str(tmp_path),
@@ -36,19 +36,19 @@ def test_every_launch_argument_is_documented(package):
             assert arg.get('doc'), '%s: %s' % (name, key)
 
 
-def test_the_exercises_take_the_same_arguments(package):
+def test_the_exercises_have_the_same_arguments(package):
     for name in EXERCISES:
         assert set(launch_args(package, name)) == SHARED_ARGS | OWN_ARGS.get(name, set())
 
 
-def test_the_benchmark_says_what_it_takes(package):
+def test_the_benchmark_lists_its_options(package):
     clean = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
     done = subprocess.run([package + '/script/bench', '--help'], env=clean, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0 and '--video FILE' in done.stdout, done.stdout
 
 
-def test_an_install_space_has_it_all(package, tmp_path):
+def test_an_install_space_is_complete(package, tmp_path):
     prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
     for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,
                      '-DCATKIN_DEVEL_PREFIX=%s/devel' % build, '-DCATKIN_ENABLE_TESTING=OFF',

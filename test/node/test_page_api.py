@@ -1,4 +1,4 @@
-"""page/openapi.yaml, which describes the page's addresses, says what its server has, no more and no less."""
+"""The page's OpenAPI description, page/openapi.yaml, matches the addresses that the server has."""
 import os
 import re
 
@@ -10,7 +10,7 @@ from page_server.server import application
 from tornado.web import RequestHandler
 
 
-def test_the_description_has_all_addresses_and_their_methods(package):
+def test_all_addresses_and_methods_are_described(package):
     with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
         paths = yaml.safe_load(file)['paths']
     described = {(path, method) for path, methods in paths.items() for method in methods}
@@ -26,14 +26,14 @@ def test_the_description_has_all_addresses_and_their_methods(package):
     assert described == served
 
 
-def test_every_file_of_the_page_can_be_asked_for(package):
+def test_every_file_of_the_page_is_allowed_by_the_description(package):
     with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
         pattern = yaml.safe_load(file)['paths']['/page/{file}']['get']['parameters'][0]['schema']['pattern']
     files = [name for name in os.listdir(os.path.join(package, 'page')) if not name.endswith('.html')]
     assert len(files) > 6 and all(re.search(pattern, name) for name in files)
 
 
-def test_pictures_to_choose_are_the_files_in_the_folder_and_not_what_links_lead_to(tmp_path, monkeypatch):
+def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path, monkeypatch):
     (tmp_path / 'images').mkdir()
     (tmp_path / 'secret.png').touch()
     for name in ('b.png', 'a.png', '.hidden.png', 'new\nline.png'):
@@ -43,6 +43,6 @@ def test_pictures_to_choose_are_the_files_in_the_folder_and_not_what_links_lead_
     (tmp_path / 'images' / 'nowhere.png').symlink_to('missing.png')
     (tmp_path / 'images' / 'in.png').symlink_to('a.png')
     monkeypatch.setattr(choices, 'package_folder', lambda: str(tmp_path))
-    there = choices.Choices.__new__(choices.Choices)  # without ROS
+    there = choices.Choices.__new__(choices.Choices)  # without its ROS parts
     there._drops = 0
     assert there.pictures() == ['a.png', 'b.png', 'in.png']

@@ -1,4 +1,4 @@
-"""The private parts of ROS that we use are still what they were; without them, all goes on, more plainly."""
+"""The private parts of ROS that the package uses still exist; without them, nodes warn, and still work."""
 import socket
 import struct
 import threading
@@ -34,10 +34,10 @@ def warnings():
 
 @pytest.fixture
 def server(monkeypatch):
-    """rospy's own server of connections, without a node."""
+    """rospy's server of connections, without a node."""
     made = tcpros_base.TCPROSServer()
     monkeypatch.setattr(tcpros_base, '_tcpros_server', made)
-    # Who asks for a topic gets a greeting, and the connection is closed.
+    # Whoever asks for a topic gets this reply, and the connection is closed.
     made.topic_connection_handler = lambda connection, address, header: 'no topic here'
     made.start_server()
     yield made
@@ -51,28 +51,28 @@ def ask_for_topic(connection):
 
 
 @pytest.mark.parametrize('is_admitted_alone', [True, False])
-def test_who_connects_and_says_nothing_locks_nobody_out(server, is_admitted_alone, warnings):
+def test_a_silent_connection_does_not_lock_out_others(server, is_admitted_alone, warnings):
     if is_admitted_alone:
         admission.admit_concurrently()
     address = 'localhost', server.tcp_ros_server.port
     with socket.create_connection(address), socket.create_connection(address, timeout=WAIT_S) as other:
         if is_admitted_alone:
             assert b'no topic here' in ask_for_topic(other)
-        else:  # the symptom: where it is gone, admission.py can go
+        else:  # the fault of rospy; if this fails, admission.py is no longer needed
             other.settimeout(0.5)
             with pytest.raises(socket.timeout):
                 ask_for_topic(other)
     warnings.assert_not_called()
 
 
-def test_with_another_server_it_warns(monkeypatch, warnings):
+def test_another_server_causes_a_warning(monkeypatch, warnings):
     monkeypatch.setattr(tcpros_base, '_tcpros_server', SimpleNamespace())
     admission.admit_concurrently()
     assert 'can lock out all others' in warnings.call_args[0][0]
 
 
-def test_more_is_pending_when_bytes_have_come():
-    # What rospy.Subscriber has: see the next test.
+def test_more_is_pending_after_bytes_have_arrived():
+    # The test below checks that rospy.Subscriber has these attributes.
     here, there = socket.socketpair()
     with here, there:
         subscriber = SimpleNamespace(impl=SimpleNamespace(connections=[SimpleNamespace(socket=here)]))
@@ -92,7 +92,7 @@ def test_a_subscriber_has_connections_with_sockets():
     assert hasattr(transport, 'socket')
 
 
-def test_a_node_is_registered_with_all_that_it_has(monkeypatch):
+def test_a_node_registers_all_its_topics_and_services(monkeypatch):
     assert registration.IS_KNOWN
     topics = registration.get_topic_manager()
     services = registration.get_service_manager()
@@ -117,7 +117,7 @@ def test_a_service_manager_has(name):
     assert hasattr(registration.get_service_manager(), name)
 
 
-def test_with_another_rospy_it_warns_and_watches_nothing(monkeypatch, warnings):
+def test_another_rospy_causes_a_warning_and_nothing_is_watched(monkeypatch, warnings):
     monkeypatch.setattr(registration, 'IS_KNOWN', False)
     before = threading.active_count()
     registration.keep_registered()
@@ -125,7 +125,7 @@ def test_with_another_rospy_it_warns_and_watches_nothing(monkeypatch, warnings):
     assert 'restart this node, too' in warnings.call_args[0][0]
 
 
-def test_transforms_of_others_alone_are_taken_in():
+def test_only_transforms_of_others_are_received():
     frames = object.__new__(tf_listener.OthersFrames)
     frames.tf_sub = frames.tf_static_sub = mock.Mock()
     with mock.patch('rospy.get_name', return_value='/we'), \
@@ -138,8 +138,8 @@ def test_transforms_of_others_alone_are_taken_in():
     assert taken.call_count == 2
 
 
-def server_of():
-    """A CheckedServer as it is made, but for what it has to do with a running ROS."""
+def check_request_with_unknown_group():
+    """Send a request with an unknown group to a CheckedServer without a running ROS."""
     with mock.patch.multiple('dynamic_reconfigure.server.Server', __init__=mock.Mock(return_value=None),
                              update_configuration=lambda self, wanted: wanted):
         server = reconfigure_server.CheckedServer('description', None)
@@ -149,22 +149,22 @@ def server_of():
         assert [(each.name, each.value) for each in server._set_callback(request).doubles] == [('noise', 200.0)]
 
 
-def test_a_server_takes_requests_with_unknown_groups(warnings):
+def test_requests_with_unknown_groups_are_accepted(warnings):
     for name in reconfigure_server.PRIVATE:
         assert callable(getattr(Server, name))
-    server_of()
+    check_request_with_unknown_group()
     warnings.assert_not_called()
 
 
-def test_with_another_dynamic_reconfigure_it_warns(monkeypatch, warnings):
+def test_another_dynamic_reconfigure_causes_a_warning(monkeypatch, warnings):
     monkeypatch.setattr(reconfigure_server, 'PRIVATE', ['_not_there'])
-    server_of()
+    check_request_with_unknown_group()
     assert 'clipped without a word' in warnings.call_args[0][0]
 
 
 @pytest.fixture
 def bag(tmp_path):
-    """The path of a bag of 100 messages, one a second, in many chunks."""
+    """The path of a bag with 100 messages per topic, one per second, in many chunks."""
     path = str(tmp_path / 'long.bag')
     with rosbag.Bag(path, 'w', chunk_threshold=256) as written:
         for second in range(1, 101):
@@ -176,7 +176,7 @@ def bag(tmp_path):
 
 
 @pytest.mark.parametrize('is_known', [True, False])
-def test_a_part_of_a_bag_is_read_alone(bag, is_known, monkeypatch):
+def test_a_part_of_a_bag_can_be_read_alone(bag, is_known, monkeypatch):
     if not is_known:
         monkeypatch.setattr(indexed_bag, 'PRIVATE', ['_not_there'])
     part = IndexedBag(bag)
@@ -186,6 +186,6 @@ def test_a_part_of_a_bag_is_read_alone(bag, is_known, monkeypatch):
     for begin in 10, 50, 3:
         found = list(part.messages(['/count'], genpy.Time(begin), genpy.Time(begin + 5)))
         assert [message.data for _, message, _ in found] == list(range(begin, begin + 6))
-        if is_known:  # of the index, no more is in memory than of these
+        if is_known:  # the index in memory has only a few more messages than these
             assert sum(map(len, part._bag._connection_indexes.values())) < 40
     part.close()

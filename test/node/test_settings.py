@@ -1,4 +1,4 @@
-"""Parameters: what they may be, and what is said where they are not."""
+"""Parameters: which values are allowed, and how others are explained."""
 import pytest
 from aruco_ar import InputError
 from aruco_node.parameters.parameters import parameters_of, read, ros_values
@@ -9,27 +9,27 @@ def settings(kind=PictureSettings, **parameters):
     return read(kind, parameters.get)
 
 
-def test_without_parameters_nothing_is_to_be_configured():
+def test_without_parameters_the_defaults_are_used():
     assert settings() == PictureSettings()
     assert settings(PoseSettings) == PoseSettings()
 
 
 @pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
-def test_what_a_parameter_server_keeps_reads_as_the_same(kind):
+def test_settings_survive_a_round_trip_through_the_parameter_server(kind):
     given = settings(kind, ids=[4, 3, 2, 1], **({'tag_sizes': {'7': 0.1}} if kind is PoseSettings else {}))
     assert settings(kind, **ros_values(given)) == given
     assert all(isinstance(value, (str, float, bool)) for value in ros_values(given).values())
 
 
 @pytest.mark.parametrize('kind', [PictureSettings, PoseSettings])
-def test_every_parameter_says_what_it_is_for(kind):
+def test_every_parameter_is_described(kind):
     for name, parameter in parameters_of(kind).items():
         assert parameter.what and parameter.kind.allowed, name
 
 
 @pytest.mark.parametrize('sizes', [
     {'7': 0.1, '8': 0.25}, {7: 0.1, 8: 0.25}, '7: 0.1, 8: 0.25', '{7: 0.1, 8: 0.25}'])
-def test_sizes_of_tags_as_a_dict_or_as_text(sizes):
+def test_tag_sizes_may_be_a_dict_or_text(sizes):
     assert settings(PoseSettings, tag_sizes=sizes).tag_sizes == ((7, 0.1), (8, 0.25))
 
 
@@ -45,12 +45,12 @@ def test_a_wrong_parameter_of_tag_poses_is_explained(name, value, allowed):
 
 
 @pytest.mark.parametrize('ids', [[4, 3, 2, 1], '4, 3, 2, 1', '4 3 2 1', '[4,3,2,1]'])
-def test_ids_as_a_list_or_as_text(ids):
+def test_ids_may_be_a_list_or_text(ids):
     assert settings(ids=ids).ids == (4, 3, 2, 1)
 
 
 @pytest.mark.parametrize('ids', ['', 'any', []])
-def test_any_ids(ids):
+def test_ids_may_be_any(ids):
     assert settings(ids=ids).ids == ()
 
 
@@ -87,5 +87,5 @@ def test_the_areas_of_a_file_are_read(package):
     ('[' * 5000, 'is not YAML'),
     ('areas: [{ids: [1, 2, 3, 4], colour: red}]', '"colour" is none of ids, picture'),
 ])
-def test_what_is_wrong_with_a_file_of_areas_is_said(assert_refused, text, words):
+def test_a_wrong_file_of_areas_is_explained(assert_refused, text, words):
     assert_refused(load_areas, text, words)

@@ -1,4 +1,4 @@
-"""What ruff and mypy find (.ruff.toml, .mypy.ini say what they look for): nothing."""
+"""ruff and mypy find nothing; .ruff.toml and .mypy.ini say what they check."""
 import importlib.util
 import os
 import subprocess
@@ -10,11 +10,11 @@ HAS_TYPES = os.path.exists(os.path.join(os.path.dirname(importlib.util.find_spec
 
 
 @pytest.mark.parametrize('command', [['ruff', 'check'], ['mypy']], ids=['ruff', 'mypy'])
-def test_nothing_is_found(command, package):
+def test_it_finds_nothing(command, package):
     if command == ['mypy'] and sys.version_info < (3, 10):
         pytest.skip('mypy 2 needs Python 3.10')
     if command == ['mypy'] and not HAS_TYPES:
-        pytest.skip('this OpenCV comes without types, as that of Debian does')
+        pytest.skip('this OpenCV has no type hints, like that of Debian')
     done = subprocess.run([sys.executable, '-m', *command], cwd=package, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout

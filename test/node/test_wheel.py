@@ -1,4 +1,4 @@
-"""aruco_ar alone, installed by pip where there is neither ROS nor anything else."""
+"""aruco_ar alone, installed by pip in an environment without ROS and other packages."""
 import os
 import re
 import shutil
@@ -13,7 +13,7 @@ from aruco_ar import Detector, find_area
 
 
 def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
-    # Of a copy: building leaves things behind.
+    # A copy, since building leaves files behind.
     source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
         '.git', '.venv', 'build', 'bags', '__pycache__'))
     clean = {key: value for key, value in os.environ.items() if not key.startswith(('PYTHON', 'LD_PRELOAD'))}
@@ -38,7 +38,7 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
     assert np.median(off[inside]) > 30 > 20 > off[outside].mean()
 
 
-def test_the_wheel_has_aruco_ar_and_nothing_else(package, tmp_path):
+def test_the_wheel_contains_only_aruco_ar(package, tmp_path):
     done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
                            package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
