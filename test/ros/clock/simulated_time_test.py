@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes by a simulated clock that runs, stands still, or jumps back as where a bag is played over and over."""
+"""Nodes with a simulated clock that runs, stands still, or jumps back as in a bag that is played in a loop."""
 import threading
 
 import numpy as np
@@ -17,8 +17,8 @@ from unit5.msg import TagPoseArray
 TICK_S = 0.05
 
 
-class Ticking:
-    """The clock: stands where it is set, or runs on from there."""
+class SimulatedClock:
+    """A clock that stands still at a time, or runs from there."""
 
     def __init__(self):
         self._publisher = rospy.Publisher('/clock', Clock, queue_size=1, latch=True)
@@ -52,11 +52,11 @@ class Ticking:
 class SimulatedTime(NodeTest):
     def setUp(self):
         super().setUp()
-        self.clock, self.diagnoses = Ticking(), Diagnoses()
+        self.clock, self.diagnoses = SimulatedClock(), Diagnoses()
         self.running += [self.clock, self.diagnoses.subscriber]
 
-    def test_a_clock_that_stands_still_stops_no_diagnostics_and_keeps_no_node_from_ending(self):
-        nodes = self.start_all().values()  # before there is any time
+    def test_a_clock_that_stands_still_stops_no_diagnostics_and_nodes_can_end(self):
+        nodes = self.start_all().values()  # before the clock has a time
         for seconds in None, 1000:
             if seconds:
                 self.clock.set(seconds)
@@ -66,7 +66,7 @@ class SimulatedTime(NodeTest):
         stop_all(nodes)
         self.assertEqual([node.ends() for node in nodes], [0] * len(NODES))
 
-    def test_frames_are_answered_before_there_is_any_time(self):
+    def test_frames_are_answered_before_the_clock_has_a_time(self):
         self.before_camera('exercise5_6')
         for stamp in rospy.Time(0), rospy.Time(1000), rospy.Time(1000.1), rospy.Time(0):
             self.assert_painted(self.see(scene(), stamp=stamp), scene())
@@ -88,7 +88,7 @@ class SimulatedTime(NodeTest):
         self.before_camera('tag_poses', poses=TagPoseArray)
         transforms = self.listen('/tf', TFMessage)
         until(transforms.subscriber.get_num_connections)
-        for seconds in 1000.5, 1000.6, 500.0:  # back in time: the bag begins again
+        for seconds in 1000.5, 1000.6, 500.0:  # back in time, as when the bag starts again
             stamp = rospy.Time(seconds)
             poses, = self.see(scene(), 'poses', stamp=stamp)
             self.assertEqual(sorted(tag.id for tag in poses.tags), [1, 2, 3, 4])
@@ -100,7 +100,7 @@ class SimulatedTime(NodeTest):
             self.assertEqual({each.child_frame_id for each in message.transforms},
                              {'tag_%d' % number for number in (1, 2, 3, 4)})
 
-    def test_time_that_jumps_back_stops_neither_nodes_nor_diagnostics(self):
+    def test_a_jump_back_in_time_stops_neither_nodes_nor_diagnostics(self):
         self.before_camera('exercise5_6')
         for _ in range(2):  # rounds of the bag
             for seconds, ids, is_painted in ((2000, [1, 3], False), (2000.1, [1, 2, 3, 4], True),
@@ -114,7 +114,7 @@ class SimulatedTime(NodeTest):
                     np.testing.assert_array_equal(image, frame)
             self.diagnoses.wait_for_frames('exercise5_6')
 
-    def test_the_simulated_camera_goes_on_where_the_clock_jumps_or_waits(self):
+    def test_the_simulated_camera_continues_if_the_clock_jumps_or_waits(self):
         self.clock.run(1000)
         self.start('wall_camera.py', '_rate:=10')
         frames = self.listen('/camera/rgb/image_raw', Image)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that are killed come back, paint again, and have kept what was changed while they ran."""
+"""Killed nodes are started again, paint as before, and keep the parameters that were changed while they ran."""
 import os
 import signal
 import tempfile
@@ -19,7 +19,7 @@ BLUE = (255, 0, 0)
 
 class Respawn(NodeTest):
     def launch(self, name, **others):
-        """Launch a node with respawn before a camera; listen to its images, ~tags and others."""
+        """Launch a node with respawn before a camera; subscribe to its images, ~tags and ``others``."""
         self.publisher, self.connections = self.camera()
         self.launched = Started('roslaunch', 'unit5', name + '.launch', 'respawn:=true')
         self.running.append(self.launched)
@@ -28,7 +28,7 @@ class Respawn(NodeTest):
         self.attend(self.inboxes)
 
     def kill(self, name):
-        """Kill a node the hard way; wait until it is back and sees frames."""
+        """Kill a node, and wait until it has been started again and answers frames."""
         uri = Master('/respawn_test').lookupNode('/' + name)
         code, _, pid = ServerProxy(uri).getPid('/respawn_test')
         self.assertEqual(code, 1)
@@ -40,7 +40,7 @@ class Respawn(NodeTest):
         _, _, other = ServerProxy(Master('/respawn_test').lookupNode('/' + name)).getPid('/respawn_test')
         self.assertNotEqual(other, pid)
 
-    def test_the_painter_paints_again_as_it_was_told(self):
+    def test_exercise5_6_paints_as_before(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.launch('exercise5_6')
@@ -51,11 +51,11 @@ class Respawn(NodeTest):
         np.testing.assert_allclose(before[INSIDE].mean(axis=(0, 1)), np.array(BLUE) / 2 + GRAY / 2, atol=3)
         self.kill('exercise5_6')
         np.testing.assert_array_equal(self.see(scene([1, 3], 'DICT_5X5_100')), scene([1, 3], 'DICT_5X5_100'))
-        # Found by another way of searching, the tags are thousandths of a pixel elsewhere.
+        # Another kind of search found the tags, so they differ by thousandths of a pixel.
         np.testing.assert_allclose(self.see(frame), before, rtol=0, atol=1.01)
         self.assertEqual(change('/exercise5_6'), changed)
 
-    def test_the_poses_are_those_of_before(self):
+    def test_the_poses_are_as_before(self):
         self.calibrate()
         self.launch('tag_poses', poses=TagPoseArray)
         changed = change('/tag_poses', tag_size=0.3, tag_sizes='2: 0.1')

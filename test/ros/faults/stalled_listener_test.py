@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Who connects and says nothing, or does not read, holds up no other and costs no memory."""
+"""Subscribers that send nothing, or do not read, neither delay others nor cost memory."""
 import psutil
 import rospy
 import rostest
@@ -15,12 +15,12 @@ IMAGE = '/exercise5_6/image'
 TOPICS = {IMAGE: Image, IMAGE + '/compressed': CompressedImage, '/exercise5_6/tags': TagArray,
           '/diagnostics': DiagnosticArray}
 FRAMES = 90         # 83 MB of ~image
-KEPT = 40           # at most that many of them are in the kernel's buffers
+KEPT = 40           # at most this many of them fit into the kernel's buffers
 GROWTH_BYTES = 20e6
 
 
 class StalledListener(NodeTest):
-    def test_a_listener_that_stalls(self):
+    def test_a_stalled_subscriber_does_not_disturb_others(self):
         diagnoses = Diagnoses()
         self.running.append(diagnoses.subscriber)
         self.before_camera('exercise5_6')
@@ -43,7 +43,7 @@ class StalledListener(NodeTest):
             self.assertEqual(stamps[topic], sorted(set(stamps[topic])), topic)
         self.assertLess(len(stamps[IMAGE]), KEPT)
 
-    def test_who_connects_and_says_nothing_keeps_out_no_others(self):
+    def test_silent_connections_do_not_lock_out_others(self):
         self.publisher, _ = self.camera()
         self.start_all(['exercise5_6'])
         uri = Master('/test').lookupNode('/exercise5_6')

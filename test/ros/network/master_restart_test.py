@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ROS master is killed and started anew, or hangs: nodes go on meanwhile, and are found again."""
+"""The ROS master is killed and started again, or hangs: nodes continue, and register again."""
 import atexit
 import os
 import signal
@@ -23,7 +23,7 @@ AGAIN = 'it is registered again'
 
 
 class Master:
-    """A ROS master of the test's own; whoever is started from now on has it."""
+    """A ROS master of the test's own, which everything uses that is started from now on."""
 
     def __init__(self):
         self._port = free_port()
@@ -42,24 +42,24 @@ class Master:
         self._started.ends()
 
 
-def known(node):
-    """{(kind, name)} of what the master knows of a node: topics that it publishes, or listens to, services."""
+def registrations(node):
+    """{(kind, name)} of what the master knows about a node: published and subscribed topics, services."""
     return {(kind, name) for kind, state in enumerate(rosgraph.Master('/test').getSystemState())
             for name, nodes in state if node in nodes}
 
 
 class MasterRestart(NodeTest):
     def restart(self, *nodes):
-        """Start the master, and wait until it knows the nodes again."""
+        """Start the master, and wait until the nodes have registered again."""
         master.start()
         for node in nodes:
             node.wait_for(AGAIN)
 
-    def test_all_nodes_are_known_again_and_the_page_says_what_is_wrong(self):
+    def test_all_nodes_register_again_and_the_page_explains_the_fault(self):
         nodes = self.start_all()
         port = int(rospy.get_param('/page/port'))
         nodes['exercise5_2'].wait_for('Nobody listens')
-        before = {name: known('/' + name) for name in nodes}
+        before = {name: registrations('/' + name) for name in nodes}
         self.assertTrue(all(len(each) > 8 for each in before.values()), before)
         master.kill()
         nodes['exercise5_2'].wait_for('The ROS master does not answer')
@@ -68,11 +68,11 @@ class MasterRestart(NodeTest):
         said = len(nodes['exercise5_2'].lines)
         self.restart(*nodes.values())
         for name in nodes:
-            until(lambda: known('/' + name) == before[name])
+            until(lambda: registrations('/' + name) == before[name])
         self.assertLess(len(nodes['exercise5_2'].lines), said + 4)
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
-    def test_who_is_connected_goes_on_and_others_find_the_node_again(self):
+    def test_connected_nodes_continue_and_others_find_the_node_again(self):
         self.before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
         painted = self.see(scene())
         master.kill()
@@ -92,11 +92,11 @@ class MasterRestart(NodeTest):
         self.publisher, self.connections = self.camera()
         self.connections.wait(1)
         two = self.see(scene([1, 3]))
-        self.assert_painted(two, scene([1, 3]))  # nothing of the wall is forgotten
+        self.assert_painted(two, scene([1, 3]))  # the node has not forgotten the wall
         self.assertGreater(np.abs(two.astype(int) - painted).max(), 50)
         self.assertEqual(len([line for line in self.node.lines if AGAIN in line]), 1)
 
-    def test_what_is_set_and_subscribed_to_while_there_is_no_master(self):
+    def test_parameters_and_subscriptions_can_be_changed_without_a_master(self):
         self.before_camera('exercise5_6')
         painted = self.see(scene())
         reconfigure = rospy.ServiceProxy('/exercise5_6/set_parameters', Reconfigure, persistent=True)
@@ -107,11 +107,11 @@ class MasterRestart(NodeTest):
             doubles=[DoubleParameter('opacity', 0.5)])).config.doubles}['opacity'], 0.5)
         self.node.wait_for('The ROS master does not answer', 'uses the changed parameters all the same')
         self.assertGreater(np.abs(self.see(scene()).astype(int) - painted).max(), 50)
-        reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # to which it cannot subscribe now
+        reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # it cannot subscribe to it now
         self.see(scene())
         self.assertFalse([line for line in self.node.lines if 'Traceback' in line], self.node.lines)
         self.restart(self.node)
-        until(lambda: (1, '/other') in known('/exercise5_6'))
+        until(lambda: (1, '/other') in registrations('/exercise5_6'))
         self.assertEqual(rospy.get_param('/exercise5_6/opacity'), 0.5)
         master.kill()
         reconfigure(Config(strs=[StrParameter('picture', 'topic:/another')]))
@@ -121,11 +121,11 @@ class MasterRestart(NodeTest):
         master.start()
         del image
 
-    def test_a_master_that_hangs_stops_no_frames_and_no_diagnostics_and_keeps_no_node_from_ending(self):
+    def test_a_master_that_hangs_stops_neither_frames_nor_diagnostics_and_nodes_can_end(self):
         diagnoses = Diagnoses()
         self.running.append(diagnoses.subscriber)
         self.before_camera('exercise5_6')
-        # Not the camera of exercise5_6: that is the test itself.
+        # This is not the camera of exercise5_6, which is the test itself.
         other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
         nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]
         for node in 'exercise5_6', 'exercise5_2', 'wall_camera', 'page':
@@ -133,7 +133,7 @@ class MasterRestart(NodeTest):
         uri = rosgraph.Master('/test').lookupNode('/exercise5_2')
         master.send(signal.SIGSTOP)
         try:
-            self.running.append(Stalled(uri, '/exercise5_2/image', Image))  # for whom it would subscribe
+            self.running.append(Stalled(uri, '/exercise5_2/image', Image))  # the node tries to subscribe for it
             self.publisher.publish(Image())
             self.node.wait_for('0 x 0')
             self.assert_painted(self.see(scene()), scene())

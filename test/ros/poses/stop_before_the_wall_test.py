@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The example of docs/howto/poses.md, as it stands there, drives the simulated robot up to the wall."""
+"""The example in docs/howto/poses.md drives the simulated robot up to the wall."""
 import os
 import re
 import tempfile

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What /diagnostics says of the nodes."""
+"""What /diagnostics reports about the nodes."""
 import numpy as np
 import rospy
 import rostest
@@ -21,7 +21,7 @@ class Diagnosed(NodeTest):
         self.diagnoses = Diagnoses()
         self.running.append(self.diagnoses.subscriber)
 
-    def test_every_node_is_well_while_nobody_listens(self):
+    def test_every_node_is_ok_while_nobody_subscribes(self):
         self.start_all()
         for node in IMAGES:
             self.assertEqual(set(self.diagnoses.wait(node, 'Nobody listens')),
@@ -32,7 +32,7 @@ class Diagnosed(NodeTest):
         page = self.diagnoses.wait('page', 'The page is served')
         self.assertEqual(page, {'connections': '0', 'pages open': '0', 'driving': 'on'})
 
-    def test_frames_tags_and_what_is_dropped_are_counted(self):
+    def test_frames_tags_and_dropped_frames_are_counted(self):
         self.before_camera('exercise5_6')
         begun = self.diagnoses.wait('exercise5_6', 'frames a second')
         for _ in range(5):
@@ -44,19 +44,19 @@ class Diagnosed(NodeTest):
         self.assertEqual(values['area'], 'Its tags show it.')
         for name in 'frame rate (Hz)', 'pipeline, median (ms)', 'pipeline, 99 % (ms)', 'area last seen (s ago)':
             self.assertGreaterEqual(float(values[name]), 0, name)
-        self.assertEqual(values['latency, median (ms)'], 'unknown')  # the frames' stamps are of long ago
+        self.assertEqual(values['latency, median (ms)'], 'unknown')  # the stamps of the frames are too old
         self.see(scene(), stamp=rospy.Time.now())
         values = self.diagnoses.wait('exercise5_6', 'frames a second')
         self.assertGreater(float(values['latency, 99 % (ms)']), 0)
-        self.publisher.impl.seq += 40  # as if so many had been lost on their way
+        self.publisher.impl.seq += 40  # as if 40 frames had been lost on their way
         self.see(BLANK)
         values = self.diagnoses.wait('exercise5_6', '40 of', level=WARN)
-        self.assertEqual(values['area'], 'Four tags have not been seen together.')  # since its stamp is older
+        self.assertEqual(values['area'], 'Four tags have not been seen together.')  # this stamp is earlier
         self.assertEqual((int(values['frames in']), int(values['frames out']), values['frames dropped'],
                           values['tags in sight']), (int(begun['frames in']) + 7, int(begun['frames out']) + 7,
                                                      '40', '0'))
 
-    def test_no_camera_frames_that_cannot_be_used_and_nobody_who_listens(self):
+    def test_a_missing_camera_unusable_frames_and_missing_subscribers_are_reported(self):
         node = self.start('exercise5_2.py')
         inbox = self.listen('/exercise5_2/image')
         self.diagnoses.wait('exercise5_2', 'nothing publishes it', 'Start a camera', level=ERROR)
@@ -77,7 +77,7 @@ class Diagnosed(NodeTest):
         self.diagnoses.wait('exercise5_2', 'Nobody listens, so nothing is computed.')
         self.diagnoses.wait('exercise5_2', 'Nobody listens to /exercise5_2/image')
 
-    def test_without_tags_for_long_and_without_frames_since(self):
+    def test_a_long_time_without_tags_and_then_without_frames_is_reported(self):
         self.before_camera('exercise5_3')
         self.see(scene())
         frames = rospy.Timer(rospy.Duration(0.5), lambda event: self.show(np.zeros_like(BLANK)))

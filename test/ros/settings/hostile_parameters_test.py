@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Parameters as nobody should set them: refused with one sentence each, and the nodes go on as before."""
+"""Wrong parameters are refused with one sentence each, and the nodes continue as before."""
 import os
 import tempfile
 
@@ -19,10 +19,10 @@ from rig.listening import until
 from rig.nodes import CAMERA, CENTERS, IMAGES, INSIDE, NodeTest, change, scene
 from std_srvs.srv import Trigger
 
-EACH = 3  # wrong values of a parameter
+EACH = 3  # wrong values per parameter
 
 
-def wrong(kind, name, parameter, random):
+def wrong_values(kind, name, parameter, random):
     """Some values that the parameter must not have."""
     given = values.typed(values.values(parameter, random))
     found = []
@@ -37,21 +37,21 @@ def wrong(kind, name, parameter, random):
 
 class Hostile(NodeTest):
     def refusals(self, node, count):
-        """What a node said when it refused that many wishes, as soon as it did."""
+        """Wait until a node has refused that many changes; returns its sentences."""
         def said():
             return [line.partition(']: ')[2].partition(REFUSED)[0] for line in node.lines if REFUSED in line]
         until(lambda: len(said()) >= count)
         return said()
 
-    def test_what_is_wrong_is_refused_by_every_node_which_answers_frames_as_before(self):
-        nodes = self.start_all()  # of which wall_camera is the camera
+    def test_every_node_refuses_wrong_values_and_continues_as_before(self):
+        nodes = self.start_all()  # wall_camera is the camera of the others
         random = np.random.RandomState(1)
         for name, node in nodes.items():
             kind = reading.settings_of(name)
             reconfigure = rospy.ServiceProxy('/%s/set_parameters' % name, Reconfigure, persistent=True)
             before, wished = change('/' + name), []
             for parameter, each in parameters_of(kind).items():
-                for value in wrong(kind, parameter, each, random) if each.live else ['raw']:
+                for value in wrong_values(kind, parameter, each, random) if each.live else ['raw']:
                     wished.append('~' + parameter)
                     self.assertEqual(answered(reconfigure(wish(parameter, value)).config), before, wished[-1])
             for config in GROUPS + NAMES if name == 'page' else []:
@@ -67,7 +67,7 @@ class Hostile(NodeTest):
         for topic in [CAMERA, *IMAGES.values()]:
             self.listen(topic).next()
 
-    def test_the_utmost_that_is_allowed_is_taken(self):
+    def test_the_limits_of_the_parameters_are_accepted(self):
         self.before_camera('exercise5_6')
         narrow = {'scale': 1.0, 'min_side': 10000.0, 'hold': 60.0, 'likeness': 1.0, 'correction': 0.0}
         for wished, size in (({'scale': 0.01}, (5, 6)), ({'scale': 4.0}, (1920, 2560)), (narrow, (480, 640))):
@@ -79,7 +79,7 @@ class Hostile(NodeTest):
         change('/exercise5_6', opacity=1.0)
         self.assert_painted(self.see(scene()), scene())
 
-    def test_a_fault_in_what_a_change_calls_is_no_more_than_a_refusal(self):
+    def test_a_fault_during_a_change_only_refuses_the_change(self):
         asked = []
 
         def fail(settings):
@@ -95,7 +95,7 @@ class Hostile(NodeTest):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         wall = folder.name + '/wall.yaml'
-        with open(wall, 'w') as file:  # that of scene(), whose tags are 80 pixels wide
+        with open(wall, 'w') as file:  # the wall of scene(), whose tags are 80 pixels wide
             yaml.dump({'tags': [{'id': tag_id, 'x': 0.18 * x / 80, 'y': -0.18 * y / 80, 'side': 0.18}
                                 for tag_id, (x, y) in CENTERS.items()]}, file)
         self.calibrate()
@@ -111,7 +111,7 @@ class Hostile(NodeTest):
         self.assertEqual(self.see(scene(), 'camera_pose')[0].header.frame_id, 'wall')
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
 
-    def test_what_ros_itself_makes_nothing_of_ends_a_node_with_a_sentence(self):
+    def test_a_name_or_value_that_ros_refuses_ends_a_node_with_a_sentence(self):
         self.assertTrue(set_parameter('/exercise5_2/scale', 10**30))
         nodes = [(words, self.start('exercise5_2.py', *arguments)) for words, *arguments in (
             ('Set it again: rosparam set /exercise5_2/scale VALUE',),
@@ -123,7 +123,7 @@ class Hostile(NodeTest):
             self.assertEqual(len(node.lines), 1, node.lines)
             self.assertIn(words, node.lines[0])
 
-    def test_a_clock_that_is_neither_true_nor_false_is_told(self):
+    def test_a_wrong_use_sim_time_is_reported(self):
         self.addCleanup(rospy.delete_param, '/use_sim_time')
         rospy.set_param('/use_sim_time', 'no')
         node = self.start('exercise5_2.py')
