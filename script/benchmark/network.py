@@ -1,7 +1,9 @@
 """Robots and a base station with a poor network between: what it carries, how late what is painted comes."""
 
 import numpy as np
-from rig.far import far, seconds_of, views
+from rig.far import frames_seen as views
+from rig.far import observe as seconds_of
+from rig.far import running_fleet as far
 from rig.hosts import DELAY_S, LOSS, RATE
 from rig.listening import until
 

@@ -14,7 +14,9 @@ from aruco_node.parameters.parameters import parameters_of, ros_values
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
 from hostile import reading, values
-from hostile.wishes import GROUPS, NAMES, REFUSED, answered, wish
+from hostile.wishes import GROUPS, NAMES, REFUSED
+from hostile.wishes import config_with as wish
+from hostile.wishes import values_of as answered
 from rig.listening import Inbox
 from rig.nodes import CAMERA, scene
 from rig.serving import free_port

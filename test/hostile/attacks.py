@@ -69,7 +69,7 @@ class Attack:
         if not is_so:
             self.faults.append(words)
 
-    def take(self, name, answer, allowed, most=1):
+    def check(self, name, answer, allowed, most=1):
         """Check an answer to a raw request: it has at most ``most`` parts, each with an allowed status."""
         found = statuses(answer)
         self.sent += 1
@@ -77,47 +77,47 @@ class Attack:
         self.expect(len(found) <= most and set(found) <= set(allowed), '%s is answered with %s' % (name, found))
         self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s reveals a secret' % name)
 
-    def ask_guest(self, meanwhile):
+    def check_guest(self, meanwhile):
         self.expect(self.guest.is_served(), 'a well-meaning client is not served during %s' % meanwhile)
 
     def paths(self, share):
         """Addresses outside of the folders that the server serves."""
         for path in intruders.OUTSIDE:
-            self.take(path, get(self.port, path), (400, 403, 404))
-        self.ask_guest('odd paths')
+            self.check(path, get(self.port, path), (400, 403, 404))
+        self.check_guest('odd paths')
 
     def requests(self, share):
         """Requests that are malformed, ambiguous, or much too long."""
         for name, data, most in intruders.requests():
             allowed = 200, 400, 403, 404, 405, 413, 414, 416, 422, 431, 505
-            self.take(name, say(self.port, data, 0.1, 1.0), allowed, most)
-        self.ask_guest('odd requests')
+            self.check(name, say(self.port, data, 0.1, 1.0), allowed, most)
+        self.check_guest('odd requests')
 
     def queries(self, share):
         """Queries with odd values."""
         for _ in range(int(400 * share)):
             target = intruders.query(self.random)
             answer = get(self.port, target, WAIT_S if '/stream?' not in target else 0.1)
-            self.take(target, answer, (200, 400, 404))
-        self.ask_guest('odd queries')
+            self.check(target, answer, (200, 400, 404))
+        self.check_guest('odd queries')
 
     def bombs(self, share):
         """Uploads that are not pictures, or would take too much memory or time."""
         for name, data in intruders.bombs().items():
             for length in True, False:
-                self.take(name, say(self.port, intruders.post(data, length), WAIT_S), (422,))
-        self.ask_guest('picture bombs')
+                self.check(name, say(self.port, intruders.post(data, length), WAIT_S), (422,))
+        self.check_guest('picture bombs')
 
     def uploads(self, share):
         """Large uploads, too large ones, false lengths, and many at once, half of which do not wait."""
-        self.take('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
-        self.take('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
+        self.check('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
+        self.check('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
         claim = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\nab'
         for size in 17 << 20, 1 << 40, 10**30:
-            self.take('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
+            self.check('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
         large = intruders.post(intruders.made('JPEG', 64, 64) + bytes(15 << 20))
         for _ in range(20):  # one after the other, since nothing may be left of any
-            self.take('15 MB', say(self.port, large, WAIT_S), (204, 422))
+            self.check('15 MB', say(self.port, large, WAIT_S), (204, 422))
 
         def upload(waits):
             with connect(self.port) as line:
@@ -126,14 +126,14 @@ class Attack:
                     answer = waits and line.recv(65536)
                 except OSError:  # the server has hung up
                     answer = b''
-            self.take('one upload of many', answer or b'', (204, 422, 503))
+            self.check('one upload of many', answer or b'', (204, 422, 503))
         for _ in range(int(5 * share) or 1):
             with ExitStack() as stack:
                 for number in range(100):
                     sender = threading.Thread(target=upload, args=(number % 2 == 0,))
                     sender.start()
                     stack.callback(sender.join)
-                self.ask_guest('100 uploads at once')
+                self.check_guest('100 uploads at once')
 
     def frames(self, share):
         """Nonsense on websockets."""
@@ -142,7 +142,7 @@ class Attack:
             with upgrade(self.port) as line:
                 self.sent += 1
                 send(line, data)
-        self.ask_guest('nonsense on websockets')
+        self.check_guest('nonsense on websockets')
 
     def floods(self, share):
         """Messages of all kinds on a websocket, again and again, by a client that does not read."""
@@ -154,7 +154,7 @@ class Attack:
                 flood.start()
                 end = time.monotonic() + 10 * share
                 while True:
-                    self.ask_guest('a flood of ' + name)
+                    self.check_guest('a flood of ' + name)
                     if time.monotonic() > end:
                         break
                 done.set()
@@ -189,14 +189,14 @@ class Attack:
                 for _ in range(1 + int(2 * share)):
                     for line in lines:
                         send(line, b'' if not data or data.endswith(b'\r\n') else b'a')
-                    self.ask_guest('%d %s' % (count, name))
+                    self.check_guest('%d %s' % (count, name))
                 if name == 'streams':
                     self.expect(sum(map(closed, lines)) < count, 'no stream is left')
         lines = [upgrade(self.port) for _ in range(200)]
         self.sent += len(lines)
         self.held = max(self.held, len([line for line in lines if line]))
         self.expect(0 < len([line for line in lines if line]) < 200, 'the number of websockets is not limited')
-        self.ask_guest('200 websockets')
+        self.check_guest('200 websockets')
         for line in filter(None, lines):
             line.close()
 

@@ -98,7 +98,7 @@ def strike(kill):
                 output.seek(0)
                 found.append('it did not end within %d s:\n%s' % (ENDS_S, output.read()))
             took = time.monotonic() - began
-        left = left_of(mark)
+        left = kill_leftovers(mark)
         if left:
             found.append('these processes are left: ' + ', '.join(' '.join(each) for each in left))
         output.seek(0)
@@ -113,11 +113,11 @@ def strike(kill):
         return took, ['%s: %s' % (kill, each) for each in found]
 
 
-def left_of(mark, seconds=ENDS_S):
+def kill_leftovers(mark, seconds=ENDS_S):
     """Kill the processes with that variable that do not end by themselves in time; returns their commands."""
     end = time.monotonic() + seconds
     while True:
-        marked = [each for each in psutil.process_iter() if _has(each, mark)]
+        marked = [each for each in psutil.process_iter() if _has_variable(each, mark)]
         if not marked or time.monotonic() > end:
             break
         time.sleep(0.1)
@@ -129,7 +129,7 @@ def left_of(mark, seconds=ENDS_S):
     return commands
 
 
-def _has(process, mark):
+def _has_variable(process, mark):
     try:
         with open('/proc/%d/environ' % process.pid) as file:
             return mark in file.read().split('\0')

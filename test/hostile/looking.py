@@ -55,7 +55,7 @@ MODELS = {               # {name: (distortion, is_fisheye)} of lenses
     'wild': (None, None)}
 
 
-class Looking:
+class Pipeline:
     """A detector, a tracker and a pose estimator that get one picture after the other.
 
     A RandomState chooses all their settings.
@@ -100,7 +100,7 @@ class Looking:
                            [0, self._focal * width, self._middle * (height - 1)], [0, 0, 1]])
         return Lens(width, height, matrix, np.array(distortion, np.float64), fisheye)
 
-    def look(self, picture):
+    def faults(self, picture):
         """Process a Picture; returns sentences about wrong results."""
         try:
             with np.errstate(divide='raise', invalid='raise', over='raise'):
@@ -265,10 +265,10 @@ def watch(seed, number):
     poses) found, the CPU seconds, and sentences about wrong results.
     """
     random = np.random.RandomState([seed, number])
-    looking = Looking(random)
+    pipeline = Pipeline(random)
     big = number % BIG_EVERY == BIG_EVERY - 1
     size = (1920, 1080) if big else (int(random.randint(96, 320)), int(random.randint(80, 240)))
-    for picture in sequence(random, looking.dictionary, 4 if big else PICTURES_EACH, size):
-        before, began = looking.found, time.process_time()
-        faults = looking.look(picture)
-        yield picture.kind, looking.found - before, time.process_time() - began, faults
+    for picture in sequence(random, pipeline.dictionary, 4 if big else PICTURES_EACH, size):
+        before, began = pipeline.found, time.process_time()
+        faults = pipeline.faults(picture)
+        yield picture.kind, pipeline.found - before, time.process_time() - began, faults

@@ -14,7 +14,7 @@ from .scenes import NAMES, SHARES, any_place, canvas_of
 Picture = namedtuple('Picture', 'kind frame stamp')
 
 
-def _moved(random, size, strong):
+def _motion(random, size, strong):
     """(3, 3): a homography that moves pixels as a small motion of the camera does, or rarely a jerk."""
     width, height = size
     scale = random.choice([0.004, 0.03, 0.03, 0.3]) * strong
@@ -65,10 +65,10 @@ def sequence(random, dictionary, count, size):
             canvas = canvas_of(kind, random, dictionary, size)
         else:  # another canvas of the same size
             canvas = cv2.resize(canvas_of(kind, random, dictionary, size), canvas.shape[::-1])
-        motion, speed = np.eye(3), _moved(random, canvas.shape[::-1], 0.2)
+        motion, speed = np.eye(3), _motion(random, canvas.shape[::-1], 0.2)
         for _ in range(min(count, int(random.choice([1, 3, 8])))):
             yield Picture(kind, _seen(cv2.warpPerspective(
                 canvas, motion, canvas.shape[::-1], borderMode=cv2.BORDER_REPLICATE), random), stamp)
-            motion = (_moved(random, canvas.shape[::-1], 1.0) if random.rand() < 0.1 else speed) @ motion
+            motion = (_motion(random, canvas.shape[::-1], 1.0) if random.rand() < 0.1 else speed) @ motion
             stamp = _later(stamp, random)
             count -= 1

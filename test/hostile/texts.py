@@ -5,7 +5,7 @@ AREA = 'ids: [1, 2, 3, 4]'
 START = 'start: {x: 0, y: 0, heading: 0}\n'
 
 
-def _laughs(names, form):
+def _billion_laughs(names, form):
     """Each name stands for nine copies of the name before."""
     return ''.join('%s: &%s %s\n' % (after, after, form % ','.join(['*' + before] * 9))
                    for before, after in zip(names, names[1:]))
@@ -13,8 +13,8 @@ def _laughs(names, form):
 
 # Short texts that expand enormously, or refer to themselves, and long or deep ones.
 ENDLESS = {
-    'laughs': 'a: &a [x,x,x,x,x,x,x,x,x]\n' + _laughs('abcdefghijklmnopq', '[%s]') + 'tags: [{id: *q}]',
-    'merged laughs': 'a: &a {x: 1}\n' + _laughs('abcdefghijklmn', '{<<: [%s]}'),
+    'laughs': 'a: &a [x,x,x,x,x,x,x,x,x]\n' + _billion_laughs('abcdefghijklmnopq', '[%s]') + 'tags: [{id: *q}]',
+    'merged laughs': 'a: &a {x: 1}\n' + _billion_laughs('abcdefghijklmn', '{<<: [%s]}'),
     'circle': 'areas: &a [*a]\ntags: [*a]\nlegs: [*a]\n',
     'deep': 'areas: ' + '[' * 9000,
     'deep maps': 'tags: ' + '{a: ' * 9000,

@@ -32,13 +32,13 @@ NAMES += [Config(ints=[IntParameter('groups', 1)]), Config(bools=[BoolParameter(
           Config(doubles=[DoubleParameter('name %d' % number, number) for number in range(1000)])]
 
 
-def wish(name, value):
+def config_with(name, value):
     """The Config that sets a parameter to a text, float, int or bool."""
     fields, kind = KINDS[type(value)]
     return Config(**{fields: [kind(name, value)]})
 
 
-def answered(config):
+def values_of(config):
     """{name: value} of a Config."""
     return {item.name: item.value for fields, _ in KINDS.values() for item in getattr(config, fields)}
 

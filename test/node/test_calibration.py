@@ -73,11 +73,11 @@ def test_a_wrong_camera_info_is_explained(message, words):
     assert error.value.kind
 
 
-@pytest.mark.parametrize('topic, wish, rectified', [
+@pytest.mark.parametrize('topic, setting, rectified', [
     ('/camera/rgb/image_raw', 'auto', False), ('/camera/rgb/image_rect_color', 'auto', True),
     ('/camera/image_rect', 'auto', True), ('/camera/image_rect', False, False), ('/usb/image', True, True)])
-def test_a_rectified_topic_is_recognized_by_its_name(topic, wish, rectified):
-    settings = read(PoseSettings, {'rectified': wish}.get)
+def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
+    settings = read(PoseSettings, {'rectified': setting}.get)
     calibration = Calibration(settings, topic)
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'

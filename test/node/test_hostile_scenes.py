@@ -9,10 +9,10 @@ from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.tags import detector
 from aruco_ar.tags.tag import square
-from hostile.looking import Looking, watch
+from hostile.looking import Pipeline, watch
 from hostile.scenes import NAMES, canvas_of, put, turned_square
 from hostile.sequences import Picture
-from rig.posing import PINHOLE, off
+from rig.posing import PINHOLE, pose_error
 
 FACING = np.diag([1.0, -1, -1])
 
@@ -21,10 +21,10 @@ FACING = np.diag([1.0, -1, -1])
 def test_a_hostile_picture_gives_no_wrong_results(kind):
     random = np.random.RandomState([3, NAMES.index(kind)])
     for _ in range(3):
-        looking = Looking(random)
-        canvas = canvas_of(kind, random, looking.dictionary, (200, 150))
+        pipeline = Pipeline(random)
+        canvas = canvas_of(kind, random, pipeline.dictionary, (200, 150))
         for stamp in range(3):
-            assert looking.look(Picture(kind, cv2.cvtColor(canvas, cv2.COLOR_GRAY2BGR), stamp / 30)) == []
+            assert pipeline.faults(Picture(kind, cv2.cvtColor(canvas, cv2.COLOR_GRAY2BGR), stamp / 30)) == []
 
 
 def test_sequences_of_hostile_pictures_give_no_wrong_results():
@@ -149,4 +149,4 @@ def test_a_tag_that_leans_exactly_about_its_own_edge_has_a_pose(slant):
         truth = lean @ rotation_matrices(np.array([[0, 0, turn]]))[0] @ FACING, np.array([0, 0, 0.5])
         tag = Tag(1, PINHOLE.project(square([0.18])[0] @ truth[0].T + truth[1]))
         pose, = PoseEstimator(0.18).update([tag], PINHOLE, 0.0)
-        assert off(pose, truth)[0] < 1e-4 and off(pose, truth)[1] < 0.01
+        assert pose_error(pose, truth)[0] < 1e-4 and pose_error(pose, truth)[1] < 0.01

@@ -11,13 +11,13 @@ from rig.started import Started, stop_all
 VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'far_viewer.py')
 
 
-class Far:
+class Fleet:
     """A base station with a roscore, and its robots, each with a simulated camera."""
 
     def __init__(self, made, radios):
         (self.base, *self.robots), self.radios, self.running = made, radios, []
 
-    def begin(self, of_robots, of_base):
+    def start(self, of_robots, of_base):
         """Start everything; for the arguments see running_fleet."""
         self.running.append(Started(*self.base.command('roscore')))
         self.running[0].wait_for('started core service')
@@ -35,34 +35,34 @@ class Far:
         self.running.append(Started(*self.base.command(sys.executable, VIEWER, *pairs)))
         return self.running[-1]
 
-    def sent(self):
+    def bytes_sent(self):
         """The number of bytes that the robots have sent so far."""
         return sum(robot.bytes_to(BASE) for robot in self.robots)
 
 
-def views(viewer, after=0):
+def frames_seen(viewer, after=0):
     """What a viewer has seen: (topic, stamp, age, painted share or None) of each frame."""
     return [json.loads(line) for line in viewer.lines[after:] if line.startswith('[')]
 
 
-def seconds_of(far, viewer, seconds):
+def observe(fleet, viewer, seconds):
     """The frames seen and the number of bytes sent within this many seconds."""
-    seen, sent = len(viewer.lines), far.sent()
+    seen, sent = len(viewer.lines), fleet.bytes_sent()
     time.sleep(seconds)
-    return views(viewer, seen), far.sent() - sent
+    return frames_seen(viewer, seen), fleet.bytes_sent() - sent
 
 
 @contextmanager
-def far(robots, of_robots=(), of_base=(), loss=LOSS):
+def running_fleet(robots, of_robots=(), of_base=(), loss=LOSS):
     """A Fleet that runs during the block.
 
 ``of_robots``, ``of_base``: arguments of robot.launch and base_station.launch. Raises OSError or
 CalledProcessError if hosts cannot be created.
 """
     with hosts(robots, loss) as (made, radios):
-        found = Far(made, radios)
+        found = Fleet(made, radios)
         try:
-            found.begin(of_robots, of_base)
+            found.start(of_robots, of_base)
             yield found
         finally:
             stop_all(reversed(found.running[1:]))

@@ -64,7 +64,7 @@ def hosts(robots, loss=LOSS):
         yield made, radios
 
 
-def until_it_ends(test, context):
+def enter_or_skip(test, context):
     """Enter a context manager until the test ends, or skip the test if hosts cannot be created."""
     stack = ExitStack()
     try:

@@ -77,7 +77,7 @@ class Connections(rospy.SubscribeListener):
                 raise AssertionError('%d subscribers, not %d' % (self.count, count))
 
 
-class Diagnoses:
+class Diagnostics:
     """What /diagnostics reports about nodes."""
 
     def __init__(self):

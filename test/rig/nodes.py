@@ -92,20 +92,20 @@ class NodeTest(unittest.TestCase):
         self.running.append(inbox.subscriber)
         return inbox
 
-    def calibrate(self):
+    def publish_camera_info(self):
         """Publish the camera_info of a camera without distortion."""
         publisher = rospy.Publisher('/camera/rgb/camera_info', CameraInfo, latch=True, queue_size=1)
         self.running.append(publisher)
         publisher.publish(camera_info(Camera(), Header()))
 
-    def before_camera(self, name, *arguments, topics=('image',), **others):
+    def start_before_camera(self, name, *arguments, topics=('image',), **others):
         """Start a node before a camera; subscribe to its images, ~tags and ``others``, {topic: type}."""
         self.publisher, self.connections = self.camera()
         self.node = self.start(name + '.py', *arguments)
         kinds = dict(dict.fromkeys(topics, Image), tags=TagArray, **others)
-        self.attend({topic: self.listen('/%s/%s' % (name, topic), kind) for topic, kind in kinds.items()})
+        self.use_inboxes({topic: self.listen('/%s/%s' % (name, topic), kind) for topic, kind in kinds.items()})
 
-    def attend(self, inboxes):
+    def use_inboxes(self, inboxes):
         """Let answer_to take the answers from these inboxes, {name: Inbox}, and wait until each gets some."""
         self._inboxes = inboxes
         for inbox in inboxes.values():
@@ -128,7 +128,7 @@ class NodeTest(unittest.TestCase):
         self.publisher.publish(image_from_frame(frame, Header(stamp=stamp, frame_id='eye')))
         return stamp
 
-    def see(self, frame, *topics, stamp=None):
+    def answer_to(self, frame, *topics, stamp=None):
         """The node's answers to a frame on these topics, or that on ~image."""
         stamp = self.show(frame, stamp)
         answers = []
@@ -139,9 +139,9 @@ class NodeTest(unittest.TestCase):
             answers.append(frame_from_image(message) if isinstance(message, Image) else message)
         return answers if topics else answers[0]
 
-    def sees(self, frame):
+    def ids_seen(self, frame):
         """The sorted ids of the tags that the node finds in a frame."""
-        return sorted(tag.id for tag in self.see(frame, 'tags')[0].tags)
+        return sorted(tag.id for tag in self.answer_to(frame, 'tags')[0].tags)
 
     def assert_painted(self, image, frame):
         """Assert that the image differs from the frame in the area, and only there."""

@@ -13,19 +13,19 @@ NOISE_PX = 0.03
 AREA = [1, 2, 3, 4]
 
 
-def off(pose, truth):
+def pose_error(pose, truth):
     """(meters, degrees): how far off a pose is."""
     error = error_of(pose.rotation, pose.translation, truth)
     return np.linalg.norm(error[:3]), np.degrees(np.linalg.norm(error[3:]))
 
 
-def surprise(pose, truth):
+def nees(pose, truth):
     """The normalized estimation error squared: 6 on average if the pose's covariance is right."""
     error = error_of(pose.rotation, pose.translation, truth)
     return error @ np.linalg.inv(pose.covariance) @ error
 
 
-def seen_from(view):
+def camera_pose(view):
     """(R, t): the camera's true pose in wall coordinates."""
     return view[0].T, -view[0].T @ view[1]
 

@@ -4,12 +4,12 @@ import pytest
 from aruco_ar import Lens, PoseEstimator
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Pose, wall_to_camera
-from rig.posing import PINHOLE, off, surprise, tag_at
+from rig.posing import PINHOLE, nees, pose_error, tag_at
 
 SIDE = 0.1  # meters, of the tags
 LARGE = Lens(1920, 1080, np.array([[1200, 0, 959.5], [0, 1200, 539.5], [0, 0, 1.0]]), np.zeros(5))
 BOX = 0.05  # meters
-HONEST = 60.0  # of the NEES: only a wrong pose with a too small covariance has more
+MAX_NEES = 60.0  # of the NEES: only a wrong pose with a too small covariance has more
 SPACED = {1: (-0.2, 0, 0), 2: (0.2, 0, 0), 3: (0, 0.3, 0)}
 FACING = np.diag([1.0, -1.0, -1.0])  # the rotation of a camera that faces the wall
 
@@ -45,18 +45,18 @@ def approach(estimator, places, random, count=160):
 @pytest.mark.parametrize('box', [1, 2])
 def test_a_tag_on_a_box_is_not_on_the_wall(ids, box, random):
     places = {tag_id: np.add(SPACED[tag_id], [0, 0, BOX * (tag_id == box)]) for tag_id in ids}
-    estimator, cameras, surprises, last = PoseEstimator(SIDE), [], [], None
+    estimator, cameras, nees_values, last = PoseEstimator(SIDE), [], [], None
     for poses, truths, (rotation, place) in approach(estimator, places, random):
-        surprises += [surprise(pose, truth) for pose, truth in zip(poses, truths)]
+        nees_values += [nees(pose, truth) for pose, truth in zip(poses, truths)]
         last = estimator.camera()
         if last:
             first = min(set(ids) - {box})  # the wall has the axes of this tag
-            cameras.append(surprise(last, (rotation, place - places[first])))
-    assert max(surprises) < HONEST
+            cameras.append(nees(last, (rotation, place - places[first])))
+    assert max(nees_values) < MAX_NEES
     if len(ids) == 2:
         assert not cameras  # nothing shows which of the two is on the wall
     else:
-        assert len(cameras) > 80 and max(cameras) < HONEST
+        assert len(cameras) > 80 and max(cameras) < MAX_NEES
         assert set(last.ids) == set(ids) - {box}
 
 
@@ -69,7 +69,7 @@ def test_a_tag_on_a_thin_box_is_dropped_from_the_wall_when_the_camera_comes_near
             learned.append(camera.ids)
             if place[2] < 1.65:
                 assert camera.ids == (1, 3)
-                assert surprise(camera, (rotation, place - places[1])) < HONEST
+                assert nees(camera, (rotation, place - places[1])) < MAX_NEES
     assert (1, 2, 3) in learned and learned[-1] == (1, 3)
 
 
@@ -109,8 +109,8 @@ def test_the_wall_does_not_drift_while_its_first_tag_is_out_of_sight(random):
         _, _, truth = estimate(estimator, {tag_id: places[tag_id] for tag_id in ids}, place,
                            0.1 * np.sin(number / 25), number, random)
         if number > 60:
-            assert off(estimator.camera(), truth)[0] < 0.015
-            assert surprise(estimator.camera(), truth) < HONEST
+            assert pose_error(estimator.camera(), truth)[0] < 0.015
+            assert nees(estimator.camera(), truth) < MAX_NEES
 
 
 @pytest.mark.long
@@ -120,5 +120,5 @@ def test_a_long_wall_is_learned_while_driving_past(random):
     for number in range(230):
         _, _, truth = estimate(estimator, places, [0.02 * number, 0, 0.6], 0.0, number, random)
         if number >= 5:
-            assert surprise(estimator.camera(), truth) < HONEST
+            assert nees(estimator.camera(), truth) < MAX_NEES
     assert 19 in estimator.camera().ids

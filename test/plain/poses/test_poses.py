@@ -9,7 +9,7 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from drives import LIVELY
 from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
-from rig.posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
+from rig.posing import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
 
 
 @pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])
@@ -17,18 +17,18 @@ from rig.posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag
 @pytest.mark.parametrize('ids', [[ALONE], AREA], ids=['one tag', 'four tags'])
 def test_poses_of_the_simulated_wall_are_accurate(camera, meters, place, turn, ids):
     renderer, detector = WallRenderer(TAGS_WALL, camera, noise=2.0), Detector(ids=ids)
-    estimator, errors, surprises = PoseEstimator(SIDE), [], []
+    estimator, errors, nees_values = PoseEstimator(SIDE), [], []
     for number, view in enumerate(past(meters, 40)):
         tags = detector.detect(renderer.render(*view))
         for pose in estimator.update(tags, lens_of(camera), number / 30):
             truth = true_pose(next(tag for tag in TAGS_WALL.tags if tag.id == pose.id), *view)
             if pose.id == ALONE:
-                errors.append(off(pose, truth))
-            surprises.append(surprise(pose, truth))
+                errors.append(pose_error(pose, truth))
+            nees_values.append(nees(pose, truth))
     assert len(errors) > 20
     assert np.max(errors, axis=0)[0] < place
     assert np.max(errors, axis=0)[1] < turn
-    assert np.mean(surprises) < 9
+    assert np.mean(nees_values) < 9
 
 
 def test_ignoring_the_distortion_would_give_wrong_poses():
@@ -38,7 +38,7 @@ def test_ignoring_the_distortion_would_give_wrong_poses():
     assert tags
 
     def worst(lens):
-        return max(off(pose, truth[pose.id])[0] for pose in PoseEstimator(SIDE).update(tags, lens, 0.0))
+        return max(pose_error(pose, truth[pose.id])[0] for pose in PoseEstimator(SIDE).update(tags, lens, 0.0))
     assert worst(lens_of(BENT)) < 0.003
     assert worst(PINHOLE) > 0.02
 
@@ -52,7 +52,7 @@ def test_a_lone_tag_does_not_flip_unlike_with_other_solvers():
     for number, view in enumerate(past(4.0, 300)):
         frame, truth = renderer.render(*view), true_pose(tag, *view)
         tags = [tag for tag in detector.detect(frame) if tag.id == ALONE]
-        ours += [off(pose, truth)[1] for pose in estimator.update(tags, PINHOLE, number / 30)]
+        ours += [pose_error(pose, truth)[1] for pose in estimator.update(tags, PINHOLE, number / 30)]
         found = others.poses(frame, PINHOLE)['IPPE_SQUARE'].get(ALONE)
         if found:
             theirs.append(np.degrees(np.linalg.norm(error_of(*found, truth)[3:])))
@@ -72,7 +72,7 @@ def test_a_tracked_tag_does_not_flip_unlike_in_single_frames(random):
             if fresh:
                 estimator.reset()
             pose, = estimator.update([tag_at(4, truth, random, noise=0.3)], PINHOLE, number / 30)
-            found.append((off(pose, truth)[1] > 25, pose.ambiguity, surprise(pose, truth)))
+            found.append((pose_error(pose, truth)[1] > 25, pose.ambiguity, nees(pose, truth)))
         return np.array(found[30:])
     single, followed = flips(True), flips(False)
     assert single[:, 0].sum() >= 3
@@ -83,15 +83,15 @@ def test_a_tracked_tag_does_not_flip_unlike_in_single_frames(random):
 @pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learned', 'given'])
 @pytest.mark.parametrize('noise', [0.03, 0.2])
 def test_covariances_match_the_errors(ids, wall, noise, random):
-    surprises, cameras = [], []
+    nees_values, cameras = [], []
     for trial in range(3):
         for number, (poses, truths, view, camera) in enumerate(drive(
                 PoseEstimator(SIDE, wall=wall), random, ids=ids, count=50, first=100 * trial, noise=noise)):
             if number >= 10:  # by then the accuracy of the corners is learned
-                surprises += [surprise(pose, truth) for pose, truth in zip(poses, truths)]
+                nees_values += [nees(pose, truth) for pose, truth in zip(poses, truths)]
                 if camera and wall and noise < 0.1:  # more noise makes turns too large for a linear model
-                    cameras.append(surprise(camera, seen_from(view)))
-    assert 2 < np.mean(surprises) < 9
+                    cameras.append(nees(camera, camera_pose(view)))
+    assert 2 < np.mean(nees_values) < 9
     assert not cameras or 2 < np.mean(cameras) < 9
 
 
@@ -111,7 +111,7 @@ def test_each_tag_may_have_its_own_size(random):
     tags = [tag_at(1, truth, random, size=0.1), tag_at(2, truth, random, size=0.3)]
     for pose, size in zip(PoseEstimator(0.1, sizes={2: 0.3}).update(tags, PINHOLE, 0.0), (0.1, 0.3)):
         assert pose.size == size
-        assert off(pose, truth)[0] < 0.005
+        assert pose_error(pose, truth)[0] < 0.005
     assert PoseEstimator(0.2).update(tags, PINHOLE, 0.0)[0].translation[2] == pytest.approx(3.0, rel=0.01)
 
 
@@ -122,8 +122,8 @@ def test_each_tag_may_have_its_own_size(random):
 def test_other_lens_models_are_supported(lens, random):
     truth = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.3, -0.2, 1.5])
     pose, = PoseEstimator(SIDE).update([tag_at(1, truth, random, lens, noise=0)], lens, 0.0)
-    assert off(pose, truth)[0] < 0.005  # the correction of bulging edges adds an error here
-    assert off(pose, truth)[1] < 0.5
+    assert pose_error(pose, truth)[0] < 0.005  # the correction of bulging edges adds an error here
+    assert pose_error(pose, truth)[1] < 0.5
 
 
 @pytest.mark.parametrize('corners', [

@@ -9,12 +9,12 @@ from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
 from poses import SIDE, TAGS_WALL, true_pose
-from rig.posing import AREA, PINHOLE, drive, off, on_wall, seen_from, surprise, tag_at
+from rig.posing import AREA, PINHOLE, camera_pose, drive, nees, on_wall, pose_error, tag_at
 
 
 def test_several_tags_on_a_wall_improve_each_others_poses(random):
     def typical(ids):
-        return np.median([off(poses[0], truths[0])[1] for poses, truths, _, _ in
+        return np.median([pose_error(poses[0], truths[0])[1] for poses, truths, _, _ in
                           drive(PoseEstimator(SIDE), random, ids=ids, noise=0.2)][10:])
     assert typical(AREA) < 0.4 * typical([1])
 
@@ -26,8 +26,9 @@ def test_a_learned_wall_gives_the_same_poses_as_a_given_one(random):
         if camera:
             assert set(camera.ids) == set(AREA)
             first = on_wall(1)[1]  # the learned wall has the axes of this tag
-            rotation, place = seen_from(view)
-            errors.append(off(camera, (rotation, place - first)) + off(given.camera(), (rotation, place)))
+            rotation, place = camera_pose(view)
+            errors.append(pose_error(camera, (rotation, place - first))
+                          + pose_error(given.camera(), (rotation, place)))
     assert len(errors) > 50
     assert np.max(errors[5:], axis=0)[0] < 0.01 and np.max(errors[5:], axis=0)[1] < 0.3
     assert np.max(errors[5:], axis=0)[2] < 0.005 and np.max(errors[5:], axis=0)[3] < 0.15
@@ -39,7 +40,7 @@ def test_a_given_wall_locates_the_camera_by_one_tag_in_the_first_frame(random):
     pose, = estimator.update([tag_at(7, true_pose(turned_tag.tags[0], *view), random, size=0.3)], PINHOLE, 0.0)
     assert pose.size == 0.3
     assert estimator.camera().ids == (7,)
-    assert off(estimator.camera(), seen_from(view))[0] < 0.01
+    assert pose_error(estimator.camera(), camera_pose(view))[0] < 0.01
 
 
 @pytest.mark.parametrize('shift, turn', [
@@ -49,7 +50,7 @@ def test_a_tag_off_the_plane_of_the_wall_keeps_its_own_pose(shift, turn, random)
     estimator = PoseEstimator(SIDE)
     for poses, truths, _, _ in drive(estimator, random, lambda number: moved):
         for pose, truth in zip(poses, truths):
-            assert off(pose, truth)[0] < 0.01 and off(pose, truth)[1] < 2
+            assert pose_error(pose, truth)[0] < 0.01 and pose_error(pose, truth)[1] < 2
     assert set(estimator.camera().ids) == {1, 2, 4}
 
 
@@ -61,7 +62,7 @@ def test_a_moved_tag_is_dropped_from_the_wall_until_it_is_learned_again(moved, w
             estimator, random, lambda number: {moved: on_wall(moved, (0.05, 0, 0))} if number >= at else {},
             count=80)):
         for pose, truth in zip(poses, truths):
-            assert off(pose, truth)[0] < 0.01 and off(pose, truth)[1] < 2
+            assert pose_error(pose, truth)[0] < 0.01 and pose_error(pose, truth)[1] < 2
         if at <= number < at + 15:
             assert set(camera.ids) == set(AREA) - {moved}
     assert set(camera.ids) == set(AREA)
@@ -74,7 +75,7 @@ def test_a_wall_whose_tags_are_all_rearranged_is_learned_again(random):
     cameras = []
     for poses, truths, _, camera in drive(PoseEstimator(SIDE), random, places, count=60):
         cameras.append(camera)
-        assert max(off(pose, truth)[0] for pose, truth in zip(poses, truths)) < 0.01
+        assert max(pose_error(pose, truth)[0] for pose, truth in zip(poses, truths)) < 0.01
     assert not any(cameras[30:45]) and all(cameras[-10:])
 
 
@@ -92,30 +93,30 @@ def test_more_tags_join_the_wall_and_may_come_and_go(random):
     list(drive(estimator, random, count=20, first=20))
     for _, _, view, camera in drive(estimator, random, ids=[3, 4], count=20, first=40):
         assert set(camera.ids) == {3, 4}
-        rotation, place = seen_from(view)
-        assert off(camera, (rotation, place - on_wall(1)[1]))[0] < 0.02
+        rotation, place = camera_pose(view)
+        assert pose_error(camera, (rotation, place - on_wall(1)[1]))[0] < 0.02
 
 
 def test_tags_with_the_same_id_are_not_used_for_the_wall(random):
     estimator = PoseEstimator(SIDE)
     for poses, truths, _, _ in drive(estimator, random, ids=[1, 2, 3, 3, 4], count=20):
-        assert max(off(pose, truth)[0] for pose, truth in zip(poses, truths)) < 0.01
+        assert max(pose_error(pose, truth)[0] for pose, truth in zip(poses, truths)) < 0.01
     assert set(estimator.camera().ids) == {1, 2, 4}
 
 
 @pytest.mark.parametrize('known', [None, TAGS_WALL], ids=['learned', 'given'])
 def test_the_pose_of_the_area_is_accurate(known, random):
-    estimator, surprises = PoseEstimator(SIDE, wall=known), []
+    estimator, nees_values = PoseEstimator(SIDE, wall=known), []
     corners = TAGS_WALL.area_corners
     for number, (_, _, view, _) in enumerate(drive(estimator, random, count=40)):
         pixels = project(corners, *view, Camera())[0] + random.normal(0, 0.05, (4, 2))
         pose = estimator.area(Area(np.float32(pixels)), PINHOLE)
         if number > 5:
             truth = view[0], view[0] @ corners.mean(axis=0) + view[1]
-            assert off(pose, truth)[0] < 0.01 and off(pose, truth)[1] < 0.3
+            assert pose_error(pose, truth)[0] < 0.01 and pose_error(pose, truth)[1] < 0.3
             assert pose.width == pytest.approx(0.9, abs=0.003) and pose.height == pytest.approx(0.6, abs=0.003)
-            surprises.append(surprise(pose, truth))
-    assert np.mean(surprises) < 9
+            nees_values.append(nees(pose, truth))
+    assert np.mean(nees_values) < 9
 
 
 def test_an_area_without_a_wall_has_no_pose(random):

@@ -10,7 +10,7 @@ import rostest
 from aruco_ar.base.files import package_folder
 from aruco_node.messages.images import frame_from_image
 from PIL import Image as PillowImage
-from rig.listening import Diagnoses
+from rig.listening import Diagnostics
 from rig.nodes import NodeTest
 from rig.started import WAIT_S, Started
 from sensor_msgs.msg import Image
@@ -70,8 +70,8 @@ class BagLoops(NodeTest):
     def play(self, simulated):
         rospy.set_param('/use_sim_time', simulated)
         self.addCleanup(rospy.delete_param, '/use_sim_time')
-        diagnoses, rounds = Diagnoses(), Rounds()
-        self.running += [diagnoses.subscriber, rounds]
+        diagnostics, rounds = Diagnostics(), Rounds()
+        self.running += [diagnostics.subscriber, rounds]
         nodes = [self.start('exercise5_6.py', '_transport:=compressed', '_picture:=' + self.clip),
                  self.start('tag_poses.py', '_transport:=compressed')]
         bag = os.path.join(package_folder(), 'test/bags/drive_compressed.bag')
@@ -80,7 +80,7 @@ class BagLoops(NodeTest):
         for number in 1, 2:  # after the first jump back in time, and after the second
             rounds.wait(number)
             for node in 'exercise5_6', 'tag_poses':
-                diagnoses.wait_for_frames(node)
+                diagnostics.wait_for_frames(node)
         for node in nodes:
             self.assertFalse([line for line in node.lines if 'ERROR' in line or 'Traceback' in line])
 

@@ -53,7 +53,7 @@ class DiskFull(NodeTest):
             target=lambda: answers.append(rospy.ServiceProxy('/exercise5_6/snapshot', Trigger)()))
         calling.start()
         while calling.is_alive():
-            self.assert_painted(self.see(scene()), scene())
+            self.assert_painted(self.answer_to(scene()), scene())
         return answers[0]
 
     def assert_refused(self, why, remedy):
@@ -62,7 +62,7 @@ class DiskFull(NodeTest):
         self.assertRegex(answer.message, 'Cannot write "%s/exercise5_6_.*png": %s. %s' % (
             self.folder, why, remedy))
         self.assertEqual(self.written(), [])
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
 
     def assert_taken(self):
         answer = self.snapshot()
@@ -77,7 +77,7 @@ class DiskFull(NodeTest):
 
     def test_a_snapshot_is_taken_once_there_is_room_for_all_of_it(self):
         self.mount()
-        self.before_camera('exercise5_6', '_folder:=' + self.folder)
+        self.start_before_camera('exercise5_6', '_folder:=' + self.folder)
         # The frame takes less than 20 000 bytes, and with the image more than 100 000.
         for room in 0, PAGE_BYTES, 10 * PAGE_BYTES:
             self.fill(room)
@@ -91,9 +91,9 @@ class DiskFull(NodeTest):
         self.node = Started(
             'bash', '-c', 'ulimit -f 40; exec rosrun unit5 exercise5_6.py _folder:=' + self.folder)
         self.running.append(self.node)
-        self.attend({'image': self.listen('/exercise5_6/image'),
+        self.use_inboxes({'image': self.listen('/exercise5_6/image'),
                      'tags': self.listen('/exercise5_6/tags', TagArray)})
-        self.see(scene())  # by then the earlier frames, in which nothing was painted, are answered
+        self.answer_to(scene())  # by then the earlier frames, in which nothing was painted, are answered
         self.assert_refused('File too large', 'Choose another place')
         self.assert_no_traceback()
 

@@ -37,7 +37,7 @@ class HostileMessages(NodeTest):
         self.infos = rospy.Publisher('/camera/rgb/camera_info', CameraInfo, latch=True, queue_size=1)
         self.running.append(self.infos)
         self.publish_info(**changes)
-        self.before_camera('tag_poses', poses=TagPoseArray)
+        self.start_before_camera('tag_poses', poses=TagPoseArray)
         self.assertTrue(self.gives_poses())
 
     def publish_info(self, **changes):
@@ -48,7 +48,7 @@ class HostileMessages(NodeTest):
 
     def gives_poses(self):
         """Whether the tags of a frame get poses; these must be finite."""
-        self.see(scene(), 'tags')
+        self.answer_to(scene(), 'tags')
         posed = [message.tags for message in self.received('poses')]
         for tags in posed:
             for tag in tags:
@@ -68,11 +68,11 @@ class HostileMessages(NodeTest):
 
     def test_an_empty_image_does_not_end_the_node(self):
         """It aborts aruco_ros and apriltag_ros."""
-        self.before_camera('tag_poses')
+        self.start_before_camera('tag_poses')
         for _ in range(3):
             self.publisher.publish(Image(encoding='bgr8'))
             self.node.wait_for('0 x 0 pixels is empty')
-            self.assertEqual(self.sees(scene()), IDS)
+            self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertEqual(len(self.logged('0 x 0 pixels is empty')), 1)
 
     def test_an_empty_list_of_coefficients_is_accepted(self):
@@ -82,11 +82,11 @@ class HostileMessages(NodeTest):
     def test_all_five_coefficients_are_used(self):
         """aruco_ros ignores all of them if there are five."""
         self.start_before_calibrated_camera()
-        straight = self.see(scene(), 'poses')[0].tags
+        straight = self.answer_to(scene(), 'poses')[0].tags
         self.publish_info(D=[-0.3, 0.1, 0.0, 0.0, 0.02])
 
         def bent():
-            tags = self.see(scene(), 'poses')[0].tags
+            tags = self.answer_to(scene(), 'poses')[0].tags
             return abs(tags[0].pose.pose.position.x - straight[0].pose.pose.position.x) > 0.005
         until(bent)
 
@@ -94,16 +94,16 @@ class HostileMessages(NodeTest):
         """aruco_ros publishes NaN, and ar_track_alvar never recovers."""
         self.start_before_calibrated_camera()
         self.publish_info(K=[0.0] * 9)
-        until(lambda: self.see(scene(), 'tags') and self.logged('K is not a camera matrix'))
+        until(lambda: self.answer_to(scene(), 'tags') and self.logged('K is not a camera matrix'))
         self.received('poses')
-        self.assertEqual(self.sees(scene()), IDS)
+        self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertFalse(self.received('poses'))
         self.publish_info()
         until(self.gives_poses)
 
     def test_yuv422_is_decoded(self):
         """It aborts apriltag_ros."""
-        self.before_camera('exercise5_2')
+        self.start_before_camera('exercise5_2')
         gray = np.uint8(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY) * (219 / 255) + 16)
         pair = [np.full_like(gray, 128), gray]
         for encoding, order in (('yuv422', pair), ('yuv422_yuy2', pair[::-1])):
@@ -113,7 +113,7 @@ class HostileMessages(NodeTest):
 
     def test_16_bit_images_are_scaled_and_floats_are_refused(self):
         """apriltag_ros reads both as 8 bits, without a warning."""
-        self.before_camera('exercise5_2')
+        self.start_before_camera('exercise5_2')
         gray = np.uint16(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)) * 257
         for big in (0, 1):
             answer, ids = self.see_image(gray.byteswap() if big else gray, 'mono16', big)
@@ -124,12 +124,12 @@ class HostileMessages(NodeTest):
         for _ in range(3):
             self.publish_image(floats, '32FC1')
             self.node.wait_for('32FC1')
-            self.assertEqual(self.sees(scene()), IDS)
+            self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertEqual(len(self.logged('encoding "32FC1" cannot be used. Set the camera driver')), 1)
 
     def test_without_subscribers_it_unsubscribes_from_the_camera(self):
         """aruco_detect continues to compute."""
-        self.before_camera('exercise5_6')
+        self.start_before_camera('exercise5_6')
         self.connections.wait(1)
         for inbox in self._inboxes.values():
             inbox.subscriber.unregister()
@@ -148,12 +148,12 @@ class HostileMessages(NodeTest):
         for stamp in (rospy.Time(2**31), rospy.Time(50)):
             self.show(scene(), wrong)
             self.node.wait_for('not a possible time. Check the clock')
-            self.see(scene(), 'tags', stamp=stamp)
-        self.assertEqual(self.sees(scene()), IDS)
+            self.answer_to(scene(), 'tags', stamp=stamp)
+        self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertEqual(len(self.logged('not a possible time')), 1)
         for _ in range(5):
-            self.see(scene(), 'tags', stamp=rospy.Time(2000))
-        self.see(scene(), 'tags', stamp=rospy.Time(2001))
+            self.answer_to(scene(), 'tags', stamp=rospy.Time(2000))
+        self.answer_to(scene(), 'tags', stamp=rospy.Time(2001))
         stamps = []
         while 2001 not in stamps:
             stamps.append(frames.next().transforms[0].header.stamp.to_sec())
@@ -174,11 +174,11 @@ class HostileMessages(NodeTest):
 
     def test_unreadable_messages_are_reported_once_and_the_next_one_is_answered(self):
         """rospy itself would try to read them again and again, and never get to another."""
-        self.before_camera('exercise5_2')
+        self.start_before_camera('exercise5_2')
         for data in (b'', b'x' * 7, b'\xff' * 100, bytes(12) + b'\xff' * 4):
             self.publisher.publish(Garbage(Image, data))
             self.node.wait_for('cannot be read')
-            self.assertEqual(self.sees(scene()), IDS)
+            self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertEqual(len(self.logged('cannot be read')), 1)
         self.assertLess(len(self.node.lines), LINES)
 

@@ -25,14 +25,14 @@ class Overload(NodeTest):
         self.assert_stale_frames_are_dropped('exercise5_6')
 
     def test_there_are_no_poses_of_a_stale_frame_if_a_newer_one_waits(self):
-        self.calibrate()
+        self.publish_camera_info()
         self.assert_stale_frames_are_dropped('tag_poses', poses=TagPoseArray)
 
     def assert_stale_frames_are_dropped(self, name, **others):
-        self.before_camera(name, **others)
+        self.start_before_camera(name, **others)
         camera, now = self.listen(CAMERA), time.time()
         for second in range(20):  # these frames are in time, since their stamps are in the future
-            self.see(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
+            self.answer_to(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
         os.killpg(self.node.process.pid, signal.SIGSTOP)
         old = self.show(scene(), rospy.Time(now - 100))
         # This is more than the buffers hold, so the node has read the old frame before all of it arrives.
@@ -48,9 +48,9 @@ class Overload(NodeTest):
                 self.assertNotEqual(stamp, old, topic)
 
     def assert_frames_are_dropped(self, name):
-        self.before_camera(name)
+        self.start_before_camera(name)
         camera, answers = self.listen(CAMERA), self._inboxes['tags']
-        self.see(scene())
+        self.answer_to(scene())
         os.killpg(self.node.process.pid, signal.SIGSTOP)
         stamps = [self.show(BLANK[:24, :32]) for _ in range(FRAMES)]  # all fit into the socket's buffer
         while camera.next().header.stamp != stamps[-1]:

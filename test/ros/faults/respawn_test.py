@@ -25,7 +25,7 @@ class Respawn(NodeTest):
         self.running.append(self.launched)
         self.inboxes = {topic: self.listen('/%s/%s' % (name, topic), kind)
                         for topic, kind in dict(others, image=Image, tags=TagArray).items()}
-        self.attend(self.inboxes)
+        self.use_inboxes(self.inboxes)
 
     def kill(self, name):
         """Kill a node, and wait until it has been started again and answers frames."""
@@ -36,7 +36,7 @@ class Respawn(NodeTest):
         self.launched.wait_for('[%s-' % name, 'process has died')
         self.connections.wait(0)
         self.connections.wait(1)
-        self.attend(self.inboxes)
+        self.use_inboxes(self.inboxes)
         _, _, other = ServerProxy(Master('/respawn_test').lookupNode('/' + name)).getPid('/respawn_test')
         self.assertNotEqual(other, pid)
 
@@ -47,23 +47,24 @@ class Respawn(NodeTest):
         changed = change('/exercise5_6', picture=picture_file(folder.name, 'blue.png', np.full((8, 8, 3), BLUE,
                          np.uint8)), opacity=0.5, dictionary='DICT_5X5_100', ids='4,3,2,1', hold=1.5)
         frame = scene(dictionary='DICT_5X5_100')
-        before = self.see(frame)
+        before = self.answer_to(frame)
         np.testing.assert_allclose(before[INSIDE].mean(axis=(0, 1)), np.array(BLUE) / 2 + GRAY / 2, atol=3)
         self.kill('exercise5_6')
-        np.testing.assert_array_equal(self.see(scene([1, 3], 'DICT_5X5_100')), scene([1, 3], 'DICT_5X5_100'))
+        two = scene([1, 3], 'DICT_5X5_100')
+        np.testing.assert_array_equal(self.answer_to(two), two)
         # Another kind of search found the tags, so they differ by thousandths of a pixel.
-        np.testing.assert_allclose(self.see(frame), before, rtol=0, atol=1.01)
+        np.testing.assert_allclose(self.answer_to(frame), before, rtol=0, atol=1.01)
         self.assertEqual(change('/exercise5_6'), changed)
 
     def test_the_poses_are_as_before(self):
-        self.calibrate()
+        self.publish_camera_info()
         self.launch('tag_poses', poses=TagPoseArray)
         changed = change('/tag_poses', tag_size=0.3, tag_sizes='2: 0.1')
-        before, = self.see(scene(), 'poses')
+        before, = self.answer_to(scene(), 'poses')
         self.assertEqual(sorted((tag.id, tag.size) for tag in before.tags),
                          [(1, .3), (2, .1), (3, .3), (4, .3)])
         self.kill('tag_poses')
-        after, = self.see(scene(), 'poses')
+        after, = self.answer_to(scene(), 'poses')
 
         def places(message):
             return {tag.id: (tag.pose.pose.position.x, tag.pose.pose.position.y, tag.pose.pose.position.z)

@@ -27,11 +27,11 @@ class Signals(NodeTest):
         for streams in '2>&1 | head -n 1', '> /dev/full 2>&1', '>&- 2>&- <&-':
             command = Started('bash', '-c', 'rosrun unit5 exercise5_6.py ' + streams)
             self.running.append(command)
-            self.attend({'image': self.listen('/exercise5_6/image'),
+            self.use_inboxes({'image': self.listen('/exercise5_6/image'),
                          'tags': self.listen('/exercise5_6/tags', TagArray)})
             for _ in range(3):
                 self.publisher.publish(Image())  # the node logs a line about this
-                self.assert_painted(self.see(scene()), scene())
+                self.assert_painted(self.answer_to(scene()), scene())
             command.stop()
             self.assertFalse(any('Traceback' in line for line in command.lines), command.lines)
 

@@ -4,7 +4,7 @@ import psutil
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from rig.listening import Diagnoses
+from rig.listening import Diagnostics
 from rig.nodes import NodeTest, change, scene
 from rig.stalled import HalfOpen, Stalled
 from rosgraph import Master
@@ -21,19 +21,19 @@ GROWTH_BYTES = 20e6
 
 class StalledListener(NodeTest):
     def test_a_stalled_subscriber_does_not_disturb_others(self):
-        diagnoses = Diagnoses()
-        self.running.append(diagnoses.subscriber)
-        self.before_camera('exercise5_6')
+        diagnostics = Diagnostics()
+        self.running.append(diagnostics.subscriber)
+        self.start_before_camera('exercise5_6')
         uri = Master('/test').lookupNode('/exercise5_6')
         stalled = {topic: Stalled(uri, topic, kind) for topic, kind in TOPICS.items()}
         self.running += stalled.values()
         process, frame = psutil.Process(self.node.process.pid), scene()
         for number in range(FRAMES):
-            self.assert_painted(self.see(frame), frame)
+            self.assert_painted(self.answer_to(frame), frame)
             if number == FRAMES // 3:
                 size = process.memory_info().rss
         self.assertLess(process.memory_info().rss, size + GROWTH_BYTES)
-        self.assertEqual(diagnoses.wait('exercise5_6', 'frames a second')['frames dropped'], '0')
+        self.assertEqual(diagnostics.wait('exercise5_6', 'frames a second')['frames dropped'], '0')
         stamp = self.show(frame)
         stamps = {}
         for topic in (topic for topic in TOPICS if topic != '/diagnostics'):
@@ -48,8 +48,8 @@ class StalledListener(NodeTest):
         self.start_all(['exercise5_6'])
         uri = Master('/test').lookupNode('/exercise5_6')
         self.running += [HalfOpen(uri, IMAGE) for _ in range(3)]
-        self.attend({'image': self.listen(IMAGE)})
-        self.assert_painted(self.see(scene()), scene())
+        self.use_inboxes({'image': self.listen(IMAGE)})
+        self.assert_painted(self.answer_to(scene()), scene())
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
 

@@ -11,7 +11,7 @@ import rostest
 from aruco_node.messages.images import frame_from_image
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rig import failing
-from rig.listening import Diagnoses, until
+from rig.listening import Diagnostics, until
 from rig.nodes import CAMERA, NodeTest, change, scene
 from rig.serving import ask, free_port
 from rig.started import WAIT_S, Started
@@ -29,8 +29,8 @@ class WorkerFault(NodeTest):
         self.addCleanup(folder.cleanup)
         self.showing = threading.Lock()
         self.file = folder.name + '/fails'
-        self.diagnoses = Diagnoses()
-        self.running.append(self.diagnoses.subscriber)
+        self.diagnostics = Diagnostics()
+        self.running.append(self.diagnostics.subscriber)
 
     def make_fail(self, place=''):
         with open(self.file + '.new', 'w') as file:
@@ -49,7 +49,7 @@ class WorkerFault(NodeTest):
             self.make_fail(place)
             provoke()
             provoke()
-            self.diagnoses.wait(self.name, 'A fault of this node', 'RuntimeError: %s fails, number' % place,
+            self.diagnostics.wait(self.name, 'A fault of this node', 'RuntimeError: %s fails, number' % place,
                                 level=ERROR)
         self.make_fail()
         diagnostics = self.listen('/diagnostics', DiagnosticArray)
@@ -88,8 +88,8 @@ class WorkerFault(NodeTest):
         self.start_failing('exercise5_6', [update, write] + [
             node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])
         self.inboxes = {'image': self.listen('/exercise5_6/image')}
-        self.attend(self.inboxes)
-        self.see(scene())  # by then the earlier frames are answered
+        self.use_inboxes(self.inboxes)
+        self.answer_to(scene())  # by then the earlier frames are answered
         self.show_repeatedly()
 
         def answers():
@@ -111,12 +111,12 @@ class WorkerFault(NodeTest):
     def test_poses_are_published_again_after_the_calibration_failed(self):
         info = 'aruco_node.nodes.calibration:Calibration.lens'
         check = 'aruco_ar.poses.wall_watch:WallWatch.check'
-        self.calibrate()
+        self.publish_camera_info()
         self.publisher, self.connections = self.camera()
         self.start_failing('tag_poses', [info, check])
         self.inboxes = {'poses': self.listen('/tag_poses/poses', TagPoseArray)}
-        self.attend(self.inboxes)
-        self.see(scene(), 'poses')  # by then the earlier frames are answered
+        self.use_inboxes(self.inboxes)
+        self.answer_to(scene(), 'poses')  # by then the earlier frames are answered
         self.show_repeatedly()
         self.assert_reported({info: lambda: None, check: lambda: None})
         self.assertEqual(sorted(tag.id for tag in self.next_message('poses').tags), [1, 2, 3, 4])

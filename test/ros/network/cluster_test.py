@@ -9,7 +9,7 @@ import unittest
 
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.hosts import BASE_ADDRESS, hosts, until_it_ends
+from rig.hosts import BASE_ADDRESS, enter_or_skip, hosts
 from rig.started import Started, stop_all
 
 PACKAGE = package_folder()
@@ -23,7 +23,7 @@ class Cluster(unittest.TestCase):
         one, two = tempfile.mkdtemp(), tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, one)
         self.addCleanup(shutil.rmtree, two)
-        (base, *others), _ = until_it_ends(self, hosts(2))
+        (base, *others), _ = enter_or_skip(self, hosts(2))
         running = [Started(*base.command('dask', 'scheduler', '--host', BASE_ADDRESS, '--no-dashboard'))]
         self.addCleanup(stop_all, running)
         running[0].wait_for('Scheduler at')

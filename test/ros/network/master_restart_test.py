@@ -12,7 +12,7 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
-from rig.listening import Diagnoses, until
+from rig.listening import Diagnostics, until
 from rig.nodes import CAMERA, NodeTest, change, scene
 from rig.serving import ask, free_port
 from rig.stalled import Stalled
@@ -73,12 +73,12 @@ class MasterRestart(NodeTest):
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
     def test_connected_nodes_continue_and_others_find_the_node_again(self):
-        self.before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
-        painted = self.see(scene())
+        self.start_before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
+        painted = self.answer_to(scene())
         master.kill()
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         self.restart(self.node)
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         compressed = self.listen('/exercise5_6/image/compressed', CompressedImage)
         until(compressed.subscriber.get_num_connections)
         self.show(scene())
@@ -91,14 +91,14 @@ class MasterRestart(NodeTest):
         until(lambda: CAMERA not in [each[4] for each in api.getBusInfo('/test')[2]])
         self.publisher, self.connections = self.camera()
         self.connections.wait(1)
-        two = self.see(scene([1, 3]))
+        two = self.answer_to(scene([1, 3]))
         self.assert_painted(two, scene([1, 3]))  # the node has not forgotten the wall
         self.assertGreater(np.abs(two.astype(int) - painted).max(), 50)
         self.assertEqual(len([line for line in self.node.lines if AGAIN in line]), 1)
 
     def test_parameters_and_subscriptions_can_be_changed_without_a_master(self):
-        self.before_camera('exercise5_6')
-        painted = self.see(scene())
+        self.start_before_camera('exercise5_6')
+        painted = self.answer_to(scene())
         reconfigure = rospy.ServiceProxy('/exercise5_6/set_parameters', Reconfigure, persistent=True)
         reconfigure()
         image = self.listen('/exercise5_6/image')
@@ -106,40 +106,40 @@ class MasterRestart(NodeTest):
         self.assertEqual({item.name: item.value for item in reconfigure(Config(
             doubles=[DoubleParameter('opacity', 0.5)])).config.doubles}['opacity'], 0.5)
         self.node.wait_for('The ROS master does not answer', 'uses the changed parameters all the same')
-        self.assertGreater(np.abs(self.see(scene()).astype(int) - painted).max(), 50)
+        self.assertGreater(np.abs(self.answer_to(scene()).astype(int) - painted).max(), 50)
         reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # it cannot subscribe to it now
-        self.see(scene())
+        self.answer_to(scene())
         self.assertFalse([line for line in self.node.lines if 'Traceback' in line], self.node.lines)
         self.restart(self.node)
         until(lambda: (1, '/other') in registrations('/exercise5_6'))
         self.assertEqual(rospy.get_param('/exercise5_6/opacity'), 0.5)
         master.kill()
         reconfigure(Config(strs=[StrParameter('picture', 'topic:/another')]))
-        self.see(scene())
+        self.answer_to(scene())
         stop_all([self.node])
         self.assertEqual(self.node.ends(), 0)
         master.start()
         del image
 
     def test_a_master_that_hangs_stops_neither_frames_nor_diagnostics_and_nodes_can_end(self):
-        diagnoses = Diagnoses()
-        self.running.append(diagnoses.subscriber)
-        self.before_camera('exercise5_6')
+        diagnostics = Diagnostics()
+        self.running.append(diagnostics.subscriber)
+        self.start_before_camera('exercise5_6')
         # This is not the camera of exercise5_6, which is the test itself.
         other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
         nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]
         for node in 'exercise5_6', 'exercise5_2', 'wall_camera', 'page':
-            diagnoses.wait_for_any(node)
+            diagnostics.wait_for_any(node)
         uri = rosgraph.Master('/test').lookupNode('/exercise5_2')
         master.send(signal.SIGSTOP)
         try:
             self.running.append(Stalled(uri, '/exercise5_2/image', Image))  # the node tries to subscribe for it
             self.publisher.publish(Image())
             self.node.wait_for('0 x 0')
-            self.assert_painted(self.see(scene()), scene())
-            diagnoses.wait('exercise5_2', 'The ROS master does not answer', level=DiagnosticStatus.ERROR)
+            self.assert_painted(self.answer_to(scene()), scene())
+            diagnostics.wait('exercise5_2', 'The ROS master does not answer', level=DiagnosticStatus.ERROR)
             for node in 'wall_camera', 'page':
-                diagnoses.wait_for_any(node)
+                diagnostics.wait_for_any(node)
             stop_all(nodes)
             self.assertEqual([node.ends() for node in nodes], [0] * 4)
         finally:

@@ -11,7 +11,7 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import frame_from_image
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from rig.listening import Diagnoses, Inbox, moments, until
+from rig.listening import Diagnostics, Inbox, moments, until
 from rig.nodes import change
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
@@ -78,14 +78,14 @@ class TwoRobots(unittest.TestCase):
             until(lambda: any(map(is_right, moments(topics, COUNT))))
 
     def test_diagnostics_parameters_and_services_are_separate(self):
-        diagnoses = Diagnoses()
-        self.addCleanup(diagnoses.subscriber.unregister)
+        diagnostics = Diagnostics()
+        self.addCleanup(diagnostics.subscriber.unregister)
         answers = {robot: Inbox('/%s/exercise5_6/image' % robot, Image) for robot in ROBOTS}
         for inbox in answers.values():
             self.addCleanup(inbox.subscriber.unregister)
         for robot in ROBOTS:
-            diagnoses.wait_for_frames(robot + '/exercise5_6')
-            diagnoses.wait(robot + '/wall_camera', 'frames a second')
+            diagnostics.wait_for_frames(robot + '/exercise5_6')
+            diagnostics.wait(robot + '/wall_camera', 'frames a second')
         change('/one/exercise5_6', scale=0.5)
         self.addCleanup(change, '/one/exercise5_6', scale=1.0)
         for robot, width in ('one', 320), ('two', 640):

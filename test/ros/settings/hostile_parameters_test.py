@@ -14,7 +14,7 @@ from aruco_node.parameters.settings import Settings
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from hostile import reading, values
-from hostile.wishes import GROUPS, NAMES, REFUSED, answered, set_parameter, wish
+from hostile.wishes import GROUPS, NAMES, REFUSED, config_with, set_parameter, values_of
 from rig.listening import until
 from rig.nodes import CAMERA, CENTERS, IMAGES, INSIDE, NodeTest, change, scene
 from std_srvs.srv import Trigger
@@ -49,18 +49,19 @@ class Hostile(NodeTest):
         for name, node in nodes.items():
             kind = reading.settings_of(name)
             reconfigure = rospy.ServiceProxy('/%s/set_parameters' % name, Reconfigure, persistent=True)
-            before, wished = change('/' + name), []
+            before, sent = change('/' + name), []
             for parameter, each in parameters_of(kind).items():
                 for value in wrong_values(kind, parameter, each, random) if each.live else ['raw']:
-                    wished.append('~' + parameter)
-                    self.assertEqual(answered(reconfigure(wish(parameter, value)).config), before, wished[-1])
+                    sent.append('~' + parameter)
+                    config = config_with(parameter, value)
+                    self.assertEqual(values_of(reconfigure(config).config), before, sent[-1])
             for config in GROUPS + NAMES if name == 'page' else []:
-                wished += ['cannot be changed while the node runs'] * (config in NAMES)
-                self.assertEqual(answered(reconfigure(config).config), before)
+                sent += ['cannot be changed while the node runs'] * (config in NAMES)
+                self.assertEqual(values_of(reconfigure(config).config), before)
             reconfigure.close()
-            sentences = self.refusals(node, len(wished))
-            self.assertEqual(len(sentences), len(wished))
-            for sentence, parameter in zip(sentences, wished):
+            sentences = self.refusals(node, len(sent))
+            self.assertEqual(len(sentences), len(sent))
+            for sentence, parameter in zip(sentences, sent):
                 self.assertIn(parameter, sentence)
                 self.assertIsNone(reading.fault_of(sentence), sentence)
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
@@ -68,16 +69,16 @@ class Hostile(NodeTest):
             self.listen(topic).next()
 
     def test_the_limits_of_the_parameters_are_accepted(self):
-        self.before_camera('exercise5_6')
+        self.start_before_camera('exercise5_6')
         narrow = {'scale': 1.0, 'min_side': 10000.0, 'hold': 60.0, 'likeness': 1.0, 'correction': 0.0}
-        for wished, size in (({'scale': 0.01}, (5, 6)), ({'scale': 4.0}, (1920, 2560)), (narrow, (480, 640))):
-            taken = change('/exercise5_6', **wished)
-            self.assertEqual(taken, dict(taken, **wished))
-            self.assertEqual(self.see(scene()).shape[:2], size)
+        for sent, size in (({'scale': 0.01}, (5, 6)), ({'scale': 4.0}, (1920, 2560)), (narrow, (480, 640))):
+            taken = change('/exercise5_6', **sent)
+            self.assertEqual(taken, dict(taken, **sent))
+            self.assertEqual(self.answer_to(scene()).shape[:2], size)
         change('/exercise5_6', min_side=0.0, likeness=0.5, opacity=0.0)
-        np.testing.assert_array_equal(self.see(scene())[INSIDE], scene()[INSIDE])
+        np.testing.assert_array_equal(self.answer_to(scene())[INSIDE], scene()[INSIDE])
         change('/exercise5_6', opacity=1.0)
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
 
     def test_a_fault_during_a_change_only_refuses_the_change(self):
         asked = []
@@ -98,17 +99,17 @@ class Hostile(NodeTest):
         with open(wall, 'w') as file:  # the wall of scene(), whose tags are 80 pixels wide
             yaml.dump({'tags': [{'id': tag_id, 'x': 0.18 * x / 80, 'y': -0.18 * y / 80, 'side': 0.18}
                                 for tag_id, (x, y) in CENTERS.items()]}, file)
-        self.calibrate()
-        self.before_camera('tag_poses', '_wall:=' + wall, camera_pose=PoseWithCovarianceStamped)
+        self.publish_camera_info()
+        self.start_before_camera('tag_poses', '_wall:=' + wall, camera_pose=PoseWithCovarianceStamped)
         os.unlink(wall)
         for _ in range(2):
-            pose, = self.see(scene(), 'camera_pose')
+            pose, = self.answer_to(scene(), 'camera_pose')
             self.assertEqual(pose.header.frame_id, 'wall')
             self.assertTrue(rospy.ServiceProxy('/tag_poses/reset', Trigger)().success)
         self.assertEqual(change('/tag_poses', tag_size=0.25)['tag_size'], 0.25)
         kept = change('/tag_poses', scale=0.5)
         self.assertEqual(change('/tag_poses', wall=wall + '.not'), kept)
-        self.assertEqual(self.see(scene(), 'camera_pose')[0].header.frame_id, 'wall')
+        self.assertEqual(self.answer_to(scene(), 'camera_pose')[0].header.frame_id, 'wall')
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
 
     def test_a_name_or_value_that_ros_refuses_ends_a_node_with_a_sentence(self):

@@ -44,7 +44,7 @@ class Reconfigured(NodeTest):
         self.red = picture_file(folder.name, 'red.png', half)
 
     def paint(self, *arguments):
-        self.before_camera('exercise5_6', '_picture:=' + self.red, *arguments)
+        self.start_before_camera('exercise5_6', '_picture:=' + self.red, *arguments)
 
     def assert_color(self, image, place, color):
         np.testing.assert_allclose(image[place].reshape(-1, 3).mean(axis=0), color, atol=8)
@@ -71,24 +71,24 @@ class Reconfigured(NodeTest):
     def test_dictionary_and_ids_can_be_changed(self):
         self.paint()
         others = scene(dictionary='DICT_5X5_100')
-        self.assertEqual(self.sees(others), [])
+        self.assertEqual(self.ids_seen(others), [])
         change('/exercise5_6', dictionary='DICT_5X5_100')
-        image, tags = self.see(others, 'image', 'tags')
+        image, tags = self.answer_to(others, 'image', 'tags')
         self.assert_painted(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3, 4])
         change('/exercise5_6', ids='1,2,3,9')
-        image, tags = self.see(others, 'image', 'tags')
+        image, tags = self.answer_to(others, 'image', 'tags')
         np.testing.assert_array_equal(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3])
         change('/exercise5_6', ids='any')
-        self.assert_painted(self.see(others), others)
+        self.assert_painted(self.answer_to(others), others)
 
     def test_scale_can_be_changed(self):
         self.paint()
         corners = {}
         for scale in (1.0, 0.5, 1.5):
             change('/exercise5_6', scale=scale)
-            image, tags = self.see(scene(), 'image', 'tags')
+            image, tags = self.answer_to(scene(), 'image', 'tags')
             self.assertEqual(image.shape, (480 * scale, 640 * scale, 3))
             place = tuple(slice(int(part.start * scale), int(part.stop * scale)) for part in INSIDE)
             self.assert_color(image, place, RED)
@@ -98,27 +98,27 @@ class Reconfigured(NodeTest):
 
     def test_hold_applies_at_once_and_nothing_is_forgotten(self):
         self.paint('_hold:=5.0')
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         change('/exercise5_6', hold=2.0)
-        self.assert_painted(self.see(BLANK), BLANK)
-        self.assert_painted(self.see(scene([1, 3])), scene([1, 3]))  # two are enough now
+        self.assert_painted(self.answer_to(BLANK), BLANK)
+        self.assert_painted(self.answer_to(scene([1, 3])), scene([1, 3]))  # two are enough now
         change('/exercise5_6', hold=0.0)
-        np.testing.assert_array_equal(self.see(BLANK), BLANK)
-        self.assert_painted(self.see(scene([2, 4])), scene([2, 4]))
+        np.testing.assert_array_equal(self.answer_to(BLANK), BLANK)
+        self.assert_painted(self.answer_to(scene([2, 4])), scene([2, 4]))
 
     def test_opacity_fit_and_picture_apply_at_once_and_nothing_is_forgotten(self):
         self.paint()
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         frame = scene([1, 3])
         for opacity in (0.5, 0.0, 0.25, 1.0):
             change('/exercise5_6', opacity=opacity)
-            self.assert_color(self.see(frame), INSIDE, opacity * np.array(RED) + (1 - opacity) * GRAY)
+            self.assert_color(self.answer_to(frame), INSIDE, opacity * np.array(RED) + (1 - opacity) * GRAY)
         change('/exercise5_6', fit='contain')  # the picture is twice as wide as high, the area is 320 x 240
-        image = self.see(frame)
+        image = self.answer_to(frame)
         self.assert_color(image, (slice(170, 310), slice(180, 460)), RED)
         self.assert_color(image, (slice(125, 150), slice(220, 420)), (GRAY,) * 3)
         change('/exercise5_6', fit='stretch', picture=self.flag)
-        image = self.see(frame)
+        image = self.answer_to(frame)
         self.assert_color(image, (slice(130, 230), slice(220, 420)), RED)
         self.assert_color(image, (slice(250, 350), slice(220, 420)), BLUE)
 
@@ -129,17 +129,17 @@ class Reconfigured(NodeTest):
         middle = np.s_[200:440, 160:320]
         for upright, red, blue in (('tags', LEFT, RIGHT), ('image', TOP, BOTTOM), ('tags', LEFT, RIGHT)):
             change('/exercise5_6', upright=upright)
-            image = self.see(frame)[middle]
+            image = self.answer_to(frame)[middle]
             self.assert_color(image, red, RED)
             self.assert_color(image, blue, BLUE)
 
     def test_tag_size_and_tag_sizes_scale_the_poses(self):
-        self.calibrate()
-        self.before_camera('tag_poses', poses=TagPoseArray, area=AreaPose)
+        self.publish_camera_info()
+        self.start_before_camera('tag_poses', poses=TagPoseArray, area=AreaPose)
 
         def distances():
             """{id: distance of the tag}."""
-            poses, = self.see(scene(), 'poses')
+            poses, = self.answer_to(scene(), 'poses')
             return {pose.id: np.linalg.norm([getattr(pose.pose.pose.position, axis) for axis in 'xyz'])
                     for pose in poses.tags}
         before = distances()
@@ -152,10 +152,10 @@ class Reconfigured(NodeTest):
             ratios = [after[tag_id] / before[tag_id] for tag_id in sorted(before)]
             np.testing.assert_allclose(ratios, factors, rtol=0.01)
         for _ in range(9):  # until the wall is known well enough to locate the area by one tag
-            whole, = self.see(scene(), 'area')
+            whole, = self.answer_to(scene(), 'area')
         self.assertEqual(len(whole.corners), 4)
         change('/tag_poses', hold=1.0)
-        area, = self.see(scene([1]), 'area')
+        area, = self.answer_to(scene([1]), 'area')
         self.assertEqual(len(area.corners), 4)
         self.assertAlmostEqual(area.width, whole.width, delta=0.05 * whole.width)
         self.assertAlmostEqual(area.pose.pose.position.z, whole.pose.pose.position.z, delta=0.03)
@@ -165,17 +165,17 @@ class Reconfigured(NodeTest):
         values = {'search': 'thorough', 'correction': 0.5, 'likeness': 0.7, 'min_side': 12.0}
         taken = change('/exercise5_6', **values)
         self.assertEqual(taken, dict(taken, **values))
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         self.assertEqual(change('/exercise5_6', opacity=1.0), taken)
         for name, value in values.items():
             self.assertEqual(rospy.get_param('/exercise5_6/' + name), value)
 
     def test_tags_narrower_than_min_side_are_ignored(self):
-        self.before_camera('exercise5_2')
+        self.start_before_camera('exercise5_2')
         frame = scene(narrow=[2])
         for min_side, ids in (0.0, [1, 2, 3, 4]), (50.0, [1, 3, 4]), (90.0, []), (20.0, [1, 2, 3, 4]):
             change('/exercise5_2', min_side=min_side)
-            self.assertEqual(self.sees(frame), ids)
+            self.assertEqual(self.ids_seen(frame), ids)
 
     def test_a_wrong_value_is_refused_with_a_sentence(self):
         self.paint()
@@ -196,7 +196,7 @@ class Reconfigured(NodeTest):
                               ({'upright': 'image', 'min_side': -2.0}, ['~min_side is -2'])):
             self.assertEqual(change('/exercise5_6', **values), kept, values)
             self.node.wait_for(*words, 'Nothing is changed')
-        self.assert_color(self.see(scene()), INSIDE, np.array([90, 90, 217]))
+        self.assert_color(self.answer_to(scene()), INSIDE, np.array([90, 90, 217]))
         self.assertEqual(len([line for line in self.node.lines if 'Nothing is changed' in line]), 13)
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
 

@@ -58,8 +58,8 @@ class Services(NodeTest):
         connections.wait(0)  # it unsubscribes from the camera again
 
     def test_a_snapshot_has_the_same_result_as_the_subscribers_get(self):
-        self.before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
-        self.see(scene())  # by then the earlier frames are answered
+        self.start_before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
+        self.answer_to(scene())  # by then the earlier frames are answered
         images = []
 
         def answer(message):
@@ -75,7 +75,7 @@ class Services(NodeTest):
         np.testing.assert_array_equal(found['image'], cv2.subtract(found['frame'], found['mask']))
 
     def test_the_folder_can_be_changed_and_an_unwritable_one_is_reported(self):
-        self.before_camera('exercise5_2', '_folder:=/dev/null/pictures')
+        self.start_before_camera('exercise5_2', '_folder:=/dev/null/pictures')
         refused = self.call_while_showing('/exercise5_2/snapshot')
         self.assertFalse(refused.success)
         self.assertRegex(refused.message, 'Cannot write "/dev/null/pictures/.*Choose another place')
@@ -105,15 +105,15 @@ class Services(NodeTest):
 
     def test_after_a_reset_the_area_is_gone_until_four_tags_are_seen_together(self):
         for name in 'exercise5_5', 'exercise5_6':
-            self.before_camera(name)
+            self.start_before_camera(name)
             two = scene([1, 3])
-            self.assert_painted(self.see(scene()), scene())
-            self.assert_painted(self.see(two), two)
+            self.assert_painted(self.answer_to(scene()), scene())
+            self.assert_painted(self.answer_to(two), two)
             self.assertTrue(self.call('/%s/reset' % name).success)
             for frame in (two, scene([1, 2, 3]), two):
-                np.testing.assert_array_equal(self.see(frame), frame)
-            self.assert_painted(self.see(scene()), scene())
-            self.assert_painted(self.see(two), two)
+                np.testing.assert_array_equal(self.answer_to(frame), frame)
+            self.assert_painted(self.answer_to(scene()), scene())
+            self.assert_painted(self.answer_to(two), two)
 
 
 if __name__ == '__main__':
