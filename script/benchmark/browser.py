@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 from master import processor_seconds
 from nodes import WAIT_S
-from rig.serving import free_port
+from rig.page.server import free_port
 from sensor_msgs.msg import CompressedImage
 from tornado.websocket import websocket_connect
 

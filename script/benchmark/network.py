@@ -1,11 +1,11 @@
 """Robots and a base station with a poor network between: what it carries, how late what is painted comes."""
 
 import numpy as np
-from rig.far import frames_seen as views
-from rig.far import observe as seconds_of
-from rig.far import running_fleet as far
-from rig.hosts import DELAY_S, LOSS, RATE
-from rig.listening import until
+from rig.network.fleet import frames_seen as views
+from rig.network.fleet import observe as seconds_of
+from rig.network.fleet import running_fleet as far
+from rig.network.hosts import DELAY_S, LOSS, RATE
+from rig.nodes.topics import until
 
 SECONDS, BEGIN_S = 15.0, 60.0
 CASES = [  # robots, how frames go through the network, and arguments of robot.launch and base_station.launch

@@ -17,10 +17,10 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 RESULTS = os.path.join(PACKAGE, 'build', 'test_results')
 FOUND = os.path.join(RESULTS, 'unit5')
 TIMEOUT_S = 600  # of a rostest; its own limit for the test in it is 300 s
-MATRIX = 'test/node/test_matrix.py'
+MATRIX = 'test/node/package/test_matrix.py'
 # A constant of a rostest that says why it runs alone, with nothing beside it.
 ALONE = re.compile(r'^ALONE = ', re.MULTILINE)
-SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/skipping.py
+SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/processes/skip.py
 
 
 class Rostest:

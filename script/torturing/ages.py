@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager
 import numpy as np
 import psutil
 import rospy
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 
 HERE = os.path.dirname(os.path.abspath(__file__))

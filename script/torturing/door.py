@@ -8,11 +8,12 @@ from contextlib import ExitStack, contextmanager, suppress
 import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
-from hostile import attacks, intruders
+from hostile.page import attacks
+from hostile.page import client as intruders
 from master import Master
-from rig.serving import PICTURE, free_port
-from rig.sockets import sockets_below
-from rig.started import Started
+from rig.page.server import PICTURE, free_port
+from rig.processes.sockets import sockets_below
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -119,7 +120,7 @@ def describe(port, seed, count):
     if sys.version_info < (3, 10):
         print('schemathesis needs Python 3.10 and later; what the page says of itself is not tried.')
         return []
-    from hostile import described
+    from hostile.page import openapi as described
     answers, faults = described.ask(port, seed, count, {
         'topic': [attacks.TOPIC], 'file': ['page.js', 'openapi.yaml'], 'name': ['earth.jpg']})
     print('described %7d sent by schemathesis to %d addresses and methods; answers %s, %d not as described' % (

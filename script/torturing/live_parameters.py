@@ -13,14 +13,15 @@ from aruco_node.messages.images import image_from_frame
 from aruco_node.parameters.parameters import parameters_of, ros_values
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
-from hostile import reading, values
-from hostile.wishes import GROUPS, NAMES, REFUSED
-from hostile.wishes import config_with as wish
-from hostile.wishes import values_of as answered
-from rig.listening import Inbox
-from rig.nodes import CAMERA, scene
-from rig.serving import free_port
-from rig.started import WAIT_S, Started, stop_all
+from hostile.parameters import validation as reading
+from hostile.parameters import values
+from hostile.parameters.configs import GROUPS, NAMES, REFUSED
+from hostile.parameters.configs import config_with as wish
+from hostile.parameters.configs import values_of as answered
+from rig.nodes.case import CAMERA, scene
+from rig.nodes.topics import Inbox
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S, Started, stop_all
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

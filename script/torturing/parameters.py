@@ -12,13 +12,14 @@ from aruco_ar.base.files import package_folder
 from aruco_ar.base.progress import progress
 from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
-from hostile import reading, values
-from hostile.wishes import set_parameter
+from hostile.parameters import validation as reading
+from hostile.parameters import values
+from hostile.parameters.configs import set_parameter
 from live_parameters import Live
 from master import Master
-from rig.nodes import NODES
-from rig.serving import free_port
-from rig.started import Started
+from rig.nodes.case import NODES
+from rig.page.server import free_port
+from rig.processes.started import Started
 
 STARTS, WISHES = 3, 40  # of each parameter: values at the start of a node, and while it runs
 AT_ONCE = 3

@@ -1,7 +1,7 @@
 """Hostile pictures, and what finds tags, areas and poses: nothing wrong may come of any.
 
 A sequence is made of the seed and its own number alone. What is found in one can
-be looked at again: ``watch(seed, number)`` of test/hostile/looking.py.
+be looked at again: ``watch(seed, number)`` of test/hostile/pictures/pipeline.py.
 """
 import faulthandler
 import os
@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 from aruco_ar import Detector
 from aruco_ar.tags.detector import SEARCHES
-from hostile import scenes
-from hostile.looking import PICTURES_EACH, watch
+from hostile.pictures import scenes
+from hostile.pictures.pipeline import PICTURES_EACH, watch
 
 PICTURES = 100000
 MORE = 1.01              # times as many sequences: some are shorter

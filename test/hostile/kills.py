@@ -13,9 +13,9 @@ import cv2
 import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
-from rig.nodes import CAMERA, IMAGES, NODES, scene
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, IMAGES, NODES, scene
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger

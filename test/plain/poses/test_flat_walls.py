@@ -4,7 +4,7 @@ import pytest
 from aruco_ar import Lens, PoseEstimator
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Pose, wall_to_camera
-from rig.posing import PINHOLE, nees, pose_error, tag_at
+from rig.accuracy.poses import PINHOLE, nees, pose_error, tag_at
 
 SIDE = 0.1  # meters, of the tags
 LARGE = Lens(1920, 1080, np.array([[1200, 0, 959.5], [0, 1200, 539.5], [0, 0, 1.0]]), np.zeros(5))

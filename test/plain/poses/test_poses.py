@@ -9,7 +9,7 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from drives import LIVELY
 from poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
-from rig.posing import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
+from rig.accuracy.poses import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
 
 
 @pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])

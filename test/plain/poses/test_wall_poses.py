@@ -9,7 +9,7 @@ from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
 from poses import SIDE, TAGS_WALL, true_pose
-from rig.posing import AREA, PINHOLE, camera_pose, drive, nees, on_wall, pose_error, tag_at
+from rig.accuracy.poses import AREA, PINHOLE, camera_pose, drive, nees, on_wall, pose_error, tag_at
 
 
 def test_several_tags_on_a_wall_improve_each_others_poses(random):

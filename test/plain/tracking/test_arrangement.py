@@ -6,7 +6,7 @@ from aruco_ar import Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import WallTag
 from drives import SLOW, STILL, WALL, drive
-from rig.following import USUAL, assert_never_wrong, follow, later, rms
+from rig.accuracy.areas import USUAL, assert_never_wrong, follow, later, rms
 
 
 def wall_with_moved_tag(tag_id, **place):

@@ -7,7 +7,7 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.walls.wall import Poster
 from drives import FAST, LIVELY, SLOW, STILL, WALL, drive
-from rig.following import assert_never_wrong, follow, later, rms
+from rig.accuracy.areas import assert_never_wrong, follow, later, rms
 
 ALL = WALL.area
 BLANK = replace(WALL, plaster=0)

@@ -7,7 +7,7 @@ from aruco_ar import Tracker
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from drives import WALL, Frame
-from rig.following import follow
+from rig.accuracy.areas import follow
 
 
 def rolled(wall, degrees, pose=Pose(-2.2, 0.1, -0.05), stamp=0.0, **look):

@@ -12,8 +12,8 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import image_from_frame
 from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rig.nodes import NodeTest
-from rig.started import WAIT_S
+from rig.nodes.case import NodeTest
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage

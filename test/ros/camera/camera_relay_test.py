@@ -11,8 +11,8 @@ from aruco_node.messages.images import (
     image_from_frame,
 )
 from aruco_node.messages.wall_messages import camera_info
-from rig.listening import until
-from rig.nodes import CAMERA, NodeTest, change, scene
+from rig.nodes.case import CAMERA, NodeTest, change, scene
+from rig.nodes.topics import until
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 

@@ -6,8 +6,8 @@ import signal
 import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image
-from rig.nodes import CAMERA, NodeTest
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, NodeTest
+from rig.processes.started import WAIT_S
 
 ARRIVES, SILENT = 'Frames arrive on ' + CAMERA, 'has a publisher, but nothing arrives. Is the camera running?'
 

@@ -9,8 +9,8 @@ import rospy
 import rostest
 from aruco_ar import Detector, mark_tags
 from aruco_node.messages.images import frame_from_image
-from rig.skipping import skip
-from rig.started import Started
+from rig.processes.skip import skip
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 
 DOCS = '/usr/share/doc/opencv-doc'

@@ -13,9 +13,9 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import frame_from_image
-from rig.listening import Inbox
-from rig.serving import free_port
-from rig.started import Started, node
+from rig.nodes.topics import Inbox
+from rig.page.server import free_port
+from rig.processes.started import Started, node
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 

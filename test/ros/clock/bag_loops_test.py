@@ -10,9 +10,9 @@ import rostest
 from aruco_ar.base.files import package_folder
 from aruco_node.messages.images import frame_from_image
 from PIL import Image as PillowImage
-from rig.listening import Diagnostics
-from rig.nodes import NodeTest
-from rig.started import WAIT_S, Started
+from rig.nodes.case import NodeTest
+from rig.nodes.topics import Diagnostics
+from rig.processes.started import WAIT_S, Started
 from sensor_msgs.msg import Image
 from unit5.msg import TagPoseArray
 

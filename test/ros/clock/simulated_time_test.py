@@ -6,9 +6,9 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
-from rig.listening import Diagnostics, until
-from rig.nodes import NODES, NodeTest, scene
-from rig.started import stop_all
+from rig.nodes.case import NODES, NodeTest, scene
+from rig.nodes.topics import Diagnostics, until
+from rig.processes.started import stop_all
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage

@@ -2,7 +2,7 @@
 """Exercise 5.2: every tag is outlined, with its first corner marked and its id."""
 import numpy as np
 from aruco_ar import Tag, mark_tags
-from rig.replay import ReplayTest, main
+from rig.nodes.replay import ReplayTest, main
 
 
 class Exercise52(ReplayTest):

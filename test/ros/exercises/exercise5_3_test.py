@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 from aruco_ar.painting.marks import PURPLE
-from rig.replay import ReplayTest, main
+from rig.nodes.replay import ReplayTest, main
 
 
 class Exercise53(ReplayTest):

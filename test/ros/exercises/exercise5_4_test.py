@@ -2,7 +2,7 @@
 """Exercise 5.4: the polygon through the ordered centers is a proper quadrilateral."""
 import numpy as np
 from aruco_ar.painting.marks import PURPLE
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
 
 class Exercise54(ReplayTest):

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Exercise 5.5: the mask is white exactly in the area, and the image is black there."""
 import numpy as np
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
 
 class Exercise55(ReplayTest):

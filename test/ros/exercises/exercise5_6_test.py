@@ -3,7 +3,7 @@
 import numpy as np
 import rospkg
 from aruco_ar import load_picture, overlay
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
 SPACE = (9, 5, 4)  # the color along the rim of earth.jpg
 

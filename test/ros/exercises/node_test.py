@@ -6,7 +6,7 @@ import rospy
 import rostest
 from aruco_node.messages.images import frame_from_compressed, frame_from_image, image_from_frame
 from cv_bridge import CvBridge
-from rig.nodes import CAMERA, NodeTest, scene
+from rig.nodes.case import CAMERA, NodeTest, scene
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String

@@ -11,11 +11,11 @@ import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image, image_from_frame
 from dynamic_reconfigure.client import Client
-from hostile.files import png
-from rig import started
-from rig.listening import Connections, Inbox
-from rig.nodes import GRAY, scene
-from rig.started import WAIT_S
+from hostile.files.samples import png
+from rig.nodes.case import GRAY, scene
+from rig.nodes.topics import Connections, Inbox
+from rig.processes import started
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 from unit5.msg import TagArray

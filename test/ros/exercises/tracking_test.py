@@ -7,8 +7,8 @@ import numpy as np
 import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image, image_from_frame
-from rig.nodes import CENTERS, scene
-from rig.started import WAIT_S
+from rig.nodes.case import CENTERS, scene
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 

@@ -10,9 +10,9 @@ import numpy as np
 import rospy
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.nodes import NodeTest, scene
-from rig.skipping import skip
-from rig.started import WAIT_S, Started
+from rig.nodes.case import NodeTest, scene
+from rig.processes.skip import skip
+from rig.processes.started import WAIT_S, Started
 from std_srvs.srv import Trigger
 from unit5.msg import TagArray
 

@@ -15,11 +15,11 @@ from aruco_node.messages.images import (
 )
 from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from hostile.messages import Garbage, Hostile, jpeg_of_size
-from hostile.pacing import PacedPublisher
-from rig.listening import Connections, until
-from rig.nodes import BLANK, CAMERA, CENTERS, NodeTest, scene
-from rig.serving import ask, free_port
+from hostile.messages.camera_messages import Garbage, Hostile, jpeg_of_size
+from hostile.messages.paced_publisher import PacedPublisher
+from rig.nodes.case import BLANK, CAMERA, CENTERS, NodeTest, scene
+from rig.nodes.topics import Connections, until
+from rig.page.server import ask, free_port
 from rosgraph import Master
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header

@@ -7,7 +7,7 @@ import time
 import cv2
 import rospy
 import rostest
-from rig.nodes import BLANK, CAMERA, NodeTest, scene
+from rig.nodes.case import BLANK, CAMERA, NodeTest, scene
 from unit5.msg import TagPoseArray
 
 ALONE = 'it counts how many frames a node leaves out'  # read by script/test

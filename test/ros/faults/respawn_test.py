@@ -8,8 +8,8 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rospy
 import rostest
-from rig.nodes import GRAY, INSIDE, NodeTest, change, picture_file, scene
-from rig.started import Started
+from rig.nodes.case import GRAY, INSIDE, NodeTest, change, picture_file, scene
+from rig.processes.started import Started
 from rosgraph import Master
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray, TagPoseArray

@@ -7,8 +7,8 @@ from itertools import islice
 import rospy
 import rostest
 from hostile import kills
-from rig.nodes import NODES, NodeTest, scene
-from rig.started import Started
+from rig.nodes.case import NODES, NodeTest, scene
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 

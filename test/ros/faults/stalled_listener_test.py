@@ -4,9 +4,9 @@ import psutil
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from rig.listening import Diagnostics
-from rig.nodes import NodeTest, change, scene
-from rig.stalled import HalfOpen, Stalled
+from rig.nodes.case import NodeTest, change, scene
+from rig.nodes.stalled import HalfOpen, Stalled
+from rig.nodes.topics import Diagnostics
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from unit5.msg import TagArray

@@ -10,11 +10,11 @@ import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rig import failing
-from rig.listening import Diagnostics, until
-from rig.nodes import CAMERA, NodeTest, change, scene
-from rig.serving import ask, free_port
-from rig.started import WAIT_S, Started
+from rig.nodes.case import CAMERA, NodeTest, change, scene
+from rig.nodes.topics import Diagnostics, until
+from rig.page.server import ask, free_port
+from rig.processes import failing
+from rig.processes.started import WAIT_S, Started
 from std_srvs.srv import Trigger
 from unit5.msg import TagPoseArray
 

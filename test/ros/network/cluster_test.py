@@ -9,8 +9,8 @@ import unittest
 
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.hosts import BASE_ADDRESS, enter_or_skip, hosts
-from rig.started import Started, stop_all
+from rig.network.hosts import BASE_ADDRESS, enter_or_skip, hosts
+from rig.processes.started import Started, stop_all
 
 PACKAGE = package_folder()
 BAGS = [os.path.join(PACKAGE, 'test', 'bags', name) for name in ('drive_compressed.bag', 'drive_raw.bag')]

@@ -8,9 +8,9 @@ import unittest
 
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.listening import until
-from rig.sockets import sockets_below
-from rig.started import Started
+from rig.nodes.topics import until
+from rig.processes.sockets import sockets_below
+from rig.processes.started import Started
 
 LISTENING = {  # the number of TCP sockets: a node has one for XML-RPC and one for its topics
     **{'exercise5_%d' % number: 2 for number in range(2, 7)}, 'wall_camera': 2, 'page': 3, 'rosout': 2,

@@ -12,11 +12,11 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
-from rig.listening import Diagnostics, until
-from rig.nodes import CAMERA, NodeTest, change, scene
-from rig.serving import ask, free_port
-from rig.stalled import Stalled
-from rig.started import Started, stop_all
+from rig.nodes.case import CAMERA, NodeTest, change, scene
+from rig.nodes.stalled import Stalled
+from rig.nodes.topics import Diagnostics, until
+from rig.page.server import ask, free_port
+from rig.processes.started import Started, stop_all
 from sensor_msgs.msg import CompressedImage, Image
 
 AGAIN = 'it is registered again'

@@ -5,9 +5,9 @@ import unittest
 
 import numpy as np
 import rostest
-from rig.far import frames_seen, observe, running_fleet
-from rig.hosts import enter_or_skip
-from rig.listening import until
+from rig.network.fleet import frames_seen, observe, running_fleet
+from rig.network.hosts import enter_or_skip
+from rig.nodes.topics import until
 
 ALONE = 'it counts what a link carries within a time'  # read by script/test
 LONG_S = 60.0

@@ -11,8 +11,8 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import frame_from_image
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from rig.listening import Diagnostics, Inbox, moments, until
-from rig.nodes import change
+from rig.nodes.case import change
+from rig.nodes.topics import Diagnostics, Inbox, moments, until
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage

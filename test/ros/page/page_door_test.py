@@ -11,9 +11,9 @@ import cv2
 import rospy
 import rostest
 from geometry_msgs.msg import Twist
-from rig.listening import Inbox
-from rig.serving import PICTURE, ServerTest, ask, free_port
-from rig.started import WAIT_S, node
+from rig.nodes.topics import Inbox
+from rig.page.server import PICTURE, ServerTest, ask, free_port
+from rig.processes.started import WAIT_S, node
 from rosgraph import Master
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect

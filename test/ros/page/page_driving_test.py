@@ -10,8 +10,8 @@ import rostest
 from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.msg import Config
 from nav_msgs.msg import Odometry
-from rig.browsing import BrowserTest
-from rig.started import WAIT_S
+from rig.page.browser import BrowserTest
+from rig.processes.started import WAIT_S
 from rosgraph import Master
 from sensor_msgs.msg import Image
 

@@ -11,9 +11,9 @@ import numpy as np
 import rospy
 import rostest
 from aruco_node.messages.images import compressed_from_frame, image_from_frame
-from rig.listening import Connections, until
-from rig.serving import PICTURE, ServerTest, ask
-from rig.started import WAIT_S
+from rig.nodes.topics import Connections, until
+from rig.page.server import PICTURE, ServerTest, ask
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 from tornado.websocket import websocket_connect

@@ -6,9 +6,9 @@ import rospy
 import rostest
 from aruco_ar import Area
 from geometry_msgs.msg import PolygonStamped
-from rig.browsing import BrowserTest
-from rig.listening import until
-from rig.started import WAIT_S
+from rig.nodes.topics import until
+from rig.page.browser import BrowserTest
+from rig.processes.started import WAIT_S
 
 PAINTED = '.tile[data-topic="/exercise5_6/image"]'
 

@@ -10,8 +10,8 @@ import rostest
 from aruco_ar.base.files import package_folder
 from aruco_ar.simulation.robot import CAMERA_FORWARD_M
 from nav_msgs.msg import Odometry
-from rig.listening import Inbox
-from rig.started import Started
+from rig.nodes.topics import Inbox
+from rig.processes.started import Started
 
 
 class StopBeforeTheWall(unittest.TestCase):

@@ -14,7 +14,7 @@ from aruco_node.messages.images import frame_from_image
 from aruco_node.messages.pose_messages import from_transform
 from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
 from nav_msgs.msg import Odometry
-from rig.listening import Inbox, moments
+from rig.nodes.topics import Inbox, moments
 from sensor_msgs.msg import Image
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray

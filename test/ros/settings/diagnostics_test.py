@@ -4,8 +4,8 @@ import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
-from rig.listening import Diagnostics
-from rig.nodes import BLANK, CAMERA, IMAGES, NodeTest, scene
+from rig.nodes.case import BLANK, CAMERA, IMAGES, NodeTest, scene
+from rig.nodes.topics import Diagnostics
 from sensor_msgs.msg import Image
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR

@@ -13,10 +13,10 @@ from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.parameters.settings import Settings
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from hostile import reading, values
-from hostile.wishes import GROUPS, NAMES, REFUSED, config_with, set_parameter, values_of
-from rig.listening import until
-from rig.nodes import CAMERA, CENTERS, IMAGES, INSIDE, NodeTest, change, scene
+from hostile.parameters import validation, values
+from hostile.parameters.configs import GROUPS, NAMES, REFUSED, config_with, set_parameter, values_of
+from rig.nodes.case import CAMERA, CENTERS, IMAGES, INSIDE, NodeTest, change, scene
+from rig.nodes.topics import until
 from std_srvs.srv import Trigger
 
 EACH = 3  # wrong values per parameter
@@ -29,7 +29,7 @@ def wrong_values(kind, name, parameter, random):
     while len(found) < EACH:
         value = given[random.randint(len(given))]
         try:
-            reading.read_with(kind, name, value)
+            validation.read_with(kind, name, value)
         except InputError:
             found.append(value)
     return found
@@ -47,7 +47,7 @@ class Hostile(NodeTest):
         nodes = self.start_all()  # wall_camera is the camera of the others
         random = np.random.RandomState(1)
         for name, node in nodes.items():
-            kind = reading.settings_of(name)
+            kind = validation.settings_of(name)
             reconfigure = rospy.ServiceProxy('/%s/set_parameters' % name, Reconfigure, persistent=True)
             before, sent = change('/' + name), []
             for parameter, each in parameters_of(kind).items():
@@ -63,7 +63,7 @@ class Hostile(NodeTest):
             self.assertEqual(len(sentences), len(sent))
             for sentence, parameter in zip(sentences, sent):
                 self.assertIn(parameter, sentence)
-                self.assertIsNone(reading.fault_of(sentence), sentence)
+                self.assertIsNone(validation.fault_of(sentence), sentence)
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
         for topic in [CAMERA, *IMAGES.values()]:
             self.listen(topic).next()

@@ -10,10 +10,10 @@ from functools import lru_cache
 import rospy
 import rostest
 from dynamic_reconfigure.msg import ConfigDescription
-from rig.listening import until
-from rig.nodes import NODES, NodeTest, change
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.case import NODES, NodeTest, change
+from rig.nodes.topics import until
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from rosgraph import Master
 from roslib.message import get_message_class
 from rosservice import get_service_type

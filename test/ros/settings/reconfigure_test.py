@@ -10,10 +10,10 @@ import rostest
 from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.msg import ConfigDescription
 from geometry_msgs.msg import Twist
-from rig.listening import until
-from rig.nodes import BLANK, GRAY, INSIDE, NODES, NodeTest, change, picture_file, scene
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.case import BLANK, GRAY, INSIDE, NODES, NodeTest, change, picture_file, scene
+from rig.nodes.topics import until
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from rig.nodes import CAMERA, GRAY, NodeTest, change, scene
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, GRAY, NodeTest, change, scene
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 

@@ -20,8 +20,8 @@ from aruco_node.messages.images import (
 )
 from aruco_node.ros_internals.tolerant import tolerant
 from cv_bridge import CvBridge
-from hostile.files import chunk, png
-from hostile.messages import KNOWN, Hostile
+from hostile.files.samples import chunk, png
+from hostile.messages.camera_messages import KNOWN, Hostile
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
@@ -181,7 +181,7 @@ def test_the_decoders_print_nothing(package):
 import aruco_ar
 import numpy as np
 from aruco_node.messages.images import frame_from_compressed
-from hostile.messages import Garbage, Hostile
+from hostile.messages.camera_messages import Garbage, Hostile
 hostile = Hostile(2, [np.zeros((480, 640, 3), np.uint8)])
 for _ in range(1000):
     message = hostile.compressed()

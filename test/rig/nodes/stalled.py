@@ -5,7 +5,7 @@ from xmlrpc.client import ServerProxy
 
 from rosgraph.network import write_ros_handshake_header
 
-from rig.started import WAIT_S
+from rig.processes.started import WAIT_S
 
 
 class HalfOpen:

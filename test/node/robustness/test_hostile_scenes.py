@@ -9,10 +9,10 @@ from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.tags import detector
 from aruco_ar.tags.tag import square
-from hostile.looking import Pipeline, watch
-from hostile.scenes import NAMES, canvas_of, put, turned_square
-from hostile.sequences import Picture
-from rig.posing import PINHOLE, pose_error
+from hostile.pictures.pipeline import Pipeline, watch
+from hostile.pictures.scenes import NAMES, canvas_of, put, turned_square
+from hostile.pictures.sequences import Picture
+from rig.accuracy.poses import PINHOLE, pose_error
 
 FACING = np.diag([1.0, -1, -1])
 

@@ -5,10 +5,10 @@ import sys
 import time
 from contextlib import contextmanager
 
-from rig.hosts import BASE, LOSS, hosts
-from rig.started import Started, stop_all
+from rig.network.hosts import BASE, LOSS, hosts
+from rig.processes.started import Started, stop_all
 
-VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'far_viewer.py')
+VIEWER = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'viewer.py')
 
 
 class Fleet:

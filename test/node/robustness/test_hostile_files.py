@@ -10,7 +10,7 @@ import pytest
 from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.painting.sources import open_source
-from hostile.files import GIGANTIC, animation, png, video
+from hostile.files.samples import GIGANTIC, animation, png, video
 
 MAX_MB = 1000  # of the process that opens the files: a little more than the largest allowed picture needs
 
@@ -20,7 +20,7 @@ def opened(tmp_path_factory, package):
     """The results of opening all hostile files, and the process that opened them."""
     test = os.path.join(package, 'test')
     environment = dict(os.environ, PYTHONPATH=os.pathsep.join([test, os.environ.get('PYTHONPATH', '')]))
-    done = subprocess.run([sys.executable, os.path.join(test, 'hostile', 'opening.py'),
+    done = subprocess.run([sys.executable, os.path.join(test, 'hostile', 'files', 'open_all.py'),
                            str(tmp_path_factory.mktemp('hostile')), '1'],
                           capture_output=True, env=environment)
     results = [json.loads(line) for line in done.stdout.splitlines()]

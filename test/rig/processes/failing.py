@@ -34,5 +34,5 @@ if __name__ == '__main__':
     for each in places.split(','):
         fail_at(each, file)
     sys.argv = sys.argv[3:]
-    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'src', node)
+    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', 'src', node)
     runpy.run_path(source, run_name='__main__')

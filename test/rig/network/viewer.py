@@ -46,7 +46,7 @@ class Viewer:
 
 
 if __name__ == '__main__':
-    rospy.init_node('far_viewer', anonymous=True)
+    rospy.init_node('viewer', anonymous=True)
     for pair in zip(sys.argv[1::2], sys.argv[2::2]):
         Viewer(*pair)
     rospy.spin()

@@ -16,10 +16,10 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from unit5.msg import TagArray
 
-from rig import started
-from rig.listening import Connections, Inbox, until
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.topics import Connections, Inbox, until
+from rig.page.server import free_port
+from rig.processes import started
+from rig.processes.started import WAIT_S
 
 CAMERA = '/camera/rgb/image_raw'
 NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'camera_relay', 'wall_camera',

@@ -5,8 +5,8 @@ import threading
 import time
 from contextlib import ExitStack, contextmanager
 
-from hostile import intruders
-from hostile.intruders import WAIT_S, closed, connect, get, say, statuses, upgrade
+from hostile.page import client
+from hostile.page.client import WAIT_S, closed, connect, get, say, statuses, upgrade
 
 TOPIC = '/eye/image'  # the tests must publish images on it
 FLOODS = {'drive': ['{"drive": [1, 0]}'], 'picture': ['{"picture": "x"}'], 'slide': ['{"slide": ["noise", 1]}'],
@@ -75,20 +75,20 @@ class Attack:
         self.sent += 1
         self.answers.update(found)
         self.expect(len(found) <= most and set(found) <= set(allowed), '%s is answered with %s' % (name, found))
-        self.expect(not any(secret in answer for secret in intruders.SECRETS), '%s reveals a secret' % name)
+        self.expect(not any(secret in answer for secret in client.SECRETS), '%s reveals a secret' % name)
 
     def check_guest(self, meanwhile):
         self.expect(self.guest.is_served(), 'a well-meaning client is not served during %s' % meanwhile)
 
     def paths(self, share):
         """Addresses outside of the folders that the server serves."""
-        for path in intruders.OUTSIDE:
+        for path in client.OUTSIDE:
             self.check(path, get(self.port, path), (400, 403, 404))
         self.check_guest('odd paths')
 
     def requests(self, share):
         """Requests that are malformed, ambiguous, or much too long."""
-        for name, data, most in intruders.requests():
+        for name, data, most in client.requests():
             allowed = 200, 400, 403, 404, 405, 413, 414, 416, 422, 431, 505
             self.check(name, say(self.port, data, 0.1, 1.0), allowed, most)
         self.check_guest('odd requests')
@@ -96,26 +96,26 @@ class Attack:
     def queries(self, share):
         """Queries with odd values."""
         for _ in range(int(400 * share)):
-            target = intruders.query(self.random)
+            target = client.query(self.random)
             answer = get(self.port, target, WAIT_S if '/stream?' not in target else 0.1)
             self.check(target, answer, (200, 400, 404))
         self.check_guest('odd queries')
 
     def bombs(self, share):
         """Uploads that are not pictures, or would take too much memory or time."""
-        for name, data in intruders.bombs().items():
+        for name, data in client.bombs().items():
             for length in True, False:
-                self.check(name, say(self.port, intruders.post(data, length), WAIT_S), (422,))
+                self.check(name, say(self.port, client.post(data, length), WAIT_S), (422,))
         self.check_guest('picture bombs')
 
     def uploads(self, share):
         """Large uploads, too large ones, false lengths, and many at once, half of which do not wait."""
-        self.check('17 MB', say(self.port, intruders.post(bytes(17 << 20)), WAIT_S), (413,))
-        self.check('17 MB in chunks', say(self.port, intruders.post(bytes(17 << 20), False), WAIT_S), (413,))
+        self.check('17 MB', say(self.port, client.post(bytes(17 << 20)), WAIT_S), (413,))
+        self.check('17 MB in chunks', say(self.port, client.post(bytes(17 << 20), False), WAIT_S), (413,))
         claim = b'POST /picture HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\nab'
         for size in 17 << 20, 1 << 40, 10**30:
             self.check('%d claimed bytes' % size, say(self.port, claim % size), (400, 413))
-        large = intruders.post(intruders.made('JPEG', 64, 64) + bytes(15 << 20))
+        large = client.post(client.made('JPEG', 64, 64) + bytes(15 << 20))
         for _ in range(20):  # one after the other, since nothing may be left of any
             self.check('15 MB', say(self.port, large, WAIT_S), (204, 422))
 
@@ -137,8 +137,8 @@ class Attack:
 
     def frames(self, share):
         """Nonsense on websockets."""
-        sayings = [each if isinstance(each, bytes) else each.encode() for each in intruders.SAYINGS]
-        for data in [*map(intruders.frame, sayings), *intruders.frames().values()]:
+        sayings = [each if isinstance(each, bytes) else each.encode() for each in client.SAYINGS]
+        for data in [*map(client.frame, sayings), *client.frames().values()]:
             with upgrade(self.port) as line:
                 self.sent += 1
                 send(line, data)
@@ -147,7 +147,7 @@ class Attack:
     def floods(self, share):
         """Messages of all kinds on a websocket, again and again, by a client that does not read."""
         for name, sayings in FLOODS.items():
-            data = b''.join(intruders.frame(each.encode()) for each in sayings) * (500 // len(sayings))
+            data = b''.join(client.frame(each.encode()) for each in sayings) * (500 // len(sayings))
             with upgrade(self.port, received=4096) as line:
                 done = threading.Event()
                 flood = threading.Thread(target=self._flood, args=(line, data, done))

@@ -6,7 +6,7 @@ import urllib.request
 
 import numpy as np
 
-from rig.started import WAIT_S, Started
+from rig.processes.started import WAIT_S, Started
 
 PICTURE = np.zeros((480, 640, 3), np.uint8)
 PICTURE[:, :320] = (200, 60, 20)

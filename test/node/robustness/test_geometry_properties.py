@@ -8,7 +8,7 @@ from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.painting.fit import fit_picture
 from aruco_ar.tags.tag import square
 from aruco_node.messages import pose_messages
-from hostile.looking import faults_of_paint
+from hostile.pictures.pipeline import faults_of_paint
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from rospy import Time

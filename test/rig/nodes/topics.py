@@ -7,7 +7,7 @@ import time
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from rig.started import WAIT_S
+from rig.processes.started import WAIT_S
 
 LEFT_OUT = re.compile(r'\d+ of \d+ frames (were dropped|did not arrive)')
 

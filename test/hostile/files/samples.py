@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from .texts import TEXTS
+from .yaml_texts import TEXTS
 
 GIGANTIC = 20 * 2**30  # bytes: the size of a sparse file, which takes no space on the disk
 

@@ -11,7 +11,7 @@ from geometry_msgs.msg import PolygonStamped
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 
-from rig.listening import moments
+from rig.nodes.topics import moments
 
 FRAMES, TAGS, AREA = '/camera/rgb/image_raw', '/wall_camera/tags', '/wall_camera/area'
 TIMEOUT_S = 60

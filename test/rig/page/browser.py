@@ -2,9 +2,9 @@
 import os
 import shutil
 
-from rig.serving import ServerTest
-from rig.skipping import skip
-from rig.started import WAIT_S
+from rig.page.server import ServerTest
+from rig.processes.skip import skip
+from rig.processes.started import WAIT_S
 
 BROWSERS = 'chromium', 'chromium-browser', 'google-chrome'
 WAIT_MS = 1000 * WAIT_S

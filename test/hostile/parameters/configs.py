@@ -11,7 +11,8 @@ from dynamic_reconfigure.msg import (
     IntParameter,
     StrParameter,
 )
-from hostile.values import INT32, LONG, as_xml
+
+from hostile.parameters.values import INT32, LONG, as_xml
 
 KINDS = {str: ('strs', StrParameter), float: ('doubles', DoubleParameter), int: ('ints', IntParameter),
          bool: ('bools', BoolParameter)}

@@ -4,7 +4,7 @@ from aruco_ar import InputError
 from aruco_ar.base.errors import MAX_SENTENCE
 from aruco_node.parameters.parameters import parameters_of, read, ros_values
 from aruco_node.parameters.settings import PictureSettings
-from hostile import reading, values
+from hostile.parameters import validation, values
 
 # One node of each settings class.
 NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay', 'wall_camera', 'page'
@@ -12,17 +12,17 @@ NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay'
 
 @pytest.mark.parametrize('node', NODES)
 def test_every_value_of_every_parameter_is_accepted_or_refused_with_a_sentence(node, random):
-    kind = reading.settings_of(node)
+    kind = validation.settings_of(node)
     for name, parameter in parameters_of(kind).items():
         taken = refused = 0
         for value in values.values(parameter, random):
-            sentence = reading.refusal(reading.read_with, kind, name, value)
+            sentence = validation.refusal(validation.read_with, kind, name, value)
             if sentence:
                 refused += 1
-                assert not reading.fault_of(sentence, name), sentence
+                assert not validation.fault_of(sentence, name), sentence
             else:
                 taken += 1
-                settings = reading.read_with(kind, name, value)
+                settings = validation.read_with(kind, name, value)
                 assert read(kind, ros_values(settings).get) == settings, (name, value)
         assert taken > 0 and refused > 100, name
 
@@ -35,13 +35,13 @@ def test_every_value_of_every_parameter_is_accepted_or_refused_with_a_sentence(n
     ('folder', 'x' * 10**6, '~folder is "xxx.* ... xxx.*"; it must')])
 def test_values_that_look_almost_right_are_refused(name, value, words):
     with pytest.raises(InputError, match=words):
-        reading.taken(reading.settings_of('tag_poses'), name, value)
+        validation.taken(validation.settings_of('tag_poses'), name, value)
 
 
 @pytest.mark.parametrize('value', ['00000', [float('nan')] * 5, [1e300] * 5, [True] * 5, {'k1': 0}])
 def test_the_distortion_must_be_five_numbers(value):
     with pytest.raises(InputError, match='~distortion is .*five numbers'):
-        reading.read_with(reading.settings_of('wall_camera'), 'distortion', value)
+        validation.read_with(validation.settings_of('wall_camera'), 'distortion', value)
 
 
 def test_an_error_message_is_one_readable_line_whatever_it_quotes():
@@ -56,7 +56,7 @@ def test_an_error_message_is_one_readable_line_whatever_it_quotes():
 def test_every_entry_of_a_file_of_areas_is_accepted_or_refused_with_a_sentence(name, random, tmp_path):
     path, refused = str(tmp_path / 'areas.yaml'), 0
     for value in values.short(values.values(parameters_of(PictureSettings)[name], random)):
-        sentence = reading.refusal(reading.area_taken, path, name, value)
+        sentence = validation.refusal(validation.area_taken, path, name, value)
         refused += sentence is not None
-        assert sentence is None or not reading.fault_of(sentence), sentence
+        assert sentence is None or not validation.fault_of(sentence), sentence
     assert refused > 100

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from contextlib import ExitStack, contextmanager
 
-from rig.skipping import skip
+from rig.processes.skip import skip
 
 BASE, BASE_ADDRESS, ROBOT_ADDRESS = 'base', '10.55.0.1', '10.55.0.%d'
 LINK = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'link.py')

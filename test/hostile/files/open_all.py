@@ -15,7 +15,8 @@ from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall
 from aruco_node.parameters.settings import load_areas
-from hostile.files import cases
+
+from hostile.files.samples import cases
 
 MEMORY_BYTES = 8 * 2**30  # no file should need more
 HANG_S = 60

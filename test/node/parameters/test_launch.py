@@ -6,12 +6,12 @@ import runpy
 from functools import lru_cache
 
 import pytest
+from aruco_ar.base.files import package_folder
 from aruco_node.parameters.parameters import Number, parameters_of, read
-from hostile import reading
+from hostile.parameters import validation
 from roslaunch.config import load_config_default
 
-PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-SCRIPT = runpy.run_path(os.path.join(PACKAGE, 'script', 'launch_args'))
+SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
 FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
 STARTED = sorted(set(FILES) - {'exercise'})  # a part of the others
 # The values that a file gives to some nodes, whatever its argument of that name says.
@@ -36,7 +36,7 @@ def nodes(name, **arguments):
 @lru_cache(None)
 def settings_of(node):
     """The settings class of a node."""
-    return reading.settings_of(node)
+    return validation.settings_of(node)
 
 
 @pytest.mark.parametrize('name', FILES)
