@@ -102,13 +102,14 @@ def strike(kill):
         if left:
             found.append('these processes are left: ' + ', '.join(' '.join(each) for each in left))
         output.seek(0)
-        said = output.read()
-        begun = 'Traceback' not in said or FOLDER + '/src' in said  # else Python had not started yet
-        if begun and 'Traceback' in said:
-            found.append('it printed:\n' + said[-3000:])
+        printed = output.read()
+        # A traceback without lines of the package comes from the start of Python itself.
+        has_started = 'Traceback' not in printed or FOLDER + '/src' in printed
+        if has_started and 'Traceback' in printed:
+            found.append('it printed:\n' + printed[-3000:])
         # Python, rospy, bash and roslaunch use these exit codes for the signal; 0 means it had already ended.
-        if begun and code not in (0, -kill.signal, 128 + kill.signal, None):
-            found.append('its exit code is %d; it printed:\n%s' % (code, said[-1000:]))
+        if has_started and code not in (0, -kill.signal, 128 + kill.signal, None):
+            found.append('its exit code is %d; it printed:\n%s' % (code, printed[-1000:]))
         found += ['this file is left: ' + path for path in halves(folder)]
         return took, ['%s: %s' % (kill, each) for each in found]
 

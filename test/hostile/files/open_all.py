@@ -48,16 +48,16 @@ def main(folder, seed):
     for case in cases(folder, int(seed)):
         for loader, load in LOADERS.items():
             began = peak_mb()
-            said = fault = None
+            refusal = fault = None
             faulthandler.dump_traceback_later(HANG_S, exit=True)
             try:
                 load(case.path)
             except InputError as error:
-                said = str(error)
+                refusal = str(error)
             except Exception:
                 fault = traceback.format_exc()
             faulthandler.cancel_dump_traceback_later()
-            print(json.dumps({**case._asdict(), 'loader': loader, 'said': said, 'fault': fault,
+            print(json.dumps({**case._asdict(), 'loader': loader, 'refusal': refusal, 'fault': fault,
                               'peak_mb': peak_mb(), 'began_mb': began}), flush=True)
 
 

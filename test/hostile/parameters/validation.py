@@ -29,14 +29,14 @@ class Stuck(BaseException):
 
 def settings_of(node):
     """The settings class of a node, which is known by running the node's program."""
-    told = []
+    found = []
 
-    def tell(name, work, manual):
-        told.append(manual.settings)
+    def record(name, work, manual):
+        found.append(manual.settings)
     nodes = 'aruco_node.nodes.'
-    with mock.patch(nodes + 'node.run_node', tell), mock.patch(nodes + 'exercise.run_node', tell):
+    with mock.patch(nodes + 'node.run_node', record), mock.patch(nodes + 'exercise.run_node', record):
         runpy.run_path(os.path.join(package_folder(), 'src', node + '.py'), run_name='__main__')
-    return told[0]
+    return found[0]
 
 
 def read_with(kind, name, value):

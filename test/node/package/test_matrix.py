@@ -44,9 +44,9 @@ def run(*command, **environment):
     return done.stdout
 
 
-def environment_of(package, python, wanted):
+def environment_of(package, python, requirements):
     """The Python of an environment with these requirements, and the newest packages that the tests need."""
-    text = '\n'.join([python, *wanted])
+    text = '\n'.join([python, *requirements])
     for name in 'requirements.txt', 'pyproject.toml', 'test/requirements.txt':
         with open(os.path.join(package, name)) as file:
             text += file.read()
@@ -57,7 +57,7 @@ def environment_of(package, python, wanted):
         uv = [sys.executable, '-m', 'uv']
         install = [*uv, 'pip', 'install', '--python', made, '--only-binary', ':all:']
         run(*uv, 'venv', '--python', python, folder)
-        run(*install, *wanted)
+        run(*install, *requirements)
         with open(folder + '/installed.txt', 'w') as file:
             file.write(run(*uv, 'pip', 'freeze', '-q', '--python', made))
         run(*install, '-r', 'test/requirements.txt', '-c', folder + '/installed.txt')
@@ -68,12 +68,12 @@ def environment_of(package, python, wanted):
 
 @pytest.mark.parametrize('way', WAYS)
 def test_the_plain_tests_pass_with(way, package, tmp_path, monkeypatch):
-    which, wanted, chosen = WAYS[way]
+    which, requirements, markers = WAYS[way]
     python = interpreter(which)
     if python is None:
         pytest.skip('there is no python3.8 on PATH or in pyenv')
     monkeypatch.chdir(package)
-    said = run(environment_of(package, python, wanted), '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
-               '--basetemp', str(tmp_path / 'tests'), '-m', chosen, 'test/plain',
-               PYTHONPATH=package + '/src')
-    assert ' passed' in said.splitlines()[-1] and ' failed' not in said
+    output = run(environment_of(package, python, requirements), '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
+                 '--basetemp', str(tmp_path / 'tests'), '-m', markers, 'test/plain',
+                 PYTHONPATH=package + '/src')
+    assert ' passed' in output.splitlines()[-1] and ' failed' not in output

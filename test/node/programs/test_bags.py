@@ -168,9 +168,9 @@ def test_it_continues_after_an_interruption(package, recorded, done, tmp_path):
         assert 'Another annotate_bags works in the folder' in annotate(package, tmp_path, recorded, code=1)
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         os.killpg(process.pid, signal.SIGCONT)
-        said, _ = process.communicate(timeout=WAIT_S)
+        output, _ = process.communicate(timeout=WAIT_S)
     assert process.returncode == 130
-    assert said == 'annotate_bags: interrupted. The same command continues from here.\n'
+    assert output == 'annotate_bags: interrupted. The same command continues from here.\n'
     assert [path.name for path in tmp_path.iterdir()] == ['.unit5']
     made = piece.stat().st_mtime_ns
     with subprocess.Popen(command_for(package, '--out', tmp_path, '--workers', '1', recorded)) as process:
@@ -208,11 +208,11 @@ def test_broken_bags_are_reported_and_the_others_are_processed(package, recorded
         bag.write('/eye/image', image_from_frame(frames[0].image, header), header.stamp)
         bag.write('/eye/image', image_from_frame(frames[0].image, header, 'rgb8'), header.stamp)
     paths = [tmp_path / name for name in (*broken, 'blind.bag', 'gone.bag', 'raw.bag')]
-    said = annotate(package, tmp_path / 'out', *paths, code=1)
+    output = annotate(package, tmp_path / 'out', *paths, code=1)
     for name in (*broken, 'blind.bag', 'gone.bag'):
-        assert '%s" cannot be processed: it ' % name in said
-    assert 'rosbag reindex' in said and 'it has no images: no topic' in said
-    assert 'Traceback' not in said
+        assert '%s" cannot be processed: it ' % name in output
+    assert 'rosbag reindex' in output and 'it has no images: no topic' in output
+    assert 'Traceback' not in output
     assert sorted(path.name for path in (tmp_path / 'out').glob('*.*')) == ['.unit5', 'raw.bag', 'tags.csv']
     assert {row['bag'] for row in rows_of(tmp_path / 'out')} == {'raw.bag'}
 
@@ -230,10 +230,10 @@ def test_all_image_topics_are_processed_whatever_their_names(package, frames, tm
             depth = image_from_frame(frame, header)
             depth.encoding = '32FC1'
             bag.write('/depth', depth, stamp)
-    said = annotate(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
-    assert said.count('Bag "%s": ' % path) == 3
-    assert 'frames on /depth are skipped: ' in said and '32FC1' in said
-    assert 'there are no poses for /eye/image, since its camera_info cannot be used: its K is not a' in said
+    output = annotate(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
+    assert output.count('Bag "%s": ' % path) == 3
+    assert 'frames on /depth are skipped: ' in output and '32FC1' in output
+    assert 'there are no poses for /eye/image, since its camera_info cannot be used: its K is not a' in output
     assert {row['topic'] for row in rows_of(tmp_path / 'out')} == {
         '/eye/image', '/eye/image/compressed', '/eye_image'}
     with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
@@ -251,9 +251,9 @@ def test_all_image_topics_are_processed_whatever_their_names(package, frames, tm
     (['_picture:=no.png'], 'no.png'), (['--piece', '0'], '--piece'),
     (['--scheduler', 'tcp://127.0.0.1:9'], 'tcp://127.0.0.1:9 does not answer')])
 def test_wrong_arguments_are_explained(package, recorded, tmp_path, arguments, words):
-    said = annotate(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
-                     arguments[0] != '--scheduler' else 1)
-    assert words in said and 'Traceback' not in said
+    output = annotate(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
+                      arguments[0] != '--scheduler' else 1)
+    assert words in output and 'Traceback' not in output
 
 
 def test_no_bag_is_overwritten(package, recorded, tmp_path):
@@ -278,10 +278,10 @@ def test_results_of_other_settings_are_made_again(package, recorded, done, tmp_p
 
 
 def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):
-    said = subprocess.run([sys.executable, package + '/src/annotate_bags.py', '--help'], stdout=subprocess.PIPE,
-                          text=True, check=True).stdout
-    assert '{5.2,5.3,5.4,5.5,5.6}' in said and '5_2 is the same as 5.2' in said
-    listed = re.findall(r'^  _(\w+) +(\S+)', said, re.MULTILINE)
+    output = subprocess.run([sys.executable, package + '/src/annotate_bags.py', '--help'],
+                            stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert '{5.2,5.3,5.4,5.5,5.6}' in output and '5_2 is the same as 5.2' in output
+    listed = re.findall(r'^  _(\w+) +(\S+)', output, re.MULTILINE)
     assert dict(listed)['likeness'] == '0.8'
     only_of_nodes = {'transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
                      'robot_frame'}

@@ -96,15 +96,16 @@ def test_a_node_registers_all_its_topics_and_services(monkeypatch):
     assert registration.IS_KNOWN
     topics = registration.get_topic_manager()
     services = registration.get_service_manager()
-    told = []
+    registered = []
     listener = registration.get_registration_listeners()
     monkeypatch.setattr(services, 'get_services', lambda: [('/first', 'uri'), ('/last', 'uri')])
     monkeypatch.setattr(topics, 'get_publications', lambda: [('/image', 'kind')])
     monkeypatch.setattr(topics, 'get_subscriptions', lambda: [('/camera', 'kind')])
-    monkeypatch.setattr(listener, 'notify_added', lambda name, what, kind: told.append((name, kind)))
+    monkeypatch.setattr(listener, 'notify_added', lambda name, what, kind: registered.append((name, kind)))
     registration._register()
     kinds = registration.Registration
-    assert told == [('/first', kinds.SRV), ('/image', kinds.PUB), ('/camera', kinds.SUB), ('/last', kinds.SRV)]
+    assert registered == [('/first', kinds.SRV), ('/image', kinds.PUB), ('/camera', kinds.SUB),
+                          ('/last', kinds.SRV)]
 
 
 @pytest.mark.parametrize('name', ['lock', 'get_publications', 'get_subscriptions'])

@@ -40,23 +40,23 @@ def test_no_hostile_file_makes_a_loader_crash_or_hang(opened):
 
 
 def test_bad_pictures_are_refused_and_odd_but_good_ones_are_accepted(opened):
-    wrong = [(result['name'], result['said']) for result in opened[0] if result['loader'] == 'picture'
-             and result['is_picture'] is not None and (result['said'] is None) != result['is_picture']]
+    wrong = [(result['name'], result['refusal']) for result in opened[0] if result['loader'] == 'picture'
+             and result['is_picture'] is not None and (result['refusal'] is None) != result['is_picture']]
     assert wrong == []
 
 
 def test_no_hostile_file_is_accepted_as_yaml(opened):
     assert [(result['name'], result['loader']) for result in opened[0]
-            if result['loader'] != 'picture' and result['said'] is None] == []
+            if result['loader'] != 'picture' and result['refusal'] is None] == []
 
 
 def test_each_refusal_is_a_sentence_that_names_the_file(opened):
     for result in opened[0]:
-        said = result['said']
-        if said is not None:
-            assert shown(result['path']) in said, result
-            assert (said[0].isupper() or said[0] == '"') and said[-1] == '.', said
-            assert said.isprintable() and len(said) <= 500, said
+        refusal = result['refusal']
+        if refusal is not None:
+            assert shown(result['path']) in refusal, result
+            assert (refusal[0].isupper() or refusal[0] == '"') and refusal[-1] == '.', refusal
+            assert refusal.isprintable() and len(refusal) <= 500, refusal
 
 
 def test_no_hostile_file_takes_much_memory(opened):
@@ -101,13 +101,14 @@ def pipe(path):
     lambda path: (os.unlink(path), os.mkdir(path))],
     ids=['deleted', 'a pipe', 'gigantic', 'empty', 'cut', 'a bomb', 'a list', 'a folder'])
 def test_a_clip_whose_file_changes_plays_on_or_keeps_its_last_picture(tmp_path, watchdog, kind, data, change):
-    path, said = str(tmp_path / kind), []
+    path, sentences = str(tmp_path / kind), []
     replace(path, data)
-    clip = open_source(path, said.append)
+    clip = open_source(path, sentences.append)
     shape = clip.at(0).shape
     change(path)
     assert all(clip.at(number * 0.1).shape == shape for number in range(20))
-    assert len(said) <= 1 and all(path in sentence and 'last picture stays' in sentence for sentence in said)
+    assert len(sentences) <= 1
+    assert all(path in sentence and 'last picture stays' in sentence for sentence in sentences)
 
 
 @pytest.mark.parametrize('path, reason', [

@@ -75,13 +75,13 @@ def test_a_clip_that_is_too_large_is_shrunk(tmp_path):
 
 
 def test_if_a_file_is_deleted_its_last_picture_stays(tmp_path):
-    said = []
+    sentences = []
     path = video(tmp_path / 'a.avi', [0, 200], 10)
-    clip = open_source(path, said.append)
+    clip = open_source(path, sentences.append)
     assert [np.mean(color) > 100 for color in colors_at(clip, [0.0, 0.1])] == [False, True]
     os.remove(path)
     assert [np.mean(color) > 100 for color in colors_at(clip, [0.2, 0.3, 1.0, 900.0, 901.0])] == [True] * 5
-    assert len(said) == 1 and path in said[0] and 'last picture stays' in said[0]
+    assert len(sentences) == 1 and path in sentences[0] and 'last picture stays' in sentences[0]
 
 
 def test_a_truncated_file_plays_as_far_as_possible(tmp_path):

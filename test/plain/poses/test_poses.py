@@ -194,10 +194,10 @@ def test_evidence_accumulates_over_frames_and_is_forgotten_after_a_gap():
     """Each frame slightly favors the first pose; the last one favors neither."""
     rotations = rotation_matrices(np.array([[np.pi + 0.3, 0, 0], [np.pi - 0.3, 0, 0]]))
     poses = rotations[None], np.array([[[0, 0, 3.0], [0, 0, 3.0]]]), np.eye(6)[None, None].repeat(2, 1) * 1e-4
-    belief, told = Belief(), np.array([[0.0, 4.0]])
-    first = belief.weigh(['tag'], poses, told, 0.0)[1]
+    belief, evidence = Belief(), np.array([[0.0, 4.0]])
+    first = belief.weigh(['tag'], poses, evidence, 0.0)[1]
     for number in range(1, 6):
-        belief.weigh(['tag'], poses, told, number / 30)
+        belief.weigh(['tag'], poses, evidence, number / 30)
     believed, later = belief.weigh(['tag'], poses, np.zeros((1, 2)), 6 / 30)
     assert believed == [0] and later < first / 10
     assert belief.weigh(['tag'], poses, np.zeros((1, 2)), 6 / 30 + 0.6)[1] == [0.5]

@@ -220,8 +220,8 @@ def command(package, tmp_path):
 
 def test_the_command_makes_the_files_of_any_wall(command, tmp_path):
     (tmp_path / 'mine.yaml').write_text(TURNED % 2)
-    code, said = command('--wall', 'mine.yaml', '--output', 'made', '__name:=gazebo_wall')
-    assert code == 0 and str(tmp_path / 'made' / WORLD) in said
+    code, output = command('--wall', 'mine.yaml', '--output', 'made', '__name:=gazebo_wall')
+    assert code == 0 and str(tmp_path / 'made' / WORLD) in output
     for path, data in wall_files(load_wall(str(tmp_path / 'mine.yaml'))).items():
         assert (tmp_path / 'made' / path).read_bytes() == data
 
@@ -231,6 +231,6 @@ def test_the_command_makes_the_files_of_any_wall(command, tmp_path):
     (['--output', '/dev/null/made'], 'Cannot write "/dev/null/made'),
 ])
 def test_errors_are_sentences_and_leave_nothing_behind(command, tmp_path, arguments, words):
-    code, said = command(*arguments)
-    assert code == 1 and words in said and 'Traceback' not in said
+    code, output = command(*arguments)
+    assert code == 1 and words in output and 'Traceback' not in output
     assert os.listdir(str(tmp_path)) == []

@@ -42,9 +42,9 @@ def test_the_four_tags_of_the_course_are_included(package):
 
 @pytest.mark.parametrize('form', ['jpg', 'png'])
 def test_written_pictures_are_detected(generate, tmp_path, form):
-    code, said = generate('--ids', '7,20-22', '--size', '300', '--quiet', '1', '--format', form,
-                          '--dictionary', 'DICT_5X5_100', '--output', 'mine')
-    assert code == 0 and 'image_7.' + form in said
+    code, output = generate('--ids', '7,20-22', '--size', '300', '--quiet', '1', '--format', form,
+                            '--dictionary', 'DICT_5X5_100', '--output', 'mine')
+    assert code == 0 and 'image_7.' + form in output
     assert sorted(os.listdir(str(tmp_path / 'mine'))) == ['image_%d.%s' % (i, form)
                                                           for i in (20, 21, 22, 7)]
     for tag_id in (7, 20, 21, 22):
@@ -124,13 +124,13 @@ def test_the_sheet_names_the_tags(tmp_path):
 def test_errors_are_sentences_and_leave_nothing_behind(generate, tmp_path, arguments, words):
     if '--output' not in arguments and '--sheet' not in arguments:
         arguments = arguments + ['--output', '.']
-    code, said = generate(*arguments)
-    assert code != 0 and words in said and 'Traceback' not in said
+    code, output = generate(*arguments)
+    assert code != 0 and words in output and 'Traceback' not in output
     assert os.listdir(str(tmp_path)) == []
 
 
 def test_a_write_that_fails_halfway_leaves_nothing(generate, tmp_path):
     (tmp_path / 'out' / 'image_2.jpg').mkdir(parents=True)
-    code, said = generate('--output', 'out')
-    assert code != 0 and 'image_2.jpg' in said
+    code, output = generate('--output', 'out')
+    assert code != 0 and 'image_2.jpg' in output
     assert all(not name.startswith('.') for name in os.listdir(str(tmp_path / 'out')))

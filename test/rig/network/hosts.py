@@ -29,8 +29,8 @@ class Host:
 
     def bytes_to(self, device):
         """The number of bytes sent through a device so far."""
-        told = _ip('-n', self._namespace, '-s', '-j', 'link', 'show', 'dev', device)
-        return json.loads(told)[0]['stats64']['tx']['bytes']
+        output = _ip('-n', self._namespace, '-s', '-j', 'link', 'show', 'dev', device)
+        return json.loads(output)[0]['stats64']['tx']['bytes']
 
 
 class Radio:

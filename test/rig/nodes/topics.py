@@ -92,28 +92,28 @@ class Diagnostics:
 
     def wait(self, node, *words, level=DiagnosticStatus.OK, seconds=WAIT_S):
         """Wait for a new status of a node with this level and these words; returns its {name: value}."""
-        def is_meant(said):
-            return said.level == level and all(word in said.message for word in words)
-        return self._wait(node, is_meant, '%s at level %d' % (words, level), seconds)
+        def is_wanted(status):
+            return status.level == level and all(word in status.message for word in words)
+        return self._wait(node, is_wanted, '%s at level %d' % (words, level), seconds)
 
     def wait_for_any(self, node):
         """Wait for any new status of a node."""
-        self._wait(node, lambda said: True, 'reported at all', WAIT_S)
+        self._wait(node, lambda status: True, 'reported at all', WAIT_S)
 
     def wait_for_frames(self, node):
         """Wait for a new status that says that a node gets frames, perhaps only some of them."""
-        def gets_frames(said):
-            return (said.level == DiagnosticStatus.OK and 'frames a second' in said.message) or \
-                (said.level == DiagnosticStatus.WARN and LEFT_OUT.search(said.message))
+        def gets_frames(status):
+            return (status.level == DiagnosticStatus.OK and 'frames a second' in status.message) or \
+                (status.level == DiagnosticStatus.WARN and LEFT_OUT.search(status.message))
         return self._wait(node, gets_frames, 'one that says that it gets frames', WAIT_S)
 
-    def _wait(self, node, is_meant, words, seconds):
+    def _wait(self, node, is_wanted, words, seconds):
         name = node + ': frames'
         with self._changed:
             self._statuses.pop(name, None)
 
             def found():
-                return next(filter(is_meant, self._statuses.get(name, [])), None)
+                return next(filter(is_wanted, self._statuses.get(name, [])), None)
             if not self._changed.wait_for(found, seconds):
                 raise AssertionError('the status of %s is not %s, but %s' % (
                     node, words, self._statuses.get(name, [None])[-1]))

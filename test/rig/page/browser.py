@@ -35,10 +35,10 @@ class BrowserTest(ServerTest):
     def setUp(self):
         self.page = self.browser.new_page(viewport={'width': 1400, 'height': 900})
         self.page.set_default_timeout(WAIT_MS)
-        self.wrong, self.asked, self.expected = [], [], ''
-        self.page.on('pageerror', lambda error: self.wrong.append(str(error)))
-        self.page.on('console', lambda line: self.wrong.append(line.text) if line.type == 'error' else None)
-        self.page.on('request', lambda request: self.asked.append(request.url))
+        self.errors, self.requested, self.expected = [], [], ''
+        self.page.on('pageerror', lambda error: self.errors.append(str(error)))
+        self.page.on('console', lambda line: self.errors.append(line.text) if line.type == 'error' else None)
+        self.page.on('request', lambda request: self.requested.append(request.url))
         self.page.goto('http://localhost:%d/' % self.port)
         self.page.wait_for_function(
             '''() => document.querySelectorAll('.tile .why[hidden]').length == 6 &&
@@ -46,7 +46,7 @@ class BrowserTest(ServerTest):
                          (text) => /^[0-9]/.test(text.textContent))''')
 
     def tearDown(self):
-        self.assertEqual([wrong for wrong in self.wrong if not self.expected or self.expected not in wrong], [])
+        self.assertEqual([each for each in self.errors if not self.expected or self.expected not in each], [])
         self.page.close()
 
     def wait_for_text(self, selector, words):

@@ -82,10 +82,10 @@ class CameraInfos(NodeTest):
         self.assertTrue(self.seen['poses'].empty())
         self.assert_poses_are_right(self.show_until_posed(frame, camera_info(camera, None)))
         for words in 'nothing arrives on it', 'for what size', 'K is not a camera matrix', '1280 x 960':
-            told = [line for line in self.node.lines if words in line]
-            self.assertEqual(len(told), 1, told)
-            self.assertIn('/eye/camera_info', told[0])
-            self.assertIn('WARN', told[0])
+            warnings = [line for line in self.node.lines if words in line]
+            self.assertEqual(len(warnings), 1, warnings)
+            self.assertIn('/eye/camera_info', warnings[0])
+            self.assertIn('WARN', warnings[0])
 
     def test_the_distortion_of_the_lens_is_corrected(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')

@@ -35,10 +35,10 @@ class CameraRestart(NodeTest):
         node = self.start('exercise5_5.py')
         self.masks = self.listen('/exercise5_5/mask')
         self.start_camera()
-        said = len(node.lines)
+        line_count = len(node.lines)
         self.kill()
         self.start_camera()  # before anybody has noticed
-        self.assertEqual(node.lines[said:], [])
+        self.assertEqual(node.lines[line_count:], [])
         self.kill()
         node.wait_for(SILENT)
         self.start_camera('__name:=another_camera')  # the dead camera is still registered beside it
@@ -46,7 +46,7 @@ class CameraRestart(NodeTest):
         self.masks.subscriber.unregister()
         self.masks = self.listen('/exercise5_5/mask')
         self.wait_for_area()
-        self.assertEqual(len(node.lines), said + 2, node.lines)
+        self.assertEqual(len(node.lines), line_count + 2, node.lines)
 
 
 if __name__ == '__main__':

@@ -55,8 +55,8 @@ class WorkerFault(NodeTest):
         diagnostics = self.listen('/diagnostics', DiagnosticArray)
         until(lambda: all(status.level < ERROR for status in diagnostics.next().status))  # it may also be slow
         for place in provokes:
-            said = [line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]
-            self.assertEqual(len(said), 1, self.node.lines)
+            logged = [line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]
+            self.assertEqual(len(logged), 1, self.node.lines)
         self.assertEqual(len([line for line in self.node.lines if 'Traceback' in line]), len(provokes),
                          self.node.lines)
 

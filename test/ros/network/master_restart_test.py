@@ -65,11 +65,11 @@ class MasterRestart(NodeTest):
         nodes['exercise5_2'].wait_for('The ROS master does not answer')
         status, _, body = ask(port, '/stream?topic=/exercise5_2/image')
         self.assertEqual((status, b'The ROS master does not answer' in body), (503, True))
-        said = len(nodes['exercise5_2'].lines)
+        line_count = len(nodes['exercise5_2'].lines)
         self.restart(*nodes.values())
         for name in nodes:
             until(lambda: registrations('/' + name) == before[name])
-        self.assertLess(len(nodes['exercise5_2'].lines), said + 4)
+        self.assertLess(len(nodes['exercise5_2'].lines), line_count + 4)
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
     def test_connected_nodes_continue_and_others_find_the_node_again(self):

@@ -178,16 +178,16 @@ class PageHttp(ServerTest):
         async def look():
             live = await self.look(connections)
             publish(np.zeros((1, 70000, 3), np.uint8))
-            said = ''
-            while 'without' not in said:
-                said = await asyncio.wait_for(live.read_message(), WAIT_S)
+            reply = ''
+            while 'without' not in reply:
+                reply = await asyncio.wait_for(live.read_message(), WAIT_S)
             publish()
             head, picture = await self.next_frame(live)
             live.close()
-            return json.loads(said), head, picture
-        said, head, picture = asyncio.run(look())
-        self.assertEqual(said['without'], '/eye/image')
-        self.assertIn('A frame of 70000 x 1 pixels is too large', said['why'])
+            return json.loads(reply), head, picture
+        reply, head, picture = asyncio.run(look())
+        self.assertEqual(reply['without'], '/eye/image')
+        self.assertIn('A frame of 70000 x 1 pixels is too large', reply['why'])
         self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
     def test_a_slow_browser_gets_fewer_frames_and_does_not_slow_others(self):

@@ -70,7 +70,8 @@ class Page(BrowserTest):
             self.assertRegex(tile.locator('.rate').inner_text(), r'^\d+ fps$')
             self.assertRegex(tile.locator('.latency').inner_text(), r'^\d+ ms$')
         own = 'http://localhost:%d/' % self.port
-        self.assertEqual([url for url in self.asked if not url.startswith((own, 'data:', 'ws' + own[4:]))], [])
+        own_urls = own, 'data:', 'ws' + own[4:]
+        self.assertEqual([url for url in self.requested if not url.startswith(own_urls)], [])
 
     def test_everything_has_a_name_for_a_screen_reader(self):
         nameless = self.page.evaluate(

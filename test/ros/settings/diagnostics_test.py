@@ -15,7 +15,7 @@ FIGURES = OF_TAGS | {'frames in', 'frames out', 'frames dropped', 'frame rate (H
                      'pipeline, 99 % (ms)', 'latency, median (ms)', 'latency, 99 % (ms)'}
 
 
-class Diagnosed(NodeTest):
+class NodeDiagnostics(NodeTest):
     def setUp(self):
         super().setUp()
         self.diagnostics = Diagnostics()
@@ -34,12 +34,12 @@ class Diagnosed(NodeTest):
 
     def test_frames_tags_and_dropped_frames_are_counted(self):
         self.start_before_camera('exercise5_6')
-        begun = self.diagnostics.wait('exercise5_6', 'frames a second')
+        before = self.diagnostics.wait('exercise5_6', 'frames a second')
         for _ in range(5):
             self.answer_to(scene())
         values = self.diagnostics.wait('exercise5_6', 'frames a second')
         for name in 'frames in', 'frames out':
-            self.assertEqual(int(values[name]), int(begun[name]) + 5)
+            self.assertEqual(int(values[name]), int(before[name]) + 5)
         self.assertEqual((values['frames dropped'], values['tags in sight']), ('0', '4'))
         self.assertEqual(values['area'], 'Its tags show it.')
         for name in 'frame rate (Hz)', 'pipeline, median (ms)', 'pipeline, 99 % (ms)', 'area last seen (s ago)':
@@ -53,8 +53,8 @@ class Diagnosed(NodeTest):
         values = self.diagnostics.wait('exercise5_6', '40 of', level=WARN)
         self.assertEqual(values['area'], 'Four tags have not been seen together.')  # this stamp is earlier
         self.assertEqual((int(values['frames in']), int(values['frames out']), values['frames dropped'],
-                          values['tags in sight']), (int(begun['frames in']) + 7, int(begun['frames out']) + 7,
-                                                     '40', '0'))
+                          values['tags in sight']), (int(before['frames in']) + 7,
+                                                     int(before['frames out']) + 7, '40', '0'))
 
     def test_a_missing_camera_unusable_frames_and_missing_subscribers_are_reported(self):
         node = self.start('exercise5_2.py')
@@ -94,4 +94,4 @@ class Diagnosed(NodeTest):
 
 if __name__ == '__main__':
     rospy.init_node('diagnostics_test')
-    rostest.rosrun('unit5', 'diagnostics_test', Diagnosed)
+    rostest.rosrun('unit5', 'diagnostics_test', NodeDiagnostics)

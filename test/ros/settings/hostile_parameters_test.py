@@ -35,7 +35,7 @@ def wrong_values(kind, name, parameter, random):
     return found
 
 
-class Hostile(NodeTest):
+class HostileParameters(NodeTest):
     def refusals(self, node, count):
         """Wait until a node has refused that many changes; returns its sentences."""
         def said():
@@ -81,16 +81,16 @@ class Hostile(NodeTest):
         self.assert_painted(self.answer_to(scene()), scene())
 
     def test_a_fault_during_a_change_only_refuses_the_change(self):
-        asked = []
+        calls = []
 
         def fail(settings):
-            asked.append(settings)
+            calls.append(settings)
             raise ZeroDivisionError('nobody thought of that')
         Reconfigurer(Settings(), fail)
         before = change(rospy.get_name())
         self.assertEqual(change(rospy.get_name(), scale=0.5), before)
         self.assertEqual(change(rospy.get_name(), scale=1.0), before)
-        self.assertEqual([settings.scale for settings in asked], [0.5])
+        self.assertEqual([settings.scale for settings in calls], [0.5])
 
     def test_a_reset_does_not_need_the_file_of_the_wall(self):
         folder = tempfile.TemporaryDirectory()
@@ -133,4 +133,4 @@ class Hostile(NodeTest):
 
 if __name__ == '__main__':
     rospy.init_node('hostile_parameters_test')
-    rostest.rosrun('unit5', 'hostile_parameters_test', Hostile)
+    rostest.rosrun('unit5', 'hostile_parameters_test', HostileParameters)

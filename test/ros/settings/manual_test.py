@@ -95,11 +95,11 @@ class Manuals(NodeTest):
             self.assert_parameters(node)
 
     def assert_parameters(self, node):
-        said = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
+        description = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
         part = run_manual(node).stdout.partition('\nParameters')[2]
         rows = re.findall(r'^  ~(\w+) +(.*)', part, re.MULTILINE)
         live = {name for name, rest in rows if re.search(r' \*( |$)', rest)}
-        self.assertEqual(live, {each.name for group in said.groups for each in group.parameters}, node)
+        self.assertEqual(live, {each.name for group in description.groups for each in group.parameters}, node)
         self.assertEqual(len(rows), len({name for name, _ in rows}))
 
 

@@ -34,7 +34,7 @@ LEFT, RIGHT, TOP, BOTTOM = ((slice(None), slice(0, 40)), (slice(None), slice(-40
                             (slice(0, 40), slice(None)), (slice(-40, None), slice(None)))
 
 
-class Reconfigured(NodeTest):
+class DynamicReconfigure(NodeTest):
     def setUp(self):
         super().setUp()
         folder = tempfile.TemporaryDirectory()
@@ -52,11 +52,11 @@ class Reconfigured(NodeTest):
     def test_every_parameter_is_described_with_its_range_or_choices(self):
         self.start_all()
         for node in NODES:
-            said = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
-            parameters = {each.name: each for group in said.groups for each in group.parameters}
+            description = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
+            parameters = {each.name: each for group in description.groups for each in group.parameters}
             self.assertEqual(set(parameters), OFFERED.get(node, SIGHT), node)
             low, high, default = ({each.name: each.value for each in part.doubles + part.strs}
-                                  for part in (said.min, said.max, said.dflt))
+                                  for part in (description.min, description.max, description.dflt))
             for name, each in parameters.items():
                 self.assertGreater(len(each.description), 5, (node, name))
                 self.assertEqual(each.type, 'double' if name in RANGES else 'str')
@@ -257,4 +257,4 @@ class Reconfigured(NodeTest):
 
 if __name__ == '__main__':
     rospy.init_node('reconfigure_test')
-    rostest.rosrun('unit5', 'reconfigure_test', Reconfigured)
+    rostest.rosrun('unit5', 'reconfigure_test', DynamicReconfigure)
