@@ -1,6 +1,6 @@
 import os
 
-import aruco_program  # noqa: F401  as in every program of ours
+import aruco_program  # noqa: F401  every program of the package imports this first
 import aruco_ar
 import cv2
 import numpy as np
@@ -13,8 +13,8 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 
 def pytest_configure(config):
-    cv2.setNumThreads(1)  # as in the nodes; other tests run beside
-    # What goes wrong where nobody can catch it: as things are forgotten, and in threads.
+    cv2.setNumThreads(1)  # as in the nodes, since other tests run at the same time
+    # Errors that no caller can catch: those in finalizers and in threads.
     for kind in 'ResourceWarning', 'pytest.PytestUnraisableExceptionWarning', \
             'pytest.PytestUnhandledThreadExceptionWarning':
         config.addinivalue_line('filterwarnings', 'error::' + kind)
@@ -32,7 +32,7 @@ def wall():
 
 @pytest.fixture(scope='session')
 def view():
-    """Slanted, all four tags in sight: (R, t) of the wall."""
+    """(R, t) of the wall, seen at a slant with all four tags in sight."""
     return wall_to_camera(Pose(-1.9, 0.6, -0.3))
 
 
@@ -48,7 +48,7 @@ def random():
 
 @pytest.fixture
 def assert_refused(tmp_path):
-    """A function: reading a YAML file with that text raises InputError, which names it, in these words."""
+    """A function that checks that reading a YAML file with this text raises an InputError with these words."""
     def check(read, text, words):
         path = tmp_path / 'some.yaml'
         path.write_text(text)

@@ -17,10 +17,10 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file
 RESULTS = os.path.join(PACKAGE, 'build', 'test_results')
 REPORTS = os.path.join(RESULTS, 'unit5')
 TIMEOUT_S = 600  # for a rostest; the test in it has its own limit of 300 s
-MATRIX = 'test/node/test_matrix.py'
+MATRIX = 'test/node/package/test_matrix.py'
 # A constant that gives the reason why a rostest must run alone.
 ALONE = re.compile(r'^ALONE = ', re.MULTILINE)
-SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/skipping.py
+SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/processes/skip.py
 
 
 class Rostest:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fuzz --target=NAME with atheris; its other arguments are libFuzzer's, which leaves this one to us."""
+"""Fuzz --target=NAME with atheris. The other arguments are those of libFuzzer, which ignores this one."""
 import sys
 
 import atheris

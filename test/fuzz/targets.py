@@ -1,6 +1,6 @@
-"""What is fuzzed: functions of bytes, which raise only where there is a fault of ours.
+"""The fuzzed functions. Each takes bytes, and raises an error only if the package has a fault.
 
-What the bytes stand for comes out well, or is refused by an InputError.
+The bytes are either converted, or refused with an InputError.
 """
 import os
 import struct
@@ -30,7 +30,7 @@ def image(data):
     if len(data) < HEAD.size:
         return
     encoding, big, width, height, step = HEAD.unpack_from(data)
-    if step % 4 < 3:  # mostly one that fits: some bytes a pixel, and some to spare
+    if step % 4 < 3:  # mostly one that fits: some bytes per pixel, and a few more
         step = width * (1 + step % 9) + step // 9 % 3
     message = Image(encoding=ENCODINGS[encoding % len(ENCODINGS)], is_bigendian=big, width=width, height=height,
                     step=step, data=data[HEAD.size:])
@@ -38,12 +38,12 @@ def image(data):
 
 
 def serialized(data):
-    """An Image as it comes over the network."""
+    """An Image as serialized bytes."""
     _, kind, _ = TRANSPORTS['raw']
     message = kind()
     try:
         message.deserialize(data)
-    except DeserializationError:  # rospy says so
+    except DeserializationError:  # rospy reports it
         return
     _check_image(message)
 
@@ -55,7 +55,7 @@ def compressed(data):
 
 
 def picture(data):
-    """A file that is painted, and watched for a while."""
+    """A file as a picture source, which is used for a while."""
     def look(path):
         source = open_source(path, lambda sentence: None)
         for stamp in np.arange(0, 1, 0.2):
@@ -84,7 +84,7 @@ def areas(data):
 
 
 def path(data):
-    """The YAML file of a drive."""
+    """The YAML file of a path."""
     def load(path):
         drive = load_path(path)
         assert drive.seconds > 0
@@ -119,7 +119,7 @@ def _with_file(use, data):
 
 
 def _result(make, refused=lambda error: None):
-    """What is made, or what ``refused`` makes of the InputError, which must be a sentence."""
+    """The result of ``make``, or that of ``refused`` for an InputError. Its message must be a good sentence."""
     try:
         return make()
     except InputError as error:

@@ -1,4 +1,4 @@
-"""Programs of the package that are ended at random moments, by signals, and what is left of them."""
+"""Kills programs of the package at random moments, and looks for what they leave behind."""
 import os
 import signal
 import subprocess
@@ -13,16 +13,16 @@ import cv2
 import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
-from rig.nodes import CAMERA, IMAGES, NODES, scene
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, IMAGES, NODES, scene
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
 FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MARK = 'UNIT5_STRUCK'
-ENDS_S = 25.0    # roslaunch asks its nodes for 15 s before it insists
+ENDS_S = 25.0    # roslaunch waits 15 s for its nodes before it kills them
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
@@ -34,7 +34,7 @@ NUMBERS = count()
 
 @dataclass
 class Kill:
-    """A program that is to be ended; ``watched``: while somebody listens to it, and asks for snapshots."""
+    """A program and how it is killed. ``watched``: whether somebody subscribes to it and asks for snapshots."""
 
     name: str
     signal: signal.Signals
@@ -46,23 +46,23 @@ class Kill:
 
 
 def kills(random, names=(*NODES, *TOOLS, *LAUNCHES, DEMO)):
-    """Kill after Kill without end, by a random.Random: of each name, by each signal, as often."""
+    """Yields Kills without end: every name with every signal equally often. ``random``: a random.Random."""
     while True:
         ways = [(name, kind) for name in names for kind in SIGNALS
-                # Who kills roslaunch so has its nodes left.
+                # roslaunch leaves its nodes behind if it gets SIGKILL.
                 if not (name in LAUNCHES and kind == signal.SIGKILL)]
         random.shuffle(ways)
         for name, kind in ways:
             shortest, longest = (0, 4) if name in NODES else (0, 1.5) if name in TOOLS else (0, 25)
             if name in LAUNCHES:
-                shortest, longest = 2, 10  # roslaunch passes over a Ctrl-C while it begins
+                shortest, longest = 2, 10  # roslaunch ignores a Ctrl-C while it starts
             watched = name in IMAGES and random.random() < 0.7
             yield Kill(name, kind, random.uniform(shortest, longest), watched)
 
 
 def command_of(name):
-    """(words, variables) that start a program in a namespace of its own."""
-    space = 'struck_%d' % next(NUMBERS)  # nodes of one name end each other
+    """(words, namespace): the command that starts a program, and a namespace of its own."""
+    space = 'struck_%d' % next(NUMBERS)  # nodes with the same name would end each other
     if name in NODES:
         return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
                 '_port:=%d' % free_port()], space
@@ -74,7 +74,7 @@ def command_of(name):
 
 
 def strike(kill):
-    """Start a program and end it; (seconds that its end took, sentences about what it left)."""
+    """Start a program and kill it; returns the seconds until it ended, and sentences about what it left."""
     with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryFile('w+') as output:
         words, space = command_of(kill.name)
         mark = '%s=%s' % (MARK, folder)
@@ -93,31 +93,32 @@ def strike(kill):
                 code = process.wait(ENDS_S)
             except subprocess.TimeoutExpired:
                 code = None
-                process.send_signal(signal.SIGABRT)  # has Python say where it is
+                process.send_signal(signal.SIGABRT)  # makes Python print where it is
                 process.wait()
                 output.seek(0)
-                found.append('it does not end within %d s:\n%s' % (ENDS_S, output.read()))
+                found.append('it did not end within %d s:\n%s' % (ENDS_S, output.read()))
             took = time.monotonic() - began
-        left = left_of(mark)
+        left = kill_leftovers(mark)
         if left:
-            found.append('these are left: ' + ', '.join(' '.join(each) for each in left))
+            found.append('these processes are left: ' + ', '.join(' '.join(each) for each in left))
         output.seek(0)
-        said = output.read()
-        begun = 'Traceback' not in said or FOLDER + '/src' in said  # else it was Python's own beginning
-        if begun and 'Traceback' in said:
-            found.append('it says:\n' + said[-3000:])
-        # What Python, rospy, bash and roslaunch make of the signal, or the program was done before.
-        if begun and code not in (0, -kill.signal, 128 + kill.signal, None):
-            found.append('its exit code is %d; it says:\n%s' % (code, said[-1000:]))
-        found += ['this is left: ' + path for path in halves(folder)]
+        printed = output.read()
+        # A traceback without lines of the package comes from the start of Python itself.
+        has_started = 'Traceback' not in printed or FOLDER + '/src' in printed
+        if has_started and 'Traceback' in printed:
+            found.append('it printed:\n' + printed[-3000:])
+        # Python, rospy, bash and roslaunch use these exit codes for the signal; 0 means it had already ended.
+        if has_started and code not in (0, -kill.signal, 128 + kill.signal, None):
+            found.append('its exit code is %d; it printed:\n%s' % (code, printed[-1000:]))
+        found += ['this file is left: ' + path for path in halves(folder)]
         return took, ['%s: %s' % (kill, each) for each in found]
 
 
-def left_of(mark, seconds=ENDS_S):
-    """The commands of processes with that variable that do not end in that time by themselves; kills them."""
+def kill_leftovers(mark, seconds=ENDS_S):
+    """Kill the processes with that variable that do not end by themselves in time; returns their commands."""
     end = time.monotonic() + seconds
     while True:
-        marked = [each for each in psutil.process_iter() if _has(each, mark)]
+        marked = [each for each in psutil.process_iter() if _has_variable(each, mark)]
         if not marked or time.monotonic() > end:
             break
         time.sleep(0.1)
@@ -129,16 +130,16 @@ def left_of(mark, seconds=ENDS_S):
     return commands
 
 
-def _has(process, mark):
+def _has_variable(process, mark):
     try:
         with open('/proc/%d/environ' % process.pid) as file:
             return mark in file.read().split('\0')
-    except OSError:  # it has ended, or is another's
+    except OSError:  # the process has ended, or belongs to somebody else
         return False
 
 
 def halves(folder):
-    """Paths of files that are hidden, or that are no whole picture or PDF."""
+    """The paths of hidden files, and of pictures and PDFs that are incomplete."""
     found = []
     for place, _, names in os.walk(folder):
         for name in names:
@@ -158,13 +159,13 @@ def halves(folder):
 
 @contextmanager
 def watched(space, name):
-    """Listen to the images of a node in a namespace, and ask it for one snapshot after the other."""
+    """Subscribe to the images of a node in a namespace, and ask it for snapshots all the time."""
     stopped = threading.Event()
     subscriber = rospy.Subscriber('/' + space + IMAGES[name], Image, lambda message: None, queue_size=1)
 
     def ask():
         while not stopped.wait(0.02):
-            with suppress(Exception):  # it is not there yet, or not any more
+            with suppress(Exception):  # the service does not exist yet, or no longer
                 rospy.ServiceProxy('/%s/%s/snapshot' % (space, name), Trigger)()
     asking = threading.Thread(target=ask, daemon=True)
     asking.start()
@@ -178,7 +179,7 @@ def watched(space, name):
 
 @contextmanager
 def camera():
-    """Frames, thirty a second."""
+    """Publish frames, 30 per second, during the block."""
     publisher = rospy.Publisher(CAMERA, Image, queue_size=1)
     frame = scene()
 

@@ -1,1 +1,1 @@
-"""What tests share: nodes before a camera, processes, robots far away, the page, drives with tags."""
+"""What tests share: nodes, processes, hosts in a network, the page, and errors on simulated drives."""

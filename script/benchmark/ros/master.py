@@ -6,7 +6,7 @@ import time
 import psutil
 import rosgraph
 import rospy
-from rig.serving import free_port
+from rig.page.server import free_port
 
 
 def processor_seconds(pid):

@@ -1,8 +1,8 @@
 """Robots and a base station with a poor network in between: frame rate, data rate, and latency."""
 import numpy as np
-from rig.far import far, seconds_of, views
-from rig.hosts import DELAY_S, LOSS, RATE
-from rig.listening import until
+from rig.network.fleet import frames_seen, observe, running_fleet
+from rig.network.hosts import DELAY_S, LOSS, RATE
+from rig.nodes.topics import until
 
 SECONDS, BEGIN_S = 15.0, 60.0
 CASES = [  # robots, name, arguments of robot.launch, arguments of base_station.launch
@@ -26,11 +26,11 @@ def run():
 
 def measure(robots, name, robot_args, base_args, loss):
     """Print a line of the table: the mean per robot."""
-    with far(robots, robot_args, base_args, loss) as network:
+    with running_fleet(robots, robot_args, base_args, loss) as network:
         viewer = network.view('exercise5_6')
-        until(lambda: len({topic for topic, *_ in views(viewer)}) == robots, BEGIN_S)
-        seconds_of(network, viewer, 5)  # for everything to settle
-        seen, sent = seconds_of(network, viewer, SECONDS)
+        until(lambda: len({topic for topic, *_ in frames_seen(viewer)}) == robots, BEGIN_S)
+        observe(network, viewer, 5)  # for everything to settle
+        seen, sent = observe(network, viewer, SECONDS)
     ages = 1000 * np.array([age for _, _, age, _ in seen])
     print('%-8d %-16s %4.0f %% %10.1f %10.2f %10.1f %12.0f %10.0f' % (
         robots, name, 100 * loss, len(seen) / SECONDS / robots, sent * 8e-6 / SECONDS / robots,

@@ -10,7 +10,7 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rosgraph
 import rospy
-from rig.serving import free_port
+from rig.page.server import free_port
 from sensor_msgs.msg import CompressedImage
 from tornado.websocket import websocket_connect
 

@@ -16,12 +16,12 @@ from aruco_node.messages.images import image_from_frame
 from aruco_node.parameters.parameters import parameters_of, ros_values
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
-from hostile import reading, values
-from hostile.wishes import GROUPS, NAMES, REFUSED, answered, wish
-from rig.listening import Inbox
-from rig.nodes import CAMERA, scene
-from rig.serving import free_port
-from rig.started import WAIT_S, Started, stop_all
+from hostile.parameters import validation, values
+from hostile.parameters.configs import GROUPS, NAMES, REFUSED, config_with, values_of
+from rig.nodes.case import CAMERA, scene
+from rig.nodes.topics import Inbox
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S, Started, stop_all
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -68,7 +68,7 @@ class Live:
                 self._note('bad sentences', node, 'refuses %d requests with %d sentences' % (
                     self._refused[node], len(sentences)))
             for line in sentences:
-                fault = reading.fault_of(line.partition(']: ')[2].partition(REFUSED)[0])
+                fault = validation.fault_of(line.partition(']: ')[2].partition(REFUSED)[0])
                 if fault:
                     self._note('bad sentences', node, 'refuses a request with a bad sentence: ' + fault)
         for name in self._kinds:
@@ -95,10 +95,10 @@ class Live:
     def _set_value(self, node, kind, name, value, is_live, before):
         """Request one value, and check the result. Returns the parameters afterward."""
         try:
-            settings = reading.taken(kind, name, value) if is_live else None
+            settings = validation.taken(kind, name, value) if is_live else None
         except InputError:
             settings = None
-        after = self._request(node, wish(name, value))
+        after = self._request(node, config_with(name, value))
         self._counts['live'] += 1
         self._counts['live', 'refused' if settings is None else 'accepted'] += 1
         if settings is None:
@@ -110,7 +110,7 @@ class Live:
         if after != expected:
             self._note('others', node, 'turns %s for ~%s into something else' % (ascii(value)[:60], name))
         self._check_answer(node)
-        return self._request(node, wish(name, before[name]))
+        return self._request(node, config_with(name, before[name]))
 
     def _request(self, node, config):
         """Send a request. Returns the parameters that the node answers, {name: value}; empty if it does not."""
@@ -119,7 +119,7 @@ class Live:
         except (rospy.ServiceException, rospy.ROSException) as error:
             self._note('tracebacks', node, 'answers a request with an error: %s' % str(error)[:80])
             return {}
-        return answered(answer)
+        return values_of(answer)
 
     def _check_answer(self, node):
         """Check whether the node still does its work."""

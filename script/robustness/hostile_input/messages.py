@@ -14,12 +14,12 @@ from aruco_node.messages.wall_messages import camera_info
 from benchmark.ros.master import Master, processor_seconds
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from hostile.messages import Hostile
-from hostile.pacing import STUCK_S, PacedPublisher
-from rig.listening import until
-from rig.nodes import CAMERA, scene
-from rig.serving import free_port
-from rig.started import node, stop_all
+from hostile.messages.camera_messages import Hostile
+from hostile.messages.paced_publisher import STUCK_S, PacedPublisher
+from rig.nodes.case import CAMERA, scene
+from rig.nodes.topics import until
+from rig.page.server import free_port
+from rig.processes.started import node, stop_all
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 from unit5.msg import TagArray, TagPoseArray

@@ -9,10 +9,10 @@ import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
 from benchmark.ros.master import Master
-from hostile import attacks, intruders
-from rig.serving import PICTURE, free_port
-from rig.sockets import sockets_below
-from rig.started import Started
+from hostile.page import attacks, client
+from rig.page.server import PICTURE, free_port
+from rig.processes.sockets import sockets_below
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -46,7 +46,7 @@ def run(seconds, seed):
                 if end is None or time.monotonic() > end:
                     break
         found += ['the log says: ' + line for line in page.lines
-                  if 'Traceback' in line or line.startswith(intruders.FORGED)]
+                  if 'Traceback' in line or line.startswith(client.FORGED)]
     return found
 
 
@@ -123,8 +123,8 @@ def run_schemathesis(port, seed, count):
     if sys.version_info < (3, 10):
         print('schemathesis needs Python 3.10 or later, so the description of the page is not tested.')
         return []
-    from hostile import described
-    answers, faults = described.ask(port, seed, count, {
+    from hostile.page import openapi
+    answers, faults = openapi.ask(port, seed, count, {
         'topic': [attacks.TOPIC], 'file': ['page.js', 'openapi.yaml'], 'name': ['earth.jpg']})
     print('described %7d sent by schemathesis to %d addresses and methods; answers %s, %d not as described' % (
         sum(answers.values()), len({answer[:2] for answer in answers}), dict(sorted(
@@ -146,15 +146,15 @@ def slow_clients(page, port):
     with ExitStack() as stack:
         clients, began = {}, time.monotonic()
         for name, (data, _) in LIMITS.items():
-            clients[name] = stack.enter_context(intruders.connect(port, received=4096))
+            clients[name] = stack.enter_context(client.connect(port, received=4096))
             clients[name].sendall(data)
         while clients:
             time.sleep(1.0)
             took = time.monotonic() - began
             held = {each.raddr.port for each in connections(page.server) if each.raddr}
-            for name, client in list(clients.items()):
+            for name, socket in list(clients.items()):
                 data, limit = LIMITS[name]
-                if client.getsockname()[1] not in held:
+                if socket.getsockname()[1] not in held:
                     print('%-30s cut off after %4.1f s' % (name, took), flush=True)
                     del clients[name]
                 elif took > limit:
@@ -162,5 +162,5 @@ def slow_clients(page, port):
                     del clients[name]
                 elif name.startswith('a byte'):
                     with suppress(OSError):  # the server has just hung up
-                        client.send(b'a')
+                        socket.send(b'a')
     return found

@@ -13,11 +13,11 @@ from aruco_ar.base.progress import progress
 from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
 from benchmark.ros.master import Master
-from hostile import reading, values
-from hostile.wishes import set_parameter
-from rig.nodes import NODES
-from rig.serving import free_port
-from rig.started import Started
+from hostile.parameters import validation, values
+from hostile.parameters.configs import set_parameter
+from rig.nodes.case import NODES
+from rig.page.server import free_port
+from rig.processes.started import Started
 
 from .live_parameters import Live
 
@@ -30,7 +30,7 @@ TIMEOUT_S = 30
 def run(seconds, seed):
     """Set all parameters. Returns a sentence for each fault found."""
     end = time.monotonic() + (seconds or 0)
-    kinds = {node: reading.settings_of(node) for node in NODES}
+    kinds = {node: validation.settings_of(node) for node in NODES}
     counts, found = Counter(), {}
     with Master(), tempfile.TemporaryDirectory() as folder:
         while True:
@@ -72,9 +72,9 @@ def _values_for(name, parameter, random, pipe):
 
 
 def _refusal(read, *arguments):
-    """Like reading.refusal, but raises an error if it takes too long or too much memory."""
-    with reading.bounded():
-        return reading.refusal(read, *arguments)
+    """Like validation.refusal, but raises an error if it takes too long or too much memory."""
+    with validation.bounded():
+        return validation.refusal(read, *arguments)
 
 
 def _read(kinds, random, folder, counts, found):
@@ -83,25 +83,25 @@ def _read(kinds, random, folder, counts, found):
                   for name, parameter in parameters_of(kind).items()}  # those that nodes share, only once
     for node, kind, name, parameter in progress(parameters.values(), 'read'):
         for value in _values_for(name, parameter, random, values.pipe(folder)):
-            _read_one(node, name, value, counts, found, reading.taken, kind, name, value)
+            _read_one(node, name, value, counts, found, validation.taken, kind, name, value)
     path, entries = os.path.join(folder, 'areas.yaml'), parameters_of(PictureSettings)
     for name in progress(AREA_ENTRIES, 'areas'):
         for value in values.short(_values_for(name, entries[name], random, values.pipe(folder))):
-            _read_one('areas', name, value, counts, found, reading.area_taken, path, name, value)
+            _read_one('areas', name, value, counts, found, validation.area_taken, path, name, value)
 
 
 def _read_one(node, name, value, counts, found, *read):
     counts['read'] += 1
     try:
         sentence = _refusal(*read)
-    except reading.Stuck as error:
+    except validation.Stuck as error:
         _note(counts, found, 'hangs', node, name, value, 'hangs: %s' % error)
         return
     except Exception as error:
         _note(counts, found, 'tracebacks', node, name, value, 'raises %s' % type(error).__name__)
         return
     counts['read', 'refused' if sentence else 'accepted'] += 1
-    fault = sentence and reading.fault_of(sentence)
+    fault = sentence and validation.fault_of(sentence)
     if fault:
         _note(counts, found, 'bad sentences', node, name, value, 'is refused with a bad sentence: %s' % fault)
 
@@ -134,12 +134,12 @@ def _faults_of_start(kind, name, stored, code, lines):
     if any('Traceback' in line for line in lines):
         return [('tracebacks', 'prints a traceback: %s' % lines[-1].strip())]
     if code is None:
-        refusal = stored[0] is not None and _refusal(reading.taken, kind, name, stored[0])
+        refusal = stored[0] is not None and _refusal(validation.taken, kind, name, stored[0])
         return [('others', 'is accepted at the start, but must not be')] if refusal else []
     sentences = [line.partition(']: ')[2].rstrip('\n') for line in lines if '[FATAL]' in line]
     if code != 1 or len(sentences) != 1:
         return [('others', 'ends the node with exit code %s and %d sentences' % (code, len(sentences)))]
-    fault = reading.fault_of(sentences[0])
+    fault = validation.fault_of(sentences[0])
     return [('bad sentences', 'ends the node with a bad sentence: %s' % fault)] if fault else []
 
 

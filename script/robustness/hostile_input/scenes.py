@@ -1,7 +1,7 @@
 """Hostile frames for the code that finds tags, areas, and poses. None of them may lead to a wrong result.
 
 A sequence depends only on the seed and on its own number. To look at one again,
-call ``watch(seed, number)`` of test/hostile/looking.py.
+call ``watch(seed, number)`` of test/hostile/pictures/pipeline.py.
 """
 import faulthandler
 import os
@@ -15,8 +15,8 @@ import cv2
 import numpy as np
 from aruco_ar import Detector
 from aruco_ar.tags.detector import SEARCHES
-from hostile import scenes
-from hostile.looking import PICTURES_EACH, watch
+from hostile.pictures import scenes
+from hostile.pictures.pipeline import PICTURES_EACH, watch
 
 FRAMES = 100000
 EXTRA = 1.01             # times as many sequences, since some are shorter

@@ -14,8 +14,8 @@ import numpy as np
 import psutil
 import rospy
 from benchmark import PACKAGE
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]

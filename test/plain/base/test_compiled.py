@@ -1,4 +1,4 @@
-"""What is in C works also where catkin has built nothing."""
+"""The C code also works if catkin has not built it."""
 import os
 import shutil
 import subprocess
@@ -16,7 +16,7 @@ assert tag.id == 7 and abs(tag.corners - 399.5).max() < 350.6
 
 @pytest.fixture
 def copied(package, tmp_path):
-    """A function that runs FIT with a copy of aruco_ar, with that PATH, and returns (exit code, output)."""
+    """A function that runs FIT with a copy of aruco_ar and this PATH, and returns (exit code, output)."""
     shutil.copytree(package + '/src/aruco_ar', str(tmp_path / 'aruco_ar'),
                     ignore=shutil.ignore_patterns('__pycache__'))
 
@@ -29,15 +29,16 @@ def copied(package, tmp_path):
     return run
 
 
-def test_it_is_compiled_once(copied, tmp_path):
+def test_it_is_compiled_only_once(copied, tmp_path):
     if shutil.which('cc') is None:
         pytest.skip('no C compiler')
     assert copied(os.environ['PATH']) == (0, '')
     assert len(list((tmp_path / 'aruco_ar' / 'compiled' / '__pycache__').glob('edges-*.so'))) == 1
-    assert copied('') == (0, '')  # there is no compiler now
+    assert copied('') == (0, '')  # no compiler is found now
 
 
 def test_without_a_compiler_one_sentence_says_what_to_do(copied):
-    code, said = copied('')
-    assert code == 1 and 'TooOld: unit5 is not built, and there is no C compiler "cc"' in said.splitlines()[-1]
-    assert 'sudo apt install build-essential' in said
+    code, output = copied('')
+    assert code == 1
+    assert 'TooOld: unit5 is not built, and there is no C compiler "cc"' in output.splitlines()[-1]
+    assert 'sudo apt install build-essential' in output

@@ -1,4 +1,4 @@
-"""Files are written whole or not at all."""
+"""Files are written completely or not at all."""
 import errno
 import glob
 import os
@@ -22,7 +22,7 @@ while True:
 '''
 
 
-def test_a_writer_that_is_killed_leaves_nothing_that_is_not_whole():
+def test_a_killed_writer_leaves_no_incomplete_file():
     at_random = random.Random(6)
     for _ in range(6):
         with tempfile.TemporaryDirectory(dir='/dev/shm') as folder:
@@ -36,7 +36,7 @@ def test_a_writer_that_is_killed_leaves_nothing_that_is_not_whole():
 
 
 @pytest.mark.parametrize('has_nameless', [True, False])
-def test_a_file_is_replaced_or_stays(tmp_path, monkeypatch, has_nameless):
+def test_a_file_is_replaced_or_stays_as_it_was(tmp_path, monkeypatch, has_nameless):
     if not has_nameless:
         def without_nameless(path, flags, *others, before=os.open):
             if flags & os.O_TMPFILE == os.O_TMPFILE:

@@ -1,4 +1,4 @@
-"""Long work tells how far it is: a bar on a terminal, plain lines in a log."""
+"""Long tasks show their progress: as a bar on a terminal, as plain lines in a log."""
 import fcntl
 import os
 import pty
@@ -10,7 +10,7 @@ import termios
 WORK = '''
 import itertools, sys
 from aruco_ar.base import progress
-clock = itertools.count(step=float(sys.argv[1]))  # seconds for each look at it
+clock = itertools.count(step=float(sys.argv[1]))  # seconds per call
 progress.time.monotonic = lambda: next(clock)
 for item in progress.progress(range(6), 'pages'):
     if item == 2:
@@ -18,19 +18,19 @@ for item in progress.progress(range(6), 'pages'):
 '''
 
 
-def in_a_log(seconds):
+def log_of(seconds):
     return subprocess.run([sys.executable, '-c', WORK, seconds], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, check=True, text=True).stdout
 
 
-def test_in_a_log_it_is_plain_lines_and_for_short_work_none():
-    assert in_a_log('0.1') == 'a line\n'
-    lines = in_a_log('6').splitlines()
+def test_a_log_gets_plain_lines_and_none_for_short_tasks():
+    assert log_of('0.1') == 'a line\n'
+    lines = log_of('6').splitlines()
     assert 'a line' in lines and lines[-1] == 'pages: all 6 done'
     assert 'pages: 2 of 6' in lines and not any('\r' in line for line in lines)
 
 
-def test_on_a_terminal_it_is_a_bar_that_goes_away():
+def test_a_terminal_gets_a_bar_that_disappears():
     here, there = pty.openpty()
     fcntl.ioctl(there, termios.TIOCSWINSZ, struct.pack('4H', 24, 80, 0, 0))
     with subprocess.Popen([sys.executable, '-c', WORK, '6'], stdout=there, stderr=there) as work:
@@ -40,7 +40,7 @@ def test_on_a_terminal_it_is_a_bar_that_goes_away():
     try:
         while True:
             printed += os.read(here, 4096)
-    except OSError:  # all is read
+    except OSError:  # everything is read
         pass
     os.close(here)
     printed = printed.decode()

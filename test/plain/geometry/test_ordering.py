@@ -1,4 +1,4 @@
-"""order_coordinates against the course's rule, and the choice of four among many."""
+"""order_coordinates compared with the course's rule, and the choice of four points among many."""
 from itertools import combinations, permutations
 
 import cv2
@@ -14,7 +14,7 @@ four_points = st.lists(st.tuples(coordinate, coordinate), min_size=4, max_size=4
 
 
 def course_rule(points):
-    """Indices as the course picks them; some point may come twice."""
+    """Indices of the points as the course chooses them; a point may be chosen twice."""
     total, difference = points.sum(axis=1), np.diff(points, axis=1).ravel()
     return [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
 
@@ -30,14 +30,14 @@ def sorted_rows(points):
 
 @given(four_points)
 @settings(max_examples=500, deadline=None)
-def test_no_point_is_lost_or_doubled(points):
+def test_every_point_is_returned_exactly_once(points):
     assert sorted_rows(order_coordinates(points)) == sorted_rows(points)
     assert sorted_rows(order_coordinates(points, zigzag=True)) == sorted_rows(points)
 
 
 @given(four_points)
 @settings(max_examples=500, deadline=None)
-def test_agrees_with_the_course_wherever_that_takes_each_point_once(points):
+def test_the_order_agrees_with_the_course_if_that_uses_each_point_once(points):
     order = course_rule(points)
     if len(set(order)) == 4:
         assert np.array_equal(order_coordinates(points), points[order])
@@ -46,23 +46,23 @@ def test_agrees_with_the_course_wherever_that_takes_each_point_once(points):
 
 @given(four_points, st.permutations(range(4)))
 @settings(max_examples=500, deadline=None)
-def test_the_order_given_does_not_matter(points, shuffle):
+def test_the_order_of_the_input_does_not_matter(points, shuffle):
     assert np.array_equal(order_coordinates(points), order_coordinates(points[shuffle]))
 
 
 @pytest.mark.parametrize('degrees', range(-44, 45, 4))
-def test_a_turned_square_comes_top_left_first(degrees):
+def test_a_rotated_square_starts_at_its_top_left(degrees):
     square = turned_square(degrees)
     for shuffle in permutations(range(4)):
         np.testing.assert_allclose(order_coordinates(square[list(shuffle)]), square)
 
 
 @pytest.mark.parametrize('degrees', [44.9, 45, 45.0001, 46, 134.9, 135])
-def test_a_square_on_its_corner_stays_a_square(degrees):
+def test_a_square_on_its_corner_remains_a_square(degrees):
     assert is_quadrilateral(order_coordinates(turned_square(degrees)))
 
 
-def test_zigzag_swaps_the_lower_two():
+def test_zigzag_swaps_the_lower_two_points():
     assert order_coordinates([[9, 9], [0, 0], [0, 9], [9, 0]], zigzag=True).tolist() == \
         [[0, 0], [9, 0], [0, 9], [9, 9]]
 
@@ -74,7 +74,7 @@ def test_fractions_of_a_pixel_are_kept():
 
 
 @pytest.mark.parametrize('dtype', [np.int8, np.uint8, np.int64, np.float64])
-def test_any_type_of_number_is_ordered(dtype):
+def test_any_type_of_number_can_be_ordered(dtype):
     points = np.array([[100, 90], [10, 5], [110, 10], [5, 100]], dtype)
     ordered = order_coordinates(points)
     assert ordered.dtype == dtype
@@ -83,12 +83,12 @@ def test_any_type_of_number_is_ordered(dtype):
 
 @pytest.mark.parametrize('points', [[], [[1, 2]] * 3, [[1, 2, 3]] * 4,
                                     [[0, 0], [1, 0], [1, 1], [0, np.nan]]])
-def test_what_are_not_four_points_is_refused(points):
+def test_anything_but_four_points_is_refused(points):
     with pytest.raises(InputError, match='four points'):
         order_coordinates(points)
 
 
-def test_the_largest_of_many(random):
+def test_the_largest_quadrilateral_of_many_points_is_found(random):
     for _ in range(300):
         points = np.float32(random.uniform(0, 500, (random.randint(5, 10), 2)))
         hulls = [cv2.convexHull(points[list(four)]).reshape(-1, 2)
@@ -112,5 +112,5 @@ def test_a_quadrilateral_within_a_triangle_is_found():
     [[0, 0], [100, 0.5], [200, -0.5], [300, 0], [400, 0.4]],
     [[0, 0], [100, 0], [50, 90], [50, 30]],
     [[5, 5]] * 4])
-def test_points_that_span_no_area(points):
+def test_some_points_span_no_area(points):
     assert largest_quadrilateral(points) is None

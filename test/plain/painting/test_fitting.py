@@ -1,4 +1,4 @@
-"""Fitting pictures into areas: in their own proportions on the wall, however that is seen."""
+"""Fitting pictures into areas, with their own proportions on the wall, from any viewpoint."""
 import cv2
 import numpy as np
 import pytest
@@ -13,25 +13,25 @@ SLANTED = wall_to_camera(Pose(-1.9, 0.9, -0.42))
 
 
 def wall(width, height, turn=0):
-    """A wall with an area of that size, meters, around (0, 0.6)."""
+    """A wall with an area of that size in meters, centered at (0, 0.6)."""
     x, y = width / 2, height / 2
     tags = tuple(WallTag(number, *place, 0.15, turn) for number, place in enumerate(
         [(-x, 0.6 + y), (x, 0.6 + y), (x, 0.6 - y), (-x, 0.6 - y)], start=1))
     return Wall(8, 2.6, (186, 203, 214), 'DICT_6X6_250', 1, tags, (1, 2, 3, 4))
 
 
-def seen(wall, view=SLANTED):
+def render(wall, view=SLANTED):
     return WallRenderer(wall, Camera()).render(*view)
 
 
 @pytest.mark.parametrize('turn', [0, 30, 90])
 @pytest.mark.parametrize('width, height', [(0.9, 0.6), (0.5, 0.75)])
-def test_the_proportions_on_the_wall_are_known_from_any_side(width, height, turn):
-    frame = seen(wall(width, height, turn))
+def test_the_proportions_on_the_wall_are_known_from_any_viewpoint(width, height, turn):
+    frame = render(wall(width, height, turn))
     assert find_area(Detector().detect(frame)).ratio == pytest.approx(width / height, rel=0.02)
     area = Tracker(upright='image').update(frame, 0.0)
     assert area.ratio == pytest.approx(width / height, rel=0.02)
-    # The tags of a turned wall have their tops at its side, and the picture with them.
+    # The tags of a rotated wall have their tops at its side, and so has the picture.
     on_its_side = turn == 90
     area = Tracker().update(frame, 0.0)
     assert area.ratio == pytest.approx(height / width if on_its_side else width / height, rel=0.02)
@@ -41,10 +41,10 @@ def on_wall(view, points):
     return project(np.array([[x, y, 0.0] for x, y in points]), *view, Camera())[0]
 
 
-def test_contain_leaves_the_wall_at_both_sides_and_the_picture_undistorted():
+def test_contain_shows_the_whole_picture_undistorted():
     scene = wall(0.9, 0.6)
-    frame = seen(scene)
-    picture = np.full((100, 50, 3), GREEN, np.uint8)  # to be 0.3 m wide
+    frame = render(scene)
+    picture = np.full((100, 50, 3), GREEN, np.uint8)  # it should be 0.3 m wide
     image = overlay(frame, picture, Tracker().update(frame, 0.0), fit='contain')
     inside = on_wall(SLANTED, [(-0.145, 0.895), (0.145, 0.895), (0.145, 0.305), (-0.145, 0.305), (0, 0.6)])
     for x, y in np.int32(np.round(inside)):
@@ -56,8 +56,8 @@ def test_contain_leaves_the_wall_at_both_sides_and_the_picture_undistorted():
 
 def test_cover_fills_the_area_with_the_middle_of_the_picture():
     scene = wall(0.9, 0.6)
-    frame = seen(scene)
-    picture = np.full((400, 200, 3), RED, np.uint8)   # twice as high as wide: a third of it fills 3 : 2
+    frame = render(scene)
+    picture = np.full((400, 200, 3), RED, np.uint8)   # a third of it fills the area
     picture[134:267] = BLUE
     image = overlay(frame, picture, Tracker().update(frame, 0.0), fit='cover')
     inside = on_wall(SLANTED, [(-0.44, 0.89), (0.44, 0.89), (0.44, 0.31), (-0.44, 0.31), (0, 0.6)])
@@ -65,20 +65,20 @@ def test_cover_fills_the_area_with_the_middle_of_the_picture():
         assert image[y, x].tolist() == list(BLUE)
 
 
-def test_stretch_shows_all_of_the_picture_everywhere():
+def test_stretch_fills_the_area_with_the_whole_picture():
     picture = np.zeros((40, 20, 3), np.uint8)
     area = Area(np.float32([[10, 10], [110, 10], [110, 60], [10, 60]]), 2.0)
     fitted, place = fit_picture(picture, area, 'stretch')
     assert fitted is picture and place is area
 
 
-def test_without_tags_the_proportions_are_those_in_the_frame():
+def test_without_tags_the_proportions_in_the_frame_are_used():
     area = Area(np.float32([[10, 10], [110, 10], [110, 60], [10, 60]]))
     _, place = fit_picture(np.zeros((50, 50, 3), np.uint8), area, 'contain')
     np.testing.assert_allclose(place.corners, [[35, 10], [85, 10], [85, 60], [35, 60]], atol=1e-3)
 
 
-def test_opacity_mixes_picture_and_frame():
+def test_opacity_blends_the_picture_with_the_frame():
     frame = np.full((100, 200, 3), 100, np.uint8)
     area = Area(np.float32([[50, 20], [150, 20], [150, 80], [50, 80]]))
     clear = np.dstack([np.full((10, 10, 3), 200, np.uint8), np.full((10, 10), 128, np.uint8)])
@@ -89,7 +89,7 @@ def test_opacity_mixes_picture_and_frame():
     assert np.ptp(cv2.absdiff(overlay(frame, None, area), frame)) == 0
 
 
-def test_the_thinnest_picture_is_painted_and_an_unknown_fit_named():
+def test_a_very_thin_picture_is_painted_and_an_unknown_fit_is_named():
     frame = np.full((100, 200, 3), 100, np.uint8)
     area = Area(np.float32([[50, 20], [150, 20], [150, 80], [50, 80]]), 5 / 3)
     for shape in ((1, 4096, 3), (4096, 1, 3), (1, 1, 3)):

@@ -1,4 +1,4 @@
-"""The area, its mask, subtracting and painting, beside what the course does."""
+"""The area, its mask, subtracting and painting, compared with the course's code."""
 import cv2
 import numpy as np
 import pytest
@@ -21,8 +21,8 @@ from benchmark.course import Course
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 
-# OpenCV looks in the picture at 32nds of a pixel: one more or less, at the
-# strongest edge there can be, makes so many gray levels.
+# OpenCV interpolates the picture at 32nds of a pixel. At the strongest possible edge,
+# a difference of one of them makes this many gray levels.
 ROUNDING = 8
 
 
@@ -31,7 +31,7 @@ def square_tag(tag_id, x, y, side=20):
 
 
 def away_from_rim(area, shape, px):
-    """(inside, outside): boolean masks, at least that many pixels from the area's rim."""
+    """(inside, outside): boolean masks of the pixels that are at least ``px`` away from the area's rim."""
     rim = np.zeros(shape[:2], np.uint8)
     cv2.polylines(rim, [np.int32(np.round(area.corners))], True, 255, 2 * px)
     inside = np.zeros(shape[:2], np.uint8)
@@ -48,7 +48,7 @@ def earth(package):
     return load_picture(package + '/images/earth.jpg')
 
 
-def test_the_area_is_where_the_wall_is_seen(wall, view, frame):
+def test_the_area_is_where_the_truth_says(wall, view, frame):
     truth, _ = project(wall.area_corners, *view, Camera())
     np.testing.assert_allclose(find_area(Detector().detect(frame)).corners, truth, atol=0.5)
 
@@ -61,7 +61,7 @@ def test_the_area_is_where_the_wall_is_seen(wall, view, frame):
     [square_tag(1, 100, 100), square_tag(2, 300, 100), square_tag(2, 300, 300), square_tag(4, 100, 300)],
     [square_tag(i, 100 * i, 200) for i in range(1, 6)],
 ], ids=['none', 'one', 'three', 'one id four times', 'an id twice', 'on one line'])
-def test_no_area(tags, frame, earth):
+def test_without_an_area_the_frame_is_unchanged(tags, frame, earth):
     area = find_area(tags)
     assert area is None
     np.testing.assert_array_equal(overlay(frame, earth, area), frame)
@@ -70,7 +70,7 @@ def test_no_area(tags, frame, earth):
     np.testing.assert_array_equal(subtract(frame, mask), frame)
 
 
-def test_of_more_than_four_tags_the_largest_quadrilateral_counts():
+def test_of_more_than_four_tags_the_largest_quadrilateral_is_used():
     corners = [(100, 100), (500, 110), (510, 400), (90, 380)]
     tags = [square_tag(9, 300, 250)] + [square_tag(i, *xy) for i, xy in enumerate(corners)] + \
         [square_tag(8, 320, 120)]
@@ -81,21 +81,21 @@ def test_the_mask_is_white_in_the_area_and_black_elsewhere(frame):
     mask = area_mask(frame, AREA)
     inside, outside = away_from_rim(AREA, frame.shape, 1)
     assert np.all(mask[inside] == 255) and np.all(mask[outside] == 0)
-    # The rim is where the corners are, to a fraction of a pixel.
+    # The rim is exact to a fraction of a pixel.
     covered = mask[..., 0].sum() / 255
     assert covered == pytest.approx(cv2.contourArea(AREA.corners), rel=0.006)
 
 
-def test_subtracting_cuts_the_area_to_black(frame):
+def test_subtracting_blackens_the_area(frame):
     cut = subtract(frame, area_mask(frame, AREA))
     inside, outside = away_from_rim(AREA, frame.shape, 1)
     assert not cut[inside].any()
     np.testing.assert_array_equal(cut[outside], frame[outside])
 
 
-def test_painting_equals_the_course_but_for_the_rim(frame, earth):
+def test_painting_equals_the_course_except_at_the_rim(frame, earth):
     whole = Area(np.round(AREA.corners))
-    earth = cv2.resize(earth, (240, 160), interpolation=cv2.INTER_AREA)  # or we would shrink it
+    earth = cv2.resize(earth, (240, 160), interpolation=cv2.INTER_AREA)  # else it would be shrunk
     ours, course = overlay(frame, earth, whole), course_overlay(frame, earth, whole)
     inside, outside = away_from_rim(whole, frame.shape, 3)
     unlike = np.abs(ours[inside].astype(int) - course[inside])
@@ -104,8 +104,8 @@ def test_painting_equals_the_course_but_for_the_rim(frame, earth):
 
 
 @pytest.mark.parametrize('width, height', [(1200, 800), (1199, 803)])
-def test_a_picture_larger_than_the_area_is_shrunk_where_it_hangs(frame, random, width, height):
-    """Fine grain becomes gray, as from afar, and all stays in its place."""
+def test_a_picture_larger_than_the_area_is_shrunk_without_a_shift(frame, random, width, height):
+    """Fine grain becomes gray, as from a distance."""
     picture = np.full((height, width, 3), 40, np.uint8)
     picture[height // 2:, width // 2:] = 200
     grain = random.choice([-40, 40], picture.shape)
@@ -117,7 +117,7 @@ def test_a_picture_larger_than_the_area_is_shrunk_where_it_hangs(frame, random, 
     assert abs(np.mean(plain[inside].astype(int) - course[inside])) < 0.05  # a shift by 0.1 px would be more
 
 
-def test_the_picture_hangs_the_right_way_round(frame):
+def test_the_picture_is_the_right_way_round(frame):
     quarters = np.zeros((200, 300, 3), np.uint8)
     colors = {(0, 0): (255, 0, 0), (0, 1): (0, 255, 0), (1, 1): (0, 0, 255), (1, 0): (255, 255, 255)}
     for (down, across), color in colors.items():
@@ -129,7 +129,7 @@ def test_the_picture_hangs_the_right_way_round(frame):
         assert tuple(painted[y, x]) == color
 
 
-def test_alpha_lets_the_frame_shine_through(frame):
+def test_the_frame_is_visible_through_a_transparent_picture(frame):
     glass = np.zeros((100, 100, 4), np.uint8)
     glass[:, 50:] = (0, 0, 255, 128)
     painted = overlay(frame, glass, AREA)
@@ -138,14 +138,14 @@ def test_alpha_lets_the_frame_shine_through(frame):
     np.testing.assert_allclose(painted[240, 420], expected, atol=2)
 
 
-def test_what_alpha_hides_does_not_bleed_in():
+def test_hidden_colors_do_not_bleed_into_the_frame():
     gray = np.full((480, 640, 3), 200, np.uint8)
-    disc = np.zeros((90, 90, 4), np.uint8)  # hidden black around a disc of the frame's own color
+    disc = np.zeros((90, 90, 4), np.uint8)  # a disc of the frame's own color, surrounded by transparent black
     cv2.circle(disc, (45, 45), 30, (200, 200, 200, 255), -1)
     assert np.abs(overlay(gray, disc, AREA).astype(int) - 200).max() <= 2
 
 
-def test_an_area_that_leaves_the_frame_is_painted_as_far_as_it_is_seen(frame, earth):
+def test_the_visible_part_of_an_area_is_painted(frame, earth):
     area = Area(AREA.corners + np.float32([-200, -150]))
     painted = overlay(frame, earth, area)
     full = overlay(cv2.copyMakeBorder(frame, 200, 0, 200, 0, cv2.BORDER_REPLICATE), earth,
@@ -156,7 +156,7 @@ def test_an_area_that_leaves_the_frame_is_painted_as_far_as_it_is_seen(frame, ea
     np.testing.assert_array_equal(overlay(frame, earth, beyond), frame)
 
 
-def test_no_function_writes_into_the_frame(frame, earth):
+def test_no_function_changes_the_frame(frame, earth):
     before = frame.copy()
     tags = Detector().detect(frame)
     mark_tags(frame, tags)
@@ -167,7 +167,7 @@ def test_no_function_writes_into_the_frame(frame, earth):
     np.testing.assert_array_equal(frame, before)
 
 
-def test_painting_in_place_paints_the_same(frame, earth):
+def test_painting_in_place_gives_the_same_result(frame, earth):
     painted, own = overlay(frame, earth, AREA), frame.copy()
     assert overlay(own, earth, AREA, out=own) is own
     np.testing.assert_array_equal(own, painted)
@@ -177,8 +177,8 @@ def test_painting_in_place_paints_the_same(frame, earth):
 
 
 @pytest.mark.parametrize('turn', np.arange(0, 360, 17))
-def test_the_rim_is_as_covered_as_its_pixels_are(turn):
-    """Against the distance of every pixel to every side, for an area that is turned."""
+def test_rim_pixels_are_covered_in_proportion(turn):
+    """The expected share follows from each pixel's distance to each side of a rotated area."""
     angle = np.radians(turn)
     corners = np.float32([[-90, -70], [100, -50], [80, 60], [-70, 75]]) @ np.float32(
         [[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) + np.float32([160.3, 140.6])
@@ -193,7 +193,7 @@ def test_the_rim_is_as_covered_as_its_pixels_are(turn):
     np.testing.assert_allclose(overlay(np.zeros_like(mask), white, Area(corners)), mask, atol=1)
 
 
-def test_marks_are_drawn_where_the_tags_are(frame):
+def test_tags_are_marked_where_they_are(frame):
     tags = Detector().detect(frame)
     marked = mark_tags(frame, tags)
     for tag in tags:

@@ -1,4 +1,4 @@
-"""Pictures: what can be painted, and what is said of what cannot."""
+"""Pictures: which files are accepted, and how others are explained."""
 import os
 
 import cv2
@@ -7,7 +7,7 @@ import pytest
 from aruco_ar import InputError, load_picture
 
 
-def test_the_earth_looks_like_the_earth(package):
+def test_the_earth_has_its_colors(package):
     path = package + '/images/earth.jpg'
     earth = load_picture(path)
     assert os.path.getsize(path) <= 400_000
@@ -18,7 +18,7 @@ def test_the_earth_looks_like_the_earth(package):
     assert earth[20, 20].max() < 60                 # space
 
 
-def test_gray_color_and_alpha(tmp_path):
+def test_gray_color_and_transparent_pictures_are_read(tmp_path):
     for shape, channels in (((8, 6), 3), ((8, 6, 3), 3), ((8, 6, 4), 4)):
         path = str(tmp_path / 'picture.png')
         cv2.imwrite(path, np.full(shape, 77, np.uint8))
@@ -27,7 +27,7 @@ def test_gray_color_and_alpha(tmp_path):
         assert np.all(picture == 77)
 
 
-def test_sixteen_bits_become_eight(tmp_path):
+def test_16_bit_pictures_become_8_bit_ones(tmp_path):
     path = str(tmp_path / 'picture.png')
     for channels in (3, 4):
         cv2.imwrite(path, np.full((4, 4, channels), 0x8080, np.uint16))
@@ -35,13 +35,13 @@ def test_sixteen_bits_become_eight(tmp_path):
         assert abs(int(load_picture(path)[0, 0, 0]) - 128) <= 1
 
 
-def test_a_picture_larger_than_can_be_warped_is_shrunk(tmp_path):
+def test_a_picture_that_is_too_large_is_shrunk(tmp_path):
     path = str(tmp_path / 'long.png')
     cv2.imwrite(path, np.full((2, 40000, 3), 50, np.uint8))
     assert load_picture(path).shape == (1, 4096, 3)
 
 
-def test_a_float_picture_with_alpha_is_refused_not_painted_clear(tmp_path):
+def test_a_float_picture_with_alpha_is_refused(tmp_path):
     path = str(tmp_path / 'float.tiff')
     cv2.imwrite(path, np.full((8, 8, 4), 1.0, np.float32))
     with pytest.raises(InputError, match='cannot be read as a picture'):

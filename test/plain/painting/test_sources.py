@@ -1,4 +1,4 @@
-"""Pictures that move: what is shown when, and what becomes of files that end or break."""
+"""Pictures that move: what is shown at which time, and what happens if a file ends or breaks."""
 import os
 
 import cv2
@@ -26,38 +26,38 @@ def video(path, grays, fps, fourcc='MJPG', side=64):
     return str(path)
 
 
-def shown(source, stamps):
-    """The color in the middle of what is shown at those times, to the nearest 5."""
+def colors_at(source, stamps):
+    """The colors in the middle of the picture at those times."""
     return [tuple(int(value) for value in source.at(stamp)[24, 32, :3]) for stamp in stamps]
 
 
-def test_a_still_stays(package):
+def test_a_still_picture_does_not_change(package):
     earth = open_source(package + '/images/earth.jpg')
     assert earth.at(0.0) is earth.at(1e9) and earth.at(0.0).shape == (640, 960, 3)
 
 
-def test_a_gif_plays_at_its_own_rate_over_and_over(tmp_path):
+def test_a_gif_plays_at_its_own_rate_in_a_loop(tmp_path):
     clip = open_source(gif(tmp_path / 'a.gif', [RED, GREEN, BLUE], [0.1, 0.3, 0.6]))
     stamps = [100.0, 100.09, 100.11, 100.39, 100.41, 100.99, 101.01, 101.11]
-    assert shown(clip, stamps) == [RED, RED, GREEN, GREEN, BLUE, BLUE, RED, GREEN]
+    assert colors_at(clip, stamps) == [RED, RED, GREEN, GREEN, BLUE, BLUE, RED, GREEN]
 
 
 @pytest.mark.parametrize('name, fourcc', [('a.avi', 'MJPG'), ('a.mp4', 'mp4v')])
-def test_a_video_plays_at_its_own_rate_over_and_over(tmp_path, name, fourcc):
+def test_a_video_plays_at_its_own_rate_in_a_loop(tmp_path, name, fourcc):
     clip = open_source(video(tmp_path / name, range(0, 250, 25), 10, fourcc))
-    for number in range(25):  # a camera of another rate than the video's
-        gray = np.mean(shown(clip, [5.0 + number * 0.13])[0])
+    for number in range(25):  # the camera's rate is not the video's
+        gray = np.mean(colors_at(clip, [5.0 + number * 0.13])[0])
         assert abs(gray - 25 * (int(number * 1.3 + 1e-6) % 10)) < 9, number
 
 
-def test_it_goes_on_where_it_was_when_time_jumps(tmp_path):
+def test_a_clip_continues_where_it_was_if_the_time_jumps(tmp_path):
     clip = open_source(gif(tmp_path / 'a.gif', [RED, GREEN, BLUE], [1, 1, 1]))
-    assert shown(clip, [0.0, 0.5, 1.2]) == [RED, RED, GREEN]
-    assert shown(clip, [5000.0, 5000.7, 5000.9]) == [GREEN, GREEN, BLUE]   # nobody looked for long
-    assert shown(clip, [3.0, 3.8, 4.0]) == [BLUE, BLUE, RED]               # a bag begins again
+    assert colors_at(clip, [0.0, 0.5, 1.2]) == [RED, RED, GREEN]
+    assert colors_at(clip, [5000.0, 5000.7, 5000.9]) == [GREEN, GREEN, BLUE]   # after a long pause
+    assert colors_at(clip, [3.0, 3.8, 4.0]) == [BLUE, BLUE, RED]               # a bag starts again
 
 
-def test_what_is_clear_in_a_gif_is_clear(tmp_path):
+def test_a_transparent_gif_stays_transparent(tmp_path):
     frames = [Image.new('RGBA', (64, 48), (255, 0, 0, 0)), Image.new('RGBA', (64, 48), (0, 255, 0, 255))]
     for frame in frames:
         frame.paste((0, 0, 255, 255), (0, 0, 20, 20))
@@ -68,33 +68,33 @@ def test_what_is_clear_in_a_gif_is_clear(tmp_path):
     assert picture[40, 50, 3] == 0 and picture[5, 5].tolist() == [255, 0, 0, 255]
 
 
-def test_a_clip_too_large_to_be_warped_is_shrunk(tmp_path):
+def test_a_clip_that_is_too_large_is_shrunk(tmp_path):
     frames = [Image.new('P', (5000, 10), color) for color in (1, 2)]
     frames[0].save(str(tmp_path / 'a.gif'), save_all=True, append_images=frames[1:])
     assert open_source(str(tmp_path / 'a.gif')).at(0).shape[:2] == (8, 4096)
 
 
-def test_a_file_that_goes_away_leaves_its_last_picture_and_a_sentence(tmp_path):
-    said = []
+def test_if_a_file_is_deleted_its_last_picture_stays(tmp_path):
+    sentences = []
     path = video(tmp_path / 'a.avi', [0, 200], 10)
-    clip = open_source(path, said.append)
-    assert [np.mean(color) > 100 for color in shown(clip, [0.0, 0.1])] == [False, True]
+    clip = open_source(path, sentences.append)
+    assert [np.mean(color) > 100 for color in colors_at(clip, [0.0, 0.1])] == [False, True]
     os.remove(path)
-    assert [np.mean(color) > 100 for color in shown(clip, [0.2, 0.3, 1.0, 900.0, 901.0])] == [True] * 5
-    assert len(said) == 1 and path in said[0] and 'last picture stays' in said[0]
+    assert [np.mean(color) > 100 for color in colors_at(clip, [0.2, 0.3, 1.0, 900.0, 901.0])] == [True] * 5
+    assert len(sentences) == 1 and path in sentences[0] and 'last picture stays' in sentences[0]
 
 
-def test_a_truncated_file_plays_as_far_as_it_goes(tmp_path):
+def test_a_truncated_file_plays_as_far_as_possible(tmp_path):
     for path in (gif(tmp_path / 'a.gif', [RED, GREEN, BLUE, RED, GREEN], [0.1] * 5),
                  video(tmp_path / 'a.avi', range(0, 250, 25), 10, side=640)):
         with open(path, 'r+b') as file:
             file.truncate(os.path.getsize(path) * 2 // 3)
         clip = open_source(path)
-        assert len({tuple(color) for color in shown(clip, np.arange(0, 3, 0.05))}) >= 2
+        assert len({tuple(color) for color in colors_at(clip, np.arange(0, 3, 0.05))}) >= 2
 
 
 @pytest.mark.parametrize('data', [b'', b'no video', b'GIF89a', b'RIFF\x00\x00\x00\x00AVI LIST'])
-def test_what_is_neither_picture_nor_video_is_named(tmp_path, data):
+def test_a_file_that_is_neither_picture_nor_video_is_named(tmp_path, data):
     path = tmp_path / 'what.mp4'
     path.write_bytes(data)
     with pytest.raises(InputError, match='cannot be read as a picture|as a video') as error:

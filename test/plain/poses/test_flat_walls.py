@@ -1,21 +1,24 @@
-"""Which tags are taken for ones on a wall: none on a box before it, however far away; all of a long wall."""
+"""Which tags are taken for tags on a wall: none on a box in front of it, but all of a long wall."""
 import numpy as np
 import pytest
 from aruco_ar import Lens, PoseEstimator
 from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Pose, wall_to_camera
-from rig.posing import PINHOLE, off, surprise, tag_at
+from rig.accuracy.poses import PINHOLE, nees, pose_error, tag_at
 
 SIDE = 0.1  # meters, of the tags
 LARGE = Lens(1920, 1080, np.array([[1200, 0, 959.5], [0, 1200, 539.5], [0, 0, 1.0]]), np.zeros(5))
 BOX = 0.05  # meters
-HONEST = 60.0  # of NEES: 6 numbers are off by more only where they are wrong and sure
+MAX_NEES = 60.0  # of the NEES: only a wrong pose with a too small covariance has more
 SPACED = {1: (-0.2, 0, 0), 2: (0.2, 0, 0), 3: (0, 0.3, 0)}
-FACING = np.diag([1.0, -1.0, -1.0])  # of a camera that looks straight at the wall
+FACING = np.diag([1.0, -1.0, -1.0])  # the rotation of a camera that faces the wall
 
 
-def seen(estimator, places, place, turn, number, random, lens=LARGE, bias=None):
-    """The poses, their truth, and the true pose (R, t) on the wall of the camera that looks on from a place."""
+def estimate(estimator, places, place, turn, number, random, lens=LARGE, bias=None):
+    """Let the camera see the tags; returns the poses, the true poses and the camera's (R, t) on the wall.
+
+    ``places``: {id: center on the wall}. ``place``: that of the camera.
+    """
     rotation = rotation_matrices(np.array([[0, turn, 0]]))[0] @ FACING
     truth, tags = {}, []
     for tag_id, center in places.items():
@@ -31,33 +34,33 @@ def seen(estimator, places, place, turn, number, random, lens=LARGE, bias=None):
 
 
 def approach(estimator, places, random, count=160):
-    """See ``seen``, of a drive from 4.5 to 1.2 m."""
+    """Yields what ``estimate`` returns, for a drive from 4.5 m to 1.2 m."""
     for number in range(count):
         part = number / count
         place = [-0.3 + 0.5 * np.sin(4 * part), 0.05, 4.5 - 3.3 * part]
-        yield seen(estimator, places, place, 0.05 * np.sin(10 * part), number, random)
+        yield estimate(estimator, places, place, 0.05 * np.sin(10 * part), number, random)
 
 
 @pytest.mark.parametrize('ids', [(1, 2), (1, 2, 3)], ids=str)
 @pytest.mark.parametrize('box', [1, 2])
 def test_a_tag_on_a_box_is_not_on_the_wall(ids, box, random):
     places = {tag_id: np.add(SPACED[tag_id], [0, 0, BOX * (tag_id == box)]) for tag_id in ids}
-    estimator, cameras, surprises, last = PoseEstimator(SIDE), [], [], None
+    estimator, cameras, nees_values, last = PoseEstimator(SIDE), [], [], None
     for poses, truths, (rotation, place) in approach(estimator, places, random):
-        surprises += [surprise(pose, truth) for pose, truth in zip(poses, truths)]
+        nees_values += [nees(pose, truth) for pose, truth in zip(poses, truths)]
         last = estimator.camera()
         if last:
-            first = min(set(ids) - {box})  # in whose axes the wall is
-            cameras.append(surprise(last, (rotation, place - places[first])))
-    assert max(surprises) < HONEST
+            first = min(set(ids) - {box})  # the wall has the axes of this tag
+            cameras.append(nees(last, (rotation, place - places[first])))
+    assert max(nees_values) < MAX_NEES
     if len(ids) == 2:
-        assert not cameras  # nobody knows which of the two is on the wall
+        assert not cameras  # nothing shows which of the two is on the wall
     else:
-        assert len(cameras) > 80 and max(cameras) < HONEST
+        assert len(cameras) > 80 and max(cameras) < MAX_NEES
         assert set(last.ids) == set(ids) - {box}
 
 
-def test_a_wall_learned_from_afar_with_a_tag_on_a_thin_box_is_given_up_nearer(random):
+def test_a_tag_on_a_thin_box_is_dropped_from_the_wall_when_the_camera_comes_near(random):
     places = {**SPACED, 2: np.add(SPACED[2], [0, 0, 0.4 * BOX])}
     estimator, learned = PoseEstimator(SIDE), []
     for _, _, (rotation, place) in approach(estimator, places, random):
@@ -66,14 +69,14 @@ def test_a_wall_learned_from_afar_with_a_tag_on_a_thin_box_is_given_up_nearer(ra
             learned.append(camera.ids)
             if place[2] < 1.65:
                 assert camera.ids == (1, 3)
-                assert surprise(camera, (rotation, place - places[1])) < HONEST
+                assert nees(camera, (rotation, place - places[1])) < MAX_NEES
     assert (1, 2, 3) in learned and learned[-1] == (1, 3)
 
 
 @pytest.mark.parametrize('meters', [1.2, 2.5])
 @pytest.mark.parametrize('moves', [0, 1], ids=['standing', 'moving'])
 def test_a_flat_wall_stays_learned(meters, moves, random):
-    """Though the corners' errors are the same in all frames."""
+    """The errors of the corners are the same in all frames."""
     ids = range(1, 13)
     places = {tag_id: (0.25 * (tag_id % 4) - 0.375, 0.25 * (tag_id // 4) - 0.375, 0) for tag_id in ids}
     for _ in range(2):
@@ -81,7 +84,7 @@ def test_a_flat_wall_stays_learned(meters, moves, random):
         estimator, found = PoseEstimator(SIDE), []
         for number in range(45):
             place = [0.2 * moves * np.sin(number / 15), 0, meters]
-            seen(estimator, places, place, 0.1, number, random, bias=bias)
+            estimate(estimator, places, place, 0.1, number, random, bias=bias)
             found.append(estimator.camera())
         assert all(camera and len(camera.ids) >= 10 for camera in found[10:])
 
@@ -96,26 +99,26 @@ def test_the_simulated_wall_is_learned_at_once(wall, random):
         assert set(estimator.camera().ids) == {tag.id for tag in wall.tags}
 
 
-def test_with_the_first_tag_long_out_of_sight_the_wall_does_not_drift(random):
+def test_the_wall_does_not_drift_while_its_first_tag_is_out_of_sight(random):
     places = {1: (0, 0, 0), 2: (1.2, 0.1, 0), 3: (1.6, -0.1, 0), 4: (2.0, 0, 0)}
     estimator = PoseEstimator(SIDE)
     for number in range(400):
         ids = places if number < 60 else (2, 3, 4)
         x = 0.9 if number < 60 else 1.5 + 0.4 * np.sin((number - 60) / 40)
         place = [x, 0.1 * np.sin(number / 37), 1.5]
-        _, _, truth = seen(estimator, {tag_id: places[tag_id] for tag_id in ids}, place,
+        _, _, truth = estimate(estimator, {tag_id: places[tag_id] for tag_id in ids}, place,
                            0.1 * np.sin(number / 25), number, random)
         if number > 60:
-            assert off(estimator.camera(), truth)[0] < 0.015
-            assert surprise(estimator.camera(), truth) < HONEST
+            assert pose_error(estimator.camera(), truth)[0] < 0.015
+            assert nees(estimator.camera(), truth) < MAX_NEES
 
 
 @pytest.mark.long
-def test_a_long_wall_is_learned_as_it_is_driven_past(random):
+def test_a_long_wall_is_learned_while_driving_past(random):
     places = {tag_id: (0.25 * tag_id, 0, 0) for tag_id in range(20)}
     estimator = PoseEstimator(SIDE)
     for number in range(230):
-        _, _, truth = seen(estimator, places, [0.02 * number, 0, 0.6], 0.0, number, random)
+        _, _, truth = estimate(estimator, places, [0.02 * number, 0, 0.6], 0.0, number, random)
         if number >= 5:
-            assert surprise(estimator.camera(), truth) < HONEST
+            assert nees(estimator.camera(), truth) < MAX_NEES
     assert 19 in estimator.camera().ids

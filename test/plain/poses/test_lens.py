@@ -1,4 +1,4 @@
-"""The lens: rays and pixels there and back, against OpenCV's own projection."""
+"""The lens: from rays to pixels and back, compared with OpenCV's projection."""
 import cv2
 import numpy as np
 import pytest
@@ -19,22 +19,22 @@ LENSES = {
 }
 
 
-def seen_by_opencv(lens, points):
+def opencv_pixels(lens, points):
     function = cv2.fisheye.projectPoints if lens.fisheye else cv2.projectPoints
     return function(points[:, None], np.zeros(3), np.zeros(3), lens.matrix, lens.distortion)[0][:, 0]
 
 
 @pytest.mark.parametrize('lens', LENSES.values(), ids=LENSES)
-def test_rays_are_what_opencv_projects_back(lens, random):
+def test_rays_are_the_inverse_of_opencvs_projection(lens, random):
     pixels = random.uniform((0, 0), (639, 479), (200, 2))
     rays = lens.rays(pixels)
     points = np.column_stack([rays, np.ones(200)]) * random.uniform(0.5, 5, (200, 1))
-    np.testing.assert_allclose(seen_by_opencv(lens, points), pixels, atol=1e-6)
+    np.testing.assert_allclose(opencv_pixels(lens, points), pixels, atol=1e-6)
     np.testing.assert_allclose(lens.project(points), pixels, atol=1e-6)
 
 
 @pytest.mark.parametrize('lens', LENSES.values(), ids=LENSES)
-def test_how_pixels_move_with_rays(lens, random):
+def test_the_derivatives_of_the_projection_are_right(lens, random):
     rays, step = random.uniform(-0.4, 0.4, (20, 2)), 1e-6
     pixels, slopes = lens.project_rays(rays)
     for axis in (0, 1):
@@ -50,7 +50,7 @@ def test_rays_have_the_shape_of_the_pixels():
 
 
 @pytest.mark.parametrize('lens', LENSES.values(), ids=LENSES)
-def test_what_the_lens_does_not_show_is_nan(lens):
+def test_points_that_the_lens_does_not_show_are_nan(lens):
     assert np.isnan(lens.project([[0, 0, -1.0], [0, 0, 0], [np.nan, 0, 1]])).all()
     rays = lens.rays([[np.nan, 1], [np.inf, 1], [320, 240]])
     assert np.isnan(rays[0]).all() and not np.isfinite(rays[1]).all() and np.isfinite(rays[2]).all()
@@ -62,8 +62,8 @@ def test_pixels_beyond_the_fold_of_a_lens_have_no_ray():
     assert np.isfinite(folding.rays([340, 250])).all()
 
 
-def test_edges_that_the_lens_bends_are_taken_into_account(wall):
-    """The fitted corners of near tags bulge; their rays do not."""
+def test_the_bulge_of_edges_in_a_lens_with_distortion_is_corrected(wall):
+    """The fitted corners of near tags are wrong, but their rays are not."""
     camera, view = Camera(distortion=[-0.3, 0.1, 0, 0, 0]), wall_to_camera(Pose(-1.5, 0.2, 0))
     lens = Lens(640, 480, camera.matrix, np.float64(camera.distortion))
     truth = np.array([project(tag.corners, *view, camera)[0] for tag in wall.tags])

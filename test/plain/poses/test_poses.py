@@ -1,4 +1,4 @@
-"""Poses of tags against the truth: accuracy, no flips, honest covariances, whatever comes."""
+"""Poses of tags compared with the truth: accuracy, flips, covariances, and odd input."""
 import cv2
 import numpy as np
 import pytest
@@ -9,42 +9,42 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from benchmark.simulated.drives import LIVELY
 from benchmark.simulated.poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
-from rig.posing import AREA, BENT, PINHOLE, drive, off, seen_from, surprise, tag_at
+from rig.accuracy.poses import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
 
 
 @pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])
 @pytest.mark.parametrize('meters, place, turn', [(1, 0.003, 0.5), (3, 0.06, 2.0)])
 @pytest.mark.parametrize('ids', [[ALONE], AREA], ids=['one tag', 'four tags'])
-def test_accuracy_before_the_simulated_wall(camera, meters, place, turn, ids):
+def test_poses_of_the_simulated_wall_are_accurate(camera, meters, place, turn, ids):
     renderer, detector = WallRenderer(TAGS_WALL, camera, noise=2.0), Detector(ids=ids)
-    estimator, errors, surprises = PoseEstimator(SIDE), [], []
+    estimator, errors, nees_values = PoseEstimator(SIDE), [], []
     for number, view in enumerate(past(meters, 40)):
         tags = detector.detect(renderer.render(*view))
         for pose in estimator.update(tags, lens_of(camera), number / 30):
             truth = true_pose(next(tag for tag in TAGS_WALL.tags if tag.id == pose.id), *view)
             if pose.id == ALONE:
-                errors.append(off(pose, truth))
-            surprises.append(surprise(pose, truth))
+                errors.append(pose_error(pose, truth))
+            nees_values.append(nees(pose, truth))
     assert len(errors) > 20
     assert np.max(errors, axis=0)[0] < place
     assert np.max(errors, axis=0)[1] < turn
-    assert np.mean(surprises) < 9
+    assert np.mean(nees_values) < 9
 
 
-def test_without_the_lens_it_would_be_wrong():
+def test_ignoring_the_distortion_would_give_wrong_poses():
     view = wall_to_camera(Pose(-1.2, 0.2, 0))
     tags = Detector().detect(WallRenderer(TAGS_WALL, BENT, noise=2.0).render(*view))
     truth = {tag.id: true_pose(tag, *view) for tag in TAGS_WALL.tags}
     assert tags
 
     def worst(lens):
-        return max(off(pose, truth[pose.id])[0] for pose in PoseEstimator(SIDE).update(tags, lens, 0.0))
+        return max(pose_error(pose, truth[pose.id])[0] for pose in PoseEstimator(SIDE).update(tags, lens, 0.0))
     assert worst(lens_of(BENT)) < 0.003
     assert worst(PINHOLE) > 0.02
 
 
 @pytest.mark.long
-def test_a_lone_tag_does_not_flip_where_others_do():
+def test_a_lone_tag_does_not_flip_unlike_with_other_solvers():
     camera = Camera()
     renderer, others, detector = WallRenderer(TAGS_WALL, camera, noise=2.0, seed=3), Others(), Detector()
     estimator, ours, theirs = PoseEstimator(SIDE), [], []
@@ -52,7 +52,7 @@ def test_a_lone_tag_does_not_flip_where_others_do():
     for number, view in enumerate(past(4.0, 300)):
         frame, truth = renderer.render(*view), true_pose(tag, *view)
         tags = [tag for tag in detector.detect(frame) if tag.id == ALONE]
-        ours += [off(pose, truth)[1] for pose in estimator.update(tags, PINHOLE, number / 30)]
+        ours += [pose_error(pose, truth)[1] for pose in estimator.update(tags, PINHOLE, number / 30)]
         found = others.poses(frame, PINHOLE)['IPPE_SQUARE'].get(ALONE)
         if found:
             theirs.append(np.degrees(np.linalg.norm(error_of(*found, truth)[3:])))
@@ -61,8 +61,8 @@ def test_a_lone_tag_does_not_flip_where_others_do():
     assert max(ours) < FLIP
 
 
-def test_a_tag_that_is_followed_does_not_flip_where_single_frames_do(random):
-    """Corners ten times as bad as usual."""
+def test_a_tracked_tag_does_not_flip_unlike_in_single_frames(random):
+    """The corners are ten times less accurate than usual."""
     def flips(fresh):
         estimator, found = PoseEstimator(SIDE), []
         for number in range(240):
@@ -72,7 +72,7 @@ def test_a_tag_that_is_followed_does_not_flip_where_single_frames_do(random):
             if fresh:
                 estimator.reset()
             pose, = estimator.update([tag_at(4, truth, random, noise=0.3)], PINHOLE, number / 30)
-            found.append((off(pose, truth)[1] > 25, pose.ambiguity, surprise(pose, truth)))
+            found.append((pose_error(pose, truth)[1] > 25, pose.ambiguity, nees(pose, truth)))
         return np.array(found[30:])
     single, followed = flips(True), flips(False)
     assert single[:, 0].sum() >= 3
@@ -82,21 +82,21 @@ def test_a_tag_that_is_followed_does_not_flip_where_single_frames_do(random):
 @pytest.mark.parametrize('ids', [[4], [1, 2], AREA], ids=str)
 @pytest.mark.parametrize('wall', [None, TAGS_WALL], ids=['learned', 'given'])
 @pytest.mark.parametrize('noise', [0.03, 0.2])
-def test_covariances_are_honest(ids, wall, noise, random):
-    surprises, cameras = [], []
+def test_covariances_match_the_errors(ids, wall, noise, random):
+    nees_values, cameras = [], []
     for trial in range(3):
         for number, (poses, truths, view, camera) in enumerate(drive(
                 PoseEstimator(SIDE, wall=wall), random, ids=ids, count=50, first=100 * trial, noise=noise)):
-            if number >= 10:  # by then, it knows how exact the corners are
-                surprises += [surprise(pose, truth) for pose, truth in zip(poses, truths)]
-                if camera and wall and noise < 0.1:  # far larger turns than that are no small ones
-                    cameras.append(surprise(camera, seen_from(view)))
-    assert 2 < np.mean(surprises) < 9
+            if number >= 10:  # by then the accuracy of the corners is learned
+                nees_values += [nees(pose, truth) for pose, truth in zip(poses, truths)]
+                if camera and wall and noise < 0.1:  # more noise makes turns too large for a linear model
+                    cameras.append(nees(camera, camera_pose(view)))
+    assert 2 < np.mean(nees_values) < 9
     assert not cameras or 2 < np.mean(cameras) < 9
 
 
-def test_an_ambiguous_pose_says_so(random):
-    """Far away and seen from a bit aside, nobody can tell from which side."""
+def test_an_ambiguous_pose_is_marked_as_such(random):
+    """The tag is far away, and nearly seen straight on, so it could lean to either side."""
     truth = rotation_matrices(np.array([[np.pi + 0.25, 0, 0]]))[0], np.array([0.1, 0, 7.0])
     pose, = PoseEstimator(SIDE).update([tag_at(1, truth, random, noise=0)], PINHOLE, 0.0)
     near, = PoseEstimator(SIDE).update([tag_at(1, (truth[0], truth[1] / 7), random, noise=0)], PINHOLE, 0.0)
@@ -106,12 +106,12 @@ def test_an_ambiguous_pose_says_so(random):
     assert np.degrees(np.sqrt(np.trace(near.covariance[3:, 3:]))) < 1
 
 
-def test_sizes_override(random):
+def test_each_tag_may_have_its_own_size(random):
     truth = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.1, 0, 1.5])
     tags = [tag_at(1, truth, random, size=0.1), tag_at(2, truth, random, size=0.3)]
     for pose, size in zip(PoseEstimator(0.1, sizes={2: 0.3}).update(tags, PINHOLE, 0.0), (0.1, 0.3)):
         assert pose.size == size
-        assert off(pose, truth)[0] < 0.005
+        assert pose_error(pose, truth)[0] < 0.005
     assert PoseEstimator(0.2).update(tags, PINHOLE, 0.0)[0].translation[2] == pytest.approx(3.0, rel=0.01)
 
 
@@ -119,11 +119,11 @@ def test_sizes_override(random):
     Lens(640, 480, Camera().matrix, np.array([0.1, 0.02, -0.01, 0.003]), fisheye=True),
     Lens(640, 480, Camera().matrix, np.array([0.5, -0.2, 0.001, -0.001, 0.01, 0.8, -0.1, 0.02]))],
     ids=['fisheye', 'rational'])
-def test_other_lenses(lens, random):
+def test_other_lens_models_are_supported(lens, random):
     truth = rotation_matrices(np.array([[np.pi - 0.3, 0.2, 0]]))[0], np.array([0.3, -0.2, 1.5])
     pose, = PoseEstimator(SIDE).update([tag_at(1, truth, random, lens, noise=0)], lens, 0.0)
-    assert off(pose, truth)[0] < 0.005  # the bulge of a fitted tag's edges, which these corners do not have
-    assert off(pose, truth)[1] < 0.5
+    assert pose_error(pose, truth)[0] < 0.005  # the correction of bulging edges adds an error here
+    assert pose_error(pose, truth)[1] < 0.5
 
 
 @pytest.mark.parametrize('corners', [
@@ -132,7 +132,7 @@ def test_other_lenses(lens, random):
     [[10, 10], [10, 60], [60, 60], [60, 10]], [[10, 10], [60, 60], [60, 10], [10, 60]],
     [[1e9, 0], [2e9, 0], [2e9, 1e9], [1e9, 1e9]]], ids=str)
 @pytest.mark.parametrize('lens', [PINHOLE, lens_of(BENT)], ids=['pinhole', 'lens'])
-def test_what_is_no_tag_is_left_out(corners, lens, random):
+def test_impossible_tags_are_left_out(corners, lens, random):
     view = wall_to_camera(Pose(-2, 0, 0))
     good = tag_at(4, true_pose(TAGS_WALL.tags[3], *view), random, lens)
     with np.errstate(divide='raise', invalid='raise', over='raise'):
@@ -142,7 +142,7 @@ def test_what_is_no_tag_is_left_out(corners, lens, random):
         assert all(np.isfinite(part).all() for part in (pose.rotation, pose.translation, pose.covariance))
 
 
-def test_any_four_corners_do_no_harm(random):
+def test_random_corners_give_valid_poses(random):
     estimator = PoseEstimator(SIDE)
     for number in range(150):
         tags = [Tag(tag_id, random.uniform(0, 640, (4, 2)) if tag_id % 2 else
@@ -155,7 +155,7 @@ def test_any_four_corners_do_no_harm(random):
 
 
 @pytest.mark.parametrize('change', ['reset', 'time goes back'])
-def test_all_is_forgotten(change, random):
+def test_everything_is_forgotten(change, random):
     estimator = PoseEstimator(SIDE)
     list(drive(estimator, random, count=10, first=10))
     assert estimator.camera()
@@ -166,7 +166,7 @@ def test_all_is_forgotten(change, random):
     assert estimator.camera() is None
 
 
-def test_frames_that_all_have_the_same_stamp_are_no_trouble(random):
+def test_frames_with_the_same_stamp_are_accepted(random):
     estimator = PoseEstimator(SIDE)
     for number in range(10):
         view = wall_to_camera(LIVELY.at(number / 30)[0])
@@ -176,28 +176,28 @@ def test_frames_that_all_have_the_same_stamp_are_no_trouble(random):
 
 
 @pytest.mark.parametrize('value', [0, 0.0009, 10.1, -1, np.nan, np.inf, 'big', None])
-def test_a_size_that_no_tag_has_is_refused(value):
+def test_an_impossible_tag_size_is_refused(value):
     with pytest.raises(InputError, match='size of a tag .*0.001 to 10'):
         PoseEstimator(value)
     with pytest.raises(InputError, match='size of tag 5 .*0.001 to 10'):
         PoseEstimator(sizes={5: value})
 
 
-def test_turns_and_their_angles(random):
+def test_rotation_vectors_survive_a_round_trip(random):
     for angles in random.normal(0, 1, (20, 3)):
         rotation = rotation_matrices(angles[None])[0]
         np.testing.assert_allclose(rotation, cv2.Rodrigues(angles)[0], atol=1e-12)
         np.testing.assert_allclose(rotation_matrices(rotation_vector(rotation)[None])[0], rotation, atol=1e-9)
 
 
-def test_frames_add_up_and_are_forgotten_after_a_gap():
-    """Each says a little for the first pose, the last one nothing."""
+def test_evidence_accumulates_over_frames_and_is_forgotten_after_a_gap():
+    """Each frame slightly favors the first pose; the last one favors neither."""
     rotations = rotation_matrices(np.array([[np.pi + 0.3, 0, 0], [np.pi - 0.3, 0, 0]]))
     poses = rotations[None], np.array([[[0, 0, 3.0], [0, 0, 3.0]]]), np.eye(6)[None, None].repeat(2, 1) * 1e-4
-    belief, told = Belief(), np.array([[0.0, 4.0]])
-    first = belief.weigh(['tag'], poses, told, 0.0)[1]
+    belief, evidence = Belief(), np.array([[0.0, 4.0]])
+    first = belief.weigh(['tag'], poses, evidence, 0.0)[1]
     for number in range(1, 6):
-        belief.weigh(['tag'], poses, told, number / 30)
+        belief.weigh(['tag'], poses, evidence, number / 30)
     believed, later = belief.weigh(['tag'], poses, np.zeros((1, 2)), 6 / 30)
     assert believed == [0] and later < first / 10
     assert belief.weigh(['tag'], poses, np.zeros((1, 2)), 6 / 30 + 0.6)[1] == [0.5]

@@ -1,4 +1,4 @@
-"""The wall for Gazebo: its files as libsdformat, a camera and whoever runs the command see them."""
+"""The wall for Gazebo: its files as libsdformat and a camera see them, and the command that makes them."""
 import os
 import shutil
 import subprocess
@@ -17,7 +17,7 @@ from aruco_ar.walls.wall import load_wall
 
 MODEL = 'models/unit5_wall/'
 WORLD = 'worlds/wall.world'
-FINE = 8  # samples per pixel and direction
+FINE = 8  # samples per pixel, in each direction
 TURNED = ('wall: {width: 4, height: 2, color: [200, 190, 180]}\ndictionary: DICT_4X4_50\nquiet: %g\ntags:\n'
           + ''.join('- {id: %d, x: %g, y: %g, side: 0.24, turn: %g}\n' % (i, x, y, turn) for i, (x, y, turn) in
                     enumerate([(-.5, .9, 90), (.5, .9, 90), (.5, .35, 90), (-.5, .35, 30)])))
@@ -41,12 +41,12 @@ def sdf(files, path):
 
 
 def read_mesh(files):
-    """The mesh's faces in the world: [(texture, points (4, 3), places in the texture (4, 2), normal)]."""
+    """The faces of the mesh in world coordinates: [(texture, (4, 3) points, (4, 2) texture places, normal)]."""
     model, world = sdf(files, MODEL + 'model.sdf'), sdf(files, WORLD)
     visual, = [visual for visual in model.iter('visual') if visual.find('geometry/mesh') is not None]
     assert visual.find('geometry/mesh/uri').text == 'model://unit5_wall/meshes/tags.obj'
     for parent in (visual, model.find('model'), model.find('model/link'), world.find('world/include')):
-        assert parent.find('pose') is None  # so the mesh's own coordinates are the world's
+        assert parent.find('pose') is None  # so the mesh's coordinates are those of the world
     textures = {}
     for line in files[MODEL + 'meshes/tags.mtl'].decode().splitlines():
         key, _, value = line.partition(' ')
@@ -71,9 +71,9 @@ def read_mesh(files):
 
 
 def read_fronts(files):
-    """[(texture, (3, 3))]: the faces to which a robot looks, with the matrix from a pixel's place to the world.
+    """[(texture, (3, 3))]: the front faces, each with the matrix from its texture to the world.
 
-    The matrix takes (x, y, 1), x and y being pixels of the texture from its top left edge.
+    The matrix applies to (x, y, 1); x and y are pixels of the texture from its top left edge.
     """
     fronts = []
     for texture, points, places, normal in read_mesh(files):
@@ -85,12 +85,12 @@ def read_fronts(files):
 
 
 def on_wall(points):
-    """Wall coordinates (right, up, out) of world points (n, 3): the robot at negative x looks along x."""
+    """Wall coordinates (right, up, out) of world points, (n, 3). The robot's x is into the wall."""
     return np.stack([-points[:, 1], points[:, 2], -points[:, 0]], axis=1)
 
 
-def face_of_the_wall(files, kind):
-    """The x of the wall's face towards the robot."""
+def face_of_wall(files, kind):
+    """The x of the wall's face toward the robot, and the face's size."""
     box = sdf(files, MODEL + 'model.sdf').find('.//%s[@name][pose]' % kind)
     x, y, z, *turn = map(float, box.find('pose').text.split())
     assert turn == [0, 0, 0]
@@ -100,12 +100,12 @@ def face_of_the_wall(files, kind):
 
 
 def photograph(files, pose):
-    """The mesh's fronts as a robot's camera sees them, (480, 640) uint8, before a gray background."""
+    """(480, 640) uint8: the front faces as a robot's camera sees them, on a gray background."""
     camera = Camera(640 * FINE, 480 * FINE)
     rotation, translation = wall_to_camera(pose)
     frame = np.full((480 * FINE, 640 * FINE), 180, np.uint8)
     for texture, to_world in read_fronts(files):
-        middles = np.array([[1, 0, .5], [0, 1, .5], [0, 0, 1]])  # pixel (0, 0) has its middle at (0.5, 0.5)
+        middles = np.array([[1, 0, .5], [0, 1, .5], [0, 0, 1]])  # the middle of pixel (0, 0) is at (0.5, 0.5)
         to_wall = np.array([[0, -1, 0], [0, 0, 1], [-1, 0, 0]]) @ to_world @ middles
         to_frame = camera.matrix @ (rotation @ to_wall + np.outer(translation, [0, 0, 1]))
         cv2.warpPerspective(texture, to_frame, frame.shape[::-1], frame, cv2.INTER_LINEAR,
@@ -114,10 +114,10 @@ def photograph(files, pose):
 
 
 @pytest.mark.parametrize('path', [MODEL + 'model.sdf', WORLD])
-def test_libsdformat_finds_no_fault(package, path):
+def test_libsdformat_accepts_the_files(package, path):
     tool = shutil.which('gz') or shutil.which('ign')
     if not tool:
-        pytest.skip('no gz (of Gazebo) and no ign (of ignition-tools and libsdformat-dev)')
+        pytest.skip('neither gz (Gazebo) nor ign (ignition-tools, libsdformat-dev) is installed')
     models = package + '/gazebo/models'
     done = subprocess.run([tool, 'sdf', '-k', '%s/gazebo/%s' % (package, path)], stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True,
@@ -125,7 +125,7 @@ def test_libsdformat_finds_no_fault(package, path):
     assert done.returncode == 0 and 'Warning' not in done.stdout, done.stdout
 
 
-def test_the_tags_are_where_the_wall_has_them(any_wall):
+def test_the_tags_are_where_the_wall_file_says(any_wall):
     fronts = read_fronts(wall_files(any_wall))
     assert len(fronts) == len(any_wall.tags)
     for tag, (texture, to_world) in zip(any_wall.tags, fronts):
@@ -137,7 +137,7 @@ def test_the_tags_are_where_the_wall_has_them(any_wall):
 
 @pytest.mark.parametrize('any_wall', ['config', 'turned', 'wide quiet zone'], indirect=True)
 @pytest.mark.parametrize('pose', [Pose(-2.2, 0, 0), Pose(-1.9, 0.6, -0.3), Pose(-3.0, -1.0, 0.35)])
-def test_a_camera_finds_the_tags(any_wall, pose):
+def test_a_camera_detects_the_tags(any_wall, pose):
     tags = Detector(any_wall.dictionary).detect(photograph(wall_files(any_wall), pose))
     assert sorted(tag.id for tag in tags) == sorted(tag.id for tag in any_wall.tags)
     truth = {tag.id: project(tag.corners, *wall_to_camera(pose), Camera())[0] for tag in any_wall.tags}
@@ -145,7 +145,7 @@ def test_a_camera_finds_the_tags(any_wall, pose):
         assert np.linalg.norm(tag.corners - truth[tag.id], axis=1).max() < 1
 
 
-def test_textures_are_the_tags_on_white_paper(any_wall):
+def test_textures_are_tags_on_white_paper(any_wall):
     for tag, (texture, _) in zip(any_wall.tags, read_fronts(wall_files(any_wall))):
         cells = tag_cells(any_wall.dictionary, tag.id)
         scale = round(len(texture) / (len(cells) + 2 * any_wall.quiet))
@@ -156,10 +156,10 @@ def test_textures_are_the_tags_on_white_paper(any_wall):
         np.testing.assert_array_equal(texture, expected)
 
 
-def test_the_paper_stands_out_from_the_wall(any_wall):
+def test_the_paper_is_in_front_of_the_wall(any_wall):
     files = wall_files(any_wall)
-    bumper, size = face_of_the_wall(files, 'collision')
-    plaster, same_size = face_of_the_wall(files, 'visual')
+    bumper, size = face_of_wall(files, 'collision')
+    plaster, same_size = face_of_wall(files, 'visual')
     assert bumper == 0 and 0.003 <= plaster <= 0.02
     assert size == same_size == (any_wall.width, any_wall.height)
     faces = read_mesh(files)
@@ -167,16 +167,16 @@ def test_the_paper_stands_out_from_the_wall(any_wall):
     middles = np.repeat([np.mean(faces[i][1], axis=0) for i in range(0, len(faces), 5)], 5, axis=0)
     for (texture, points, places, normal), middle in zip(faces, middles):
         assert set(np.round(points[:, 0], 6)) <= {0.0, round(plaster, 6)}
-        # What does not go counterclockwise seen from outside, Gazebo does not draw.
+        # Gazebo only draws faces whose corners are counterclockwise as seen from outside.
         around = np.cross(points[1] - points[0], points[2] - points[1])
         np.testing.assert_allclose(around / np.linalg.norm(around), normal, atol=1e-4)
         assert normal[0] < -0.99 or normal @ (points.mean(axis=0) - middle) > 0
-        if normal[0] > -0.99:  # a side: of the color of the paper's rim
+        if normal[0] > -0.99:  # a side has the color of the paper's rim
             rim = (np.array([[0, 1], [1, 0]]) @ places.T * (len(texture) - 1)).astype(int)
             assert np.all(texture[rim[0], rim[1]] == (255 if any_wall.quiet else 0))
 
 
-def test_nothing_shines_and_light_is_even(wall):
+def test_nothing_shines_and_the_light_is_even(wall):
     files = wall_files(wall)
     model, world = sdf(files, MODEL + 'model.sdf'), sdf(files, WORLD)
     shines = [element.text for root in (model, world) for element in root.iter('specular')]
@@ -186,14 +186,14 @@ def test_nothing_shines_and_light_is_even(wall):
     light, = world.iter('light')
     assert light.get('type') == 'directional' and light.find('cast_shadows').text == 'false'
     direction = np.array(light.find('direction').text.split(), float)
-    assert direction[0] > 0 > direction[2]  # from before the wall, and from above
+    assert direction[0] > 0 > direction[2]  # from in front of the wall, and from above
     sun, ambient = (float(world.find(path).text.split()[0])
                     for path in ('world/light/diffuse', 'world/scene/ambient'))
-    assert 0.8 < ambient + sun * direction[0] / np.linalg.norm(direction) < 1  # bright, but white does not clip
-    assert [uri.text for uri in world.iter('uri')] == ['model://unit5_wall']  # nothing else to find
+    assert 0.8 < ambient + sun * direction[0] / np.linalg.norm(direction) < 1  # bright, but not overexposed
+    assert [uri.text for uri in world.iter('uri')] == ['model://unit5_wall']  # the world needs no other model
 
 
-def test_what_is_shipped_is_what_the_command_makes(package, wall):
+def test_the_files_in_the_package_are_up_to_date(package, wall):
     folder, made = package + '/gazebo', wall_files(wall)
     shipped = {os.path.relpath(os.path.join(root, name), folder)
                for root, _, names in os.walk(folder) for name in names}
@@ -201,7 +201,7 @@ def test_what_is_shipped_is_what_the_command_makes(package, wall):
     for path, data in made.items():
         with open(os.path.join(folder, path), 'rb') as file:
             stored = file.read()
-        if path.endswith('.png'):  # as a picture: libpng's versions compress differently
+        if path.endswith('.png'):  # compared as pictures, since versions of libpng compress differently
             np.testing.assert_array_equal(decode(stored), decode(data), path)
         else:
             assert stored == data, path
@@ -209,7 +209,7 @@ def test_what_is_shipped_is_what_the_command_makes(package, wall):
 
 @pytest.fixture
 def command(package, tmp_path):
-    """Runs gazebo_wall.py in an empty folder: (exit code, what it said)."""
+    """A function that runs gazebo_wall.py in an empty folder, and returns (exit code, output)."""
     def run(*arguments):
         done = subprocess.run([sys.executable, package + '/src/gazebo_wall.py', *arguments], cwd=str(tmp_path),
                               env=dict(os.environ, PYTHONPATH=package + '/src'), stdout=subprocess.PIPE,
@@ -220,8 +220,8 @@ def command(package, tmp_path):
 
 def test_the_command_makes_the_files_of_any_wall(command, tmp_path):
     (tmp_path / 'mine.yaml').write_text(TURNED % 2)
-    code, said = command('--wall', 'mine.yaml', '--output', 'made', '__name:=gazebo_wall')
-    assert code == 0 and str(tmp_path / 'made' / WORLD) in said
+    code, output = command('--wall', 'mine.yaml', '--output', 'made', '__name:=gazebo_wall')
+    assert code == 0 and str(tmp_path / 'made' / WORLD) in output
     for path, data in wall_files(load_wall(str(tmp_path / 'mine.yaml'))).items():
         assert (tmp_path / 'made' / path).read_bytes() == data
 
@@ -231,6 +231,6 @@ def test_the_command_makes_the_files_of_any_wall(command, tmp_path):
     (['--output', '/dev/null/made'], 'Cannot write "/dev/null/made'),
 ])
 def test_errors_are_sentences_and_leave_nothing_behind(command, tmp_path, arguments, words):
-    code, said = command(*arguments)
-    assert code == 1 and words in said and 'Traceback' not in said
+    code, output = command(*arguments)
+    assert code == 1 and words in output and 'Traceback' not in output
     assert os.listdir(str(tmp_path)) == []

@@ -1,4 +1,4 @@
-"""The simulated wall: its file, its rendering against the truth, how the robot drives."""
+"""The simulated wall: its file, its rendering compared with the truth, and the robot's motion."""
 import cv2
 import numpy as np
 import pytest
@@ -19,11 +19,11 @@ def test_tags_are_where_the_truth_says(wall, camera, pose):
     truth = {tag.id: project(tag.corners, *view, camera)[0] for tag in wall.tags}
     errors = np.concatenate([tag.corners - truth[tag.id] for tag in tags])
     assert np.abs(errors).max() < 1.5
-    assert np.abs(errors.mean(axis=0)).max() < 0.15  # no shift of the whole
+    assert np.abs(errors.mean(axis=0)).max() < 0.15  # the tags are not all shifted
 
 
-def test_a_rim_is_as_gray_as_the_part_it_covers(wall):
-    """A tag's black border seen straight on, its sum of gray against its true extent."""
+def test_rim_pixels_are_blended_in_proportion(wall):
+    """A tag's black border is seen straight on; the sum of its gray gives its extent."""
     camera, view = Camera(), wall_to_camera(Pose(-2.013, 0.2, 0))
     frame = WallRenderer(wall, camera).render(*view)
     tag = wall.tags[0]
@@ -36,13 +36,13 @@ def test_a_rim_is_as_gray_as_the_part_it_covers(wall):
     assert left + len(line) // 2 - 0.5 - dark == pytest.approx(pixels[0, 0], abs=0.08)
 
 
-def test_noise_blur_and_light(wall):
+def test_noise_blur_and_light_are_rendered(wall):
     view = wall_to_camera(Pose(-2.2, 0, 0))
     plain = WallRenderer(wall, Camera()).render(*view).astype(int)
     noisy = WallRenderer(wall, Camera(), noise=5)
     one, other = noisy.render(*view).astype(int), noisy.render(*view).astype(int)
     assert np.std(one - plain) == pytest.approx(5, rel=0.1)
-    assert np.std(one - other) == pytest.approx(5 * 2**0.5, rel=0.1)  # new in each frame
+    assert np.std(one - other) == pytest.approx(5 * 2**0.5, rel=0.1)  # the noise is different in each frame
     blurred = WallRenderer(wall, Camera(), blur=3).render(*view)
     assert cv2.Laplacian(blurred, cv2.CV_64F).std() < cv2.Laplacian(np.uint8(plain), cv2.CV_64F).std() / 3
     lit = WallRenderer(wall, Camera(), light=0.8).render(*view).astype(int)
@@ -58,7 +58,7 @@ def test_any_view_can_be_rendered(wall, pose):
     assert Detector().detect(frame) == []
 
 
-def test_a_turned_tag_turns_clockwise(tmp_path, wall):
+def test_the_turn_of_a_tag_is_clockwise(tmp_path, wall):
     text = ('wall: {width: 4, height: 2, color: [200, 200, 200]}\ndictionary: DICT_4X4_50\ntags:\n'
             + ''.join('- {id: %d, x: %g, y: %g, side: 0.3, turn: 90}\n' % (i, x, y)
                       for i, (x, y) in enumerate([(-.5, 1), (.5, 1), (.5, .3), (-.5, .3)])))
@@ -67,11 +67,11 @@ def test_a_turned_tag_turns_clockwise(tmp_path, wall):
     frame = WallRenderer(turned, Camera()).render(*wall_to_camera(Pose(-2.2, 0, 0)))
     tags = Detector('DICT_4X4_50').detect(frame)
     assert sorted(tag.id for tag in tags) == [0, 1, 2, 3]
-    for tag in tags:  # its own top left is now top right
+    for tag in tags:  # its own top left is at the top right now
         assert np.argmin(tag.corners @ [-1, 1]) == 0
 
 
-def test_posters_hang_where_the_file_says(tmp_path):
+def test_posters_are_where_the_file_says(tmp_path):
     for name, color in ('wall', (0, 0, 250)), ('poster', (250, 0, 0)):
         cv2.imwrite(str(tmp_path / (name + '.png')), np.full((60, 90, 3), color, np.uint8))
     (tmp_path / 'wall.yaml').write_text(
@@ -89,7 +89,7 @@ def test_posters_hang_where_the_file_says(tmp_path):
 
 
 @pytest.mark.parametrize('camera', [Camera(), LENS], ids=['pinhole', 'lens'])
-def test_a_rolling_shutter_and_a_hand_are_in_the_truth(wall, camera):
+def test_the_truth_includes_a_rolling_shutter_and_a_shaking_hand(wall, camera):
     first = wall_to_camera(Pose(-2.2, 0, 0))
     last = hand_held(wall_to_camera(Pose(-2.2, 0.02, 0.03)), 0.3, 2.0)
     truth, before = project_rows(wall.area_corners, first, last, camera)
@@ -98,7 +98,7 @@ def test_a_rolling_shutter_and_a_hand_are_in_the_truth(wall, camera):
     np.testing.assert_allclose(found.corners, truth, atol=0.3)
 
 
-def test_a_hand_never_stands_still_and_never_goes_far():
+def test_a_hand_shakes_all_the_time_but_only_a_little():
     still = wall_to_camera(Pose(-2.2, 0, 0))
     views = [hand_held(still, seconds / 30, 1.0) for seconds in range(300)]
     turns = [np.linalg.norm(cv2.Rodrigues(rotation @ still[0].T)[0]) for rotation, _ in views]
@@ -106,7 +106,7 @@ def test_a_hand_never_stands_still_and_never_goes_far():
     np.testing.assert_array_equal(hand_held(still, 5.0, 0.0)[0], still[0])
 
 
-def test_exposure_and_compression(wall):
+def test_exposure_and_compression_are_rendered(wall):
     view = wall_to_camera(Pose(-2.2, 0, 0))
     usual, light, dark = (WallRenderer(wall, Camera()).render(*view, exposure=times) for times in (1, 2, 0.5))
     assert np.median(light) == 255 and abs(np.median(dark) - np.median(usual) / 2) < 2
@@ -133,12 +133,12 @@ def test_exposure_and_compression(wall):
     (('wall: {width: 1, height: 1, color: [1, 1, 1]}\ndictionary: DICT_4X4_50\n'
       'tags:\n- {id: 1, x: 0, y: 0, side: 1}\narea: [1]'), 'four different'),
 ])
-def test_a_wrong_wall_file_is_named(assert_refused, text, words):
+def test_a_wrong_wall_file_is_explained(assert_refused, text, words):
     assert_refused(load_wall, text, words)
 
 
 @pytest.mark.parametrize('distortion', [[np.nan, 0, 0, 0, 0], [-5, 1, 0, 0, 0], [0, 0, 0.5, 0.5, 0]])
-def test_a_lens_that_bends_too_far_is_refused(wall, distortion):
+def test_an_impossible_distortion_is_refused(wall, distortion):
     with pytest.raises(InputError, match='smaller coefficients'):
         WallRenderer(wall, Camera(distortion=distortion))
 
@@ -148,7 +148,7 @@ def test_a_missing_file_is_named():
         load_path('/nowhere/path.yaml')
 
 
-def test_driving_follows_the_arc():
+def test_the_robot_drives_along_an_arc():
     straight = drive(Pose(0, 0, np.pi / 2), 0.5, 0, 2)
     np.testing.assert_allclose(straight, (0, 1, np.pi / 2), atol=1e-12)
     quarter = drive(Pose(0, 0, 0), np.pi / 2, np.pi / 2, 1)  # radius 1, to the left
@@ -159,7 +159,7 @@ def test_driving_follows_the_arc():
     np.testing.assert_allclose(steps, drive(Pose(-2, 0, 0.3), 0.4, -0.2, 1), atol=1e-9)
 
 
-def test_a_path_goes_round_and_round(package):
+def test_a_path_repeats(package):
     path = load_path(package + '/config/drive.yaml')
     np.testing.assert_allclose(path.at(path.seconds - 1e-9)[0], path.start, atol=1e-6)
     np.testing.assert_allclose(path.at(3 * path.seconds + 1.5)[0], path.at(1.5)[0], atol=1e-9)

@@ -1,4 +1,4 @@
-"""Fitting tags to their edges: to a fraction of a pixel, and only to the very tag."""
+"""Fitting tags to their edges: to a fraction of a pixel, and only to the right tag."""
 import cv2
 import numpy as np
 import pytest
@@ -8,16 +8,16 @@ from aruco_ar.tags.tag import tag_cells
 
 CORNERS = np.float32([[101.3, 80.7], [222.9, 90.2], [215.4, 205.8], [96.1, 199.5]])
 CELLS = tag_cells('DICT_6X6_250', 7)[None]
-FINE = 8  # samples a pixel, in each direction
+FINE = 8  # samples per pixel, in each direction
 
 
 def paint(corners, shade=0.0, size=(320, 280)):
-    """A frame with tag 7 and its margin, each pixel the mean over its square.
+    """A frame with tag 7 and its margin. Each pixel is the mean over its square.
 
-    ``shade``: how much darker its right end is than its left.
+    ``shade``: how much darker the frame's right end is than its left.
     """
     tag = draw_tag('DICT_6X6_250', 7, 1600, quiet=1)
-    margin = (len(tag) - 1600) / 2 - 0.5  # a texel covers half of one to each side of its middle
+    margin = (len(tag) - 1600) / 2 - 0.5  # a texel covers half a texel on each side of its middle
     side = margin + 1600
     to_fine = cv2.getPerspectiveTransform(
         np.float32([[margin, margin], [side, margin], [side, side], [margin, side]]),
@@ -29,27 +29,27 @@ def paint(corners, shade=0.0, size=(320, 280)):
 
 @pytest.mark.parametrize('shade', [0.0, 0.6])
 @pytest.mark.parametrize('off', [(0, 0), (1.5, -2), (-6, 5)])
-def test_a_tag_is_fitted_to_a_twentieth_of_a_pixel(shade, off):
+def test_a_tag_is_fitted_to_a_fraction_of_a_pixel(shade, off):
     quads, found, likeness = fit_tags(paint(CORNERS, shade), [CORNERS + np.float32(off)], CELLS)
     assert found[0] and likeness[0] > 0.95
     np.testing.assert_allclose(quads[0], CORNERS, atol=0.1 if shade else 0.05)
 
 
-def test_a_tag_seen_from_the_side_is_as_exact():
-    # Three times as high as wide, so its cells, and the margin beside it, are three times as high as wide.
+def test_a_tag_seen_from_the_side_is_as_accurate():
+    # It is three times as high as wide, and so are its cells and the margin.
     narrow = np.float32([[101.3, 70.7], [141.9, 83.2], [139.4, 190.8], [98.1, 207.5]])
     quads, found, _ = fit_tags(paint(narrow), [narrow + np.float32((1, -1.5))], CELLS)
     assert found[0]
     np.testing.assert_allclose(quads[0], narrow, atol=0.08)
 
 
-def test_a_detected_tag_is_as_exact():
+def test_a_detected_tag_is_as_accurate():
     tag, = Detector().detect(paint(CORNERS))
     np.testing.assert_allclose(tag.corners, CORNERS, atol=0.05)
 
 
 @pytest.mark.parametrize('blur, most', [(0.8, 0.1), (3.0, 0.3)])
-def test_a_tag_without_a_rim_on_a_dark_ground_is_fitted_by_its_cells(blur, most):
+def test_a_tag_without_a_margin_on_a_dark_wall_is_fitted_by_its_cells(blur, most):
     """Nothing shows its outer edges. Its cells are 15 px wide."""
     mask = cv2.fillConvexPoly(np.zeros((280, 320), np.uint8), np.int32(np.round(CORNERS)), 255)
     frame = cv2.GaussianBlur(np.where(mask > 0, paint(CORNERS), 35).astype(np.uint8), (0, 0), blur)
@@ -58,26 +58,26 @@ def test_a_tag_without_a_rim_on_a_dark_ground_is_fitted_by_its_cells(blur, most)
     np.testing.assert_allclose(quads[0], CORNERS, atol=most)
 
 
-def test_what_is_no_number_is_fitted_nowhere():
+def test_corners_that_are_not_finite_are_not_fitted():
     quads, found, _ = fit_tags(paint(CORNERS), [CORNERS * np.nan, CORNERS * 1e30], CELLS[[0, 0]])
     assert not found.any() and np.isnan(quads[0]).all()
 
 
-def test_blur_moves_no_edge():
+def test_blur_does_not_shift_the_edges():
     frame = cv2.GaussianBlur(paint(CORNERS), (0, 0), 2.0)
     quads, found, _ = fit_tags(frame, [CORNERS], CELLS)
     assert found[0]
     np.testing.assert_allclose(quads[0], CORNERS, atol=0.15)
 
 
-def test_another_tag_is_not_taken_for_it():
+def test_another_tag_is_not_mistaken_for_it():
     _, _, likeness = fit_tags(paint(CORNERS), [CORNERS], tag_cells('DICT_6X6_250', 8)[None])
     assert likeness[0] < 0.5
     _, _, turned = fit_tags(paint(CORNERS), [np.roll(CORNERS, 1, axis=0)], CELLS)
     assert turned[0] < 0.5
 
 
-def test_a_tag_half_covered_is_not_found():
+def test_a_half_covered_tag_is_not_found():
     frame = paint(CORNERS)
     cv2.rectangle(frame, (90, 60), (230, 140), 128, -1)
     quads, found, _ = fit_tags(frame, [CORNERS], CELLS)
@@ -85,6 +85,6 @@ def test_a_tag_half_covered_is_not_found():
     np.testing.assert_array_equal(quads[0], CORNERS)
 
 
-def test_where_there_is_nothing_nothing_is_found(random):
+def test_nothing_is_found_without_a_tag(random):
     for frame in (np.full((280, 320), 127, np.uint8), random.randint(0, 256, (280, 320)).astype(np.uint8)):
         assert not fit_tags(frame, [CORNERS, CORNERS - 300], CELLS[[0, 0]])[1].any()

@@ -1,4 +1,4 @@
-"""artag_generator.py as one runs it: its files, its sheet, its errors."""
+"""artag_generator.py as a user runs it: its files, its sheet, and its errors."""
 import os
 import subprocess
 import sys
@@ -17,7 +17,7 @@ MM_PER_PX = 25.4 / DPI
 
 @pytest.fixture
 def generate(package, tmp_path):
-    """Runs the generator in an empty folder: (exit code, what it said)."""
+    """A function that runs the generator in an empty folder, and returns (exit code, output)."""
     def run(*arguments):
         done = subprocess.run([sys.executable, package + '/src/artag_generator.py', *arguments],
                               cwd=str(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -27,12 +27,12 @@ def generate(package, tmp_path):
 
 
 def read_pages(path):
-    """The pages of a PDF as gray pictures at DPI."""
+    """The pages of a PDF as gray pictures with a resolution of DPI."""
     return [np.array(page.render(scale=DPI / 72).to_pil().convert('L'))
             for page in pypdfium2.PdfDocument(path)]
 
 
-def test_the_four_tags_of_the_course_are_shipped(package):
+def test_the_four_tags_of_the_course_are_included(package):
     for tag_id in (1, 2, 3, 4):
         image = cv2.imread('%s/Tags/image_%d.jpg' % (package, tag_id), cv2.IMREAD_GRAYSCALE)
         assert image.shape == (700, 700)
@@ -41,19 +41,19 @@ def test_the_four_tags_of_the_course_are_shipped(package):
 
 
 @pytest.mark.parametrize('form', ['jpg', 'png'])
-def test_pictures_are_written_and_read_back(generate, tmp_path, form):
-    code, said = generate('--ids', '7,20-22', '--size', '300', '--quiet', '1', '--format', form,
-                          '--dictionary', 'DICT_5X5_100', '--output', 'mine')
-    assert code == 0 and 'image_7.' + form in said
+def test_written_pictures_are_detected(generate, tmp_path, form):
+    code, output = generate('--ids', '7,20-22', '--size', '300', '--quiet', '1', '--format', form,
+                            '--dictionary', 'DICT_5X5_100', '--output', 'mine')
+    assert code == 0 and 'image_7.' + form in output
     assert sorted(os.listdir(str(tmp_path / 'mine'))) == ['image_%d.%s' % (i, form)
                                                           for i in (20, 21, 22, 7)]
     for tag_id in (7, 20, 21, 22):
         image = cv2.imread(str(tmp_path / 'mine' / ('image_%d.%s' % (tag_id, form))))
-        assert image.shape == (386, 386, 3)  # 300 px are 7 cells; one more on each side
+        assert image.shape == (386, 386, 3)  # 300 px are 7 cells; there is one more on each side
         assert [tag.id for tag in Detector('DICT_5X5_100').detect(image)] == [tag_id]
 
 
-def test_svg_is_drawn_and_read_back(generate, tmp_path):
+def test_a_written_svg_is_detected(generate, tmp_path):
     assert generate('--ids', '17', '--format', 'svg', '--quiet', '2', '--output', '.')[0] == 0
     svg = ElementTree.parse(str(tmp_path / 'image_17.svg')).getroot()
     cells = int(svg.get('viewBox').split()[2])
@@ -68,7 +68,7 @@ def test_svg_is_drawn_and_read_back(generate, tmp_path):
 
 
 @pytest.mark.parametrize('page, width_mm, height_mm', [('A4', 210, 297), ('Letter', 215.9, 279.4)])
-def test_a_sheet_has_tags_of_the_exact_size(generate, tmp_path, page, width_mm, height_mm):
+def test_the_tags_on_a_sheet_have_the_exact_size(generate, tmp_path, page, width_mm, height_mm):
     assert generate('--sheet', 'tags.pdf', '--page', page, '--ids', '1-8', '--side', '75')[0] == 0
     pages = read_pages(str(tmp_path / 'tags.pdf'))
     assert len(pages) == 2
@@ -84,7 +84,7 @@ def test_a_sheet_has_tags_of_the_exact_size(generate, tmp_path, page, width_mm, 
     assert sorted(found) == list(range(1, 9))
 
 
-def test_the_ruler_is_as_long_as_it_says(tmp_path):
+def test_the_ruler_has_the_right_length(tmp_path):
     file = tmp_path / 'ruler.pdf'
     file.write_bytes(tag_sheet('DICT_6X6_250', [1], 50))
     foot = read_pages(str(file))[0][int(-16 / MM_PER_PX):int(-12.5 / MM_PER_PX)]
@@ -92,7 +92,7 @@ def test_the_ruler_is_as_long_as_it_says(tmp_path):
     assert abs((columns[-1] - columns[0]) * MM_PER_PX - 100) < 0.4
 
 
-def test_the_text_on_the_sheet(tmp_path):
+def test_the_sheet_names_the_tags(tmp_path):
     file = tmp_path / 'text.pdf'
     file.write_bytes(tag_sheet('DICT_4X4_50', [3], 62.5, page='Letter'))
     text = pypdfium2.PdfDocument(str(file))[0].get_textpage().get_text_range()
@@ -124,13 +124,13 @@ def test_the_text_on_the_sheet(tmp_path):
 def test_errors_are_sentences_and_leave_nothing_behind(generate, tmp_path, arguments, words):
     if '--output' not in arguments and '--sheet' not in arguments:
         arguments = arguments + ['--output', '.']
-    code, said = generate(*arguments)
-    assert code != 0 and words in said and 'Traceback' not in said
+    code, output = generate(*arguments)
+    assert code != 0 and words in output and 'Traceback' not in output
     assert os.listdir(str(tmp_path)) == []
 
 
 def test_a_write_that_fails_halfway_leaves_nothing(generate, tmp_path):
     (tmp_path / 'out' / 'image_2.jpg').mkdir(parents=True)
-    code, said = generate('--output', 'out')
-    assert code != 0 and 'image_2.jpg' in said
+    code, output = generate('--output', 'out')
+    assert code != 0 and 'image_2.jpg' in output
     assert all(not name.startswith('.') for name in os.listdir(str(tmp_path / 'out')))

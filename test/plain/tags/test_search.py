@@ -1,4 +1,4 @@
-"""The detector's searches: what each finds, what none takes for a tag, and the detector's limits."""
+"""The detector's searches: what each finds, what none mistakes for a tag, and the detector's limits."""
 import os
 from dataclasses import replace
 
@@ -25,28 +25,28 @@ from benchmark.simulated.search import (
 
 
 @pytest.mark.parametrize('name, least', list(zip(CROWDS, (12, 24))))
-def test_thorough_finds_a_crowd(name, least):
-    """All corners of nearly all tags, though others than AprilTag's may come first.
+def test_the_thorough_search_finds_a_crowd(name, least):
+    """It finds all corners of nearly all tags, though perhaps in another order than AprilTag.
 
-    The list has for each tag the corner first at which AprilTag's search for
-    edges began, and goes round as it went: that is no statement about the
-    tag's own top left, so the corners are compared in the order that fits best.
+    The truth lists the corners of each tag from where AprilTag's search for
+    edges began. So the first is not the tag's own top left, and the corners are
+    compared in the order that fits best.
     """
     if not os.path.isdir(PHOTOS):
-        pytest.skip('no folder %s with photos' % os.path.normpath(PHOTOS))
+        pytest.skip('the folder %s with photos is missing' % os.path.normpath(PHOTOS))
     photo, truth = crowd(name)
     tags = Detector(CROWDS_DICTIONARY, search='thorough').detect(photo)
     assert {tag.id for tag in tags} == {0}
     off = np.array([[apart(tag.corners, quad) for quad in truth] for tag in tags])
     assert np.sum(off.min(axis=0) < SAME_CORNER_PX) >= least
-    # None is found twice; some of those that AprilTag does not list are.
+    # No tag is found twice. Some that AprilTag does not list are found.
     centers = np.array([tag.center for tag in tags])
     between = np.linalg.norm(centers[:, None] - centers, axis=2)[~np.eye(len(tags), dtype=bool)]
     assert between.min() > 5 and len(tags) <= len(truth) + 6
 
 
 @pytest.mark.parametrize('width, slant', [(9, 0), (15, 60)])
-def test_thorough_finds_far_and_slanted_tags_that_normal_misses(width, slant):
+def test_the_thorough_search_finds_far_and_slanted_tags_that_the_normal_one_misses(width, slant):
     found = dict.fromkeys(SEARCHES, 0)
     for frame, ids in views(width, slant):
         for search in SEARCHES:
@@ -69,7 +69,7 @@ def test_near_tags_are_found_to_a_fraction_of_a_pixel(wall, search):
 
 
 @pytest.mark.parametrize('search', SEARCHES)
-def test_tags_with_one_id_are_all_found_and_none_twice(search):
+def test_all_tags_with_one_id_are_found_once(search):
     frame = np.full((300, 560), 220, np.uint8)
     for place in range(4):
         frame[40:100, 40 + 130 * place:100 + 130 * place] = draw_tag('DICT_6X6_250', 5, 60)
@@ -87,7 +87,7 @@ def test_a_frame_of_any_size_can_be_searched(search, size):
     assert Detector(search=search).detect(np.full(size, 255, np.uint8)) == []
 
 
-def write(random):
+def random_text(random):
     """A frame full of text, some of it on bars."""
     frame = np.full((480, 640), 220, np.uint8)
     for _ in range(60):
@@ -99,24 +99,24 @@ def write(random):
     return frame
 
 
-def scatter(random):
-    """A frame of noise whose grains are some pixels wide."""
+def random_noise(random):
+    """A frame of noise whose grains are a few pixels wide."""
     grain = random.randint(1, 7)
     noise = np.uint8(random.randint(0, 256, (480 // grain, 640 // grain)))
     how = random.choice([cv2.INTER_NEAREST, cv2.INTER_LINEAR])
     return cv2.resize(noise, (640, 480), interpolation=int(how))
 
 
-def checker(random):
-    """A frame with a turned checkerboard."""
+def random_checkerboard(random):
+    """A frame with a rotated checkerboard."""
     turn, side = random.uniform(-0.5, 0.5), random.uniform(4, 40)
     y, x = np.indices((480, 640))
     across, down = x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn)
     return cv2.GaussianBlur(np.uint8((across // side + down // side) % 2 * 200 + 30), (0, 0), 0.7)
 
 
-def others(random):
-    """A frame of tags of other dictionaries."""
+def other_tags(random):
+    """A frame with tags of other dictionaries."""
     frame = np.full((480, 640), 220, np.uint8)
     for y in range(10, 430, 60):
         for x in range(10, 590, 60):
@@ -126,9 +126,9 @@ def others(random):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize('paint', [write, scatter, checker, others])
+@pytest.mark.parametrize('paint', [random_text, random_noise, random_checkerboard, other_tags])
 @pytest.mark.parametrize('dictionary', ['DICT_6X6_250', 'DICT_APRILTAG_36h11'])
-def test_no_search_takes_anything_else_for_a_tag(random, paint, dictionary):
+def test_no_search_mistakes_anything_else_for_a_tag(random, paint, dictionary):
     for _ in range(4):
         frame = paint(random)
         for search in SEARCHES:
@@ -137,7 +137,7 @@ def test_no_search_takes_anything_else_for_a_tag(random, paint, dictionary):
 
 
 @pytest.mark.parametrize('search', SEARCHES)
-def test_tags_below_the_smallest_side_are_passed_over(search):
+def test_tags_below_the_smallest_side_are_ignored(search):
     frame = np.full((200, 400), 220, np.uint8)
     frame[60:120, 40:100] = draw_tag('DICT_6X6_250', 1, 60)
     frame[50:140, 200:290] = draw_tag('DICT_6X6_250', 2, 90)
@@ -146,8 +146,8 @@ def test_tags_below_the_smallest_side_are_passed_over(search):
         assert sorted(tag.id for tag in tags) == ids
 
 
-def spoil(count):
-    """A frame with tag 7 that has so many wrong cells."""
+def damaged_tag(count):
+    """A frame with tag 7, in which this many cells are wrong."""
     tag = draw_tag('DICT_6X6_250', 7, 120)
     for place in range(count):
         row, column = 15 * (2 + place % 4), 15 * (2 + place // 4)
@@ -155,8 +155,8 @@ def spoil(count):
     return cv2.copyMakeBorder(tag, 60, 60, 60, 60, cv2.BORDER_CONSTANT, value=255)
 
 
-def test_thorough_finds_what_normal_finds(monkeypatch):
-    """Whatever becomes of its own, finer reading."""
+def test_the_thorough_search_finds_what_the_normal_one_finds(monkeypatch):
+    """This does not depend on its own, finer reading."""
     tag = draw_tag('DICT_6X6_250', 7, 75, quiet=1)
     frame = cv2.GaussianBlur(cv2.copyMakeBorder(tag, 60, 60, 60, 60, cv2.BORDER_REPLICATE), (0, 0), 1)
     whole, = Detector(search='thorough').detect(frame)
@@ -166,8 +166,8 @@ def test_thorough_finds_what_normal_finds(monkeypatch):
         np.testing.assert_allclose(found.corners, whole.corners, atol=0.1)
 
 
-def test_thorough_and_a_close_search_find_small_tags_on_a_painting(package):
-    """Of 16 px with rims of 0.4 cells: what blur joins to the painting, sharpening parts again."""
+def test_small_tags_are_found_on_a_painting(package):
+    """Tags of 16 px with margins of 0.4 cells. Blur joins them to the painting; sharpening separates them."""
     painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
     frames = list(drive(Path(Pose(-6.5, 0.1, -0.01), ((3, 0.1, 0.01),)), 6, noise=2.0, blur=0.7,
                         wall=replace(WALL, quiet=0.4, posters=(painting,))))
@@ -178,19 +178,19 @@ def test_thorough_and_a_close_search_find_small_tags_on_a_painting(package):
 
 
 @pytest.mark.parametrize('search', SEARCHES)
-def test_wrong_cells_are_corrected_as_far_as_asked_for(search):
-    """Five can be in this dictionary."""
+def test_wrong_cells_are_corrected_as_far_as_requested(search):
+    """In this dictionary, up to five cells can be corrected."""
     for correction, corrected in (0, 0), (0.4, 2), (1, 5):
         detector = Detector(search=search, correction=correction, likeness=0)
-        assert [tag.id for tag in detector.detect(spoil(corrected))] == [7]
-        assert detector.detect(spoil(corrected + 1)) == []
+        assert [tag.id for tag in detector.detect(damaged_tag(corrected))] == [7]
+        assert detector.detect(damaged_tag(corrected + 1)) == []
 
 
 @pytest.mark.parametrize('search', SEARCHES)
-def test_what_is_less_like_a_tag_than_asked_for_is_none(search):
-    assert len(Detector(search=search).detect(spoil(1))) == 1
-    assert Detector(search=search, likeness=0.99).detect(spoil(1)) == []
-    assert len(Detector(search=search, likeness=0.99).detect(spoil(0))) == 1
+def test_a_tag_with_less_than_the_requested_likeness_is_ignored(search):
+    assert len(Detector(search=search).detect(damaged_tag(1))) == 1
+    assert Detector(search=search, likeness=0.99).detect(damaged_tag(1)) == []
+    assert len(Detector(search=search, likeness=0.99).detect(damaged_tag(0))) == 1
 
 
 @pytest.mark.parametrize('wrong, sentence', [
@@ -201,13 +201,13 @@ def test_what_is_less_like_a_tag_than_asked_for_is_none(search):
     ({'likeness': float('nan')}, 'likeness cannot be nan'),
     ({'min_side': -1}, '^The shortest side of tags cannot be -1; give pixels, 0 or more.$'),
 ])
-def test_what_cannot_be_searched_for_is_named(wrong, sentence):
+def test_wrong_arguments_are_explained(wrong, sentence):
     for kind in Detector, Tracker:
         with pytest.raises(InputError, match=sentence):
             kind(**wrong)
 
 
-def test_a_tracker_searches_as_it_is_told(frame):
+def test_a_tracker_uses_the_requested_search(frame):
     assert {tag.id for tag in Detector().detect(frame)} == {1, 2, 3, 4}
     for search in SEARCHES:
         assert Tracker(search=search).update(frame, 0.0) is not None

@@ -1,4 +1,4 @@
-"""Tags: drawing, reading back, their center."""
+"""Tags: drawing them, detecting them, and their centers."""
 import cv2
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from aruco_ar import DICTIONARIES, Detector, InputError, Tag, draw_tag, get_dict
 @pytest.mark.parametrize('dictionary', ['DICT_4X4_50', 'DICT_5X5_1000', 'DICT_6X6_250', 'DICT_7X7_100',
                                         'DICT_ARUCO_ORIGINAL', 'DICT_APRILTAG_36h11'])
 @pytest.mark.parametrize('size', [60, 100, 333, 700])
-def test_a_drawn_tag_is_read_back(dictionary, size):
+def test_a_drawn_tag_is_detected(dictionary, size):
     last = len(get_dictionary(dictionary).bytesList) - 1
     for tag_id in (0, 1, last // 2, last):
         image = draw_tag(dictionary, tag_id, size, quiet=2)
@@ -34,12 +34,12 @@ def test_every_dictionary_of_opencv_has_a_name():
     (('DICT_6X6_250', 1, 100, 0), 'border of 0 cells'),
     (('DICT_6X6_250', 1, 100, 1, -1), 'white margin of -1'),
 ])
-def test_what_cannot_be_drawn_is_refused(arguments, sentence):
+def test_an_impossible_tag_is_refused(arguments, sentence):
     with pytest.raises(InputError, match=sentence):
         draw_tag(*arguments)
 
 
-def test_the_center_is_that_of_the_real_tag_not_the_mean():
+def test_the_center_is_that_of_the_real_tag_not_the_mean_of_its_corners():
     square = np.float32([[-1, -1], [1, -1], [1, 1], [-1, 1]]).reshape(-1, 1, 2)
     view = np.array([[50, 5, 320], [3, 60, 240], [0.25, 0.05, 1.0]])
     seen = Tag(1, cv2.perspectiveTransform(square, view).reshape(4, 2))
@@ -47,17 +47,17 @@ def test_the_center_is_that_of_the_real_tag_not_the_mean():
     assert np.linalg.norm(seen.corners.mean(axis=0) - [320, 240]) > 2
 
 
-def test_the_center_of_what_is_no_quadrilateral_is_a_number():
+def test_the_center_of_a_degenerate_tag_is_finite():
     assert np.all(np.isfinite(Tag(1, np.float32([[0, 0], [1, 0], [2, 0], [3, 0]])).center))
 
 
-def test_only_the_ids_asked_for_are_found(frame):
+def test_only_the_requested_ids_are_found(frame):
     assert {tag.id for tag in Detector().detect(frame)} == {1, 2, 3, 4}
     assert {tag.id for tag in Detector(ids=[2, 4, 9]).detect(frame)} == {2, 4}
     gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     assert {tag.id for tag in Detector().detect(gray)} == {1, 2, 3, 4}
 
 
-def test_nothing_is_found_where_nothing_is():
+def test_nothing_is_found_in_an_empty_frame():
     assert Detector().detect(np.zeros((480, 640, 3), np.uint8)) == []
     assert Detector().detect(np.zeros((1, 1, 3), np.uint8)) == []

@@ -1,4 +1,4 @@
-"""Real clips, where they are shared beside the package: how the area sticks, against a truth of its own."""
+"""Real clips, if they are beside the package: how well the area sticks, compared with a truth made for them."""
 import os
 
 import numpy as np
@@ -11,9 +11,9 @@ from benchmark.real_clips.truth import truth_of
 @pytest.mark.clips
 @pytest.mark.parametrize('name, least, rms, wobble', [
     ('board.mp4', 161, 0.40, 0.12), ('dark.mp4', 400, 0.35, 0.25)])
-def test_it_sticks_and_is_never_wrong(name, least, rms, wobble):
+def test_the_area_sticks_and_is_never_wrong(name, least, rms, wobble):
     if not os.path.isdir(real.CLIPS):
-        pytest.skip('no folder %s with clips' % os.path.normpath(real.CLIPS))
+        pytest.skip('the folder %s with clips is missing' % os.path.normpath(real.CLIPS))
     clip, = (clip for clip in real.clips_of(real.CLIPS) if os.path.basename(clip.path) == name)
     frames, rate = clip.frames()
     truth, _ = truth_of(frames, clip.dictionary, clip.ids, clip.lens(frames[0].shape[1::-1]))

@@ -1,4 +1,4 @@
-"""The wall's texture shows where the area is when tags do not, and never where it is not."""
+"""The wall's texture locates the area while tags do not, and never in a wrong place."""
 from dataclasses import replace
 
 import cv2
@@ -7,7 +7,7 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.walls.wall import Poster
 from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
-from rig.following import assert_never_wrong, follow, later, rms
+from rig.accuracy.areas import assert_never_wrong, follow, later, rms
 
 ALL = WALL.area
 BLANK = replace(WALL, plaster=0)
@@ -17,7 +17,7 @@ PHONE = {'noise': 2.0, 'blur': 0.7, 'light': 0.3, 'hand': 1.0, 'quality': 70}
 
 @pytest.fixture
 def painting(package):
-    """A wall with narrow-rimmed tags on a painting."""
+    """A wall with a painting, and on it tags with narrow margins."""
     return replace(WALL, quiet=0.4, posters=(Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
 
 
@@ -26,7 +26,7 @@ def hidden(number, ids=ALL):
 
 
 @pytest.mark.long
-def test_with_all_tags_hidden_for_ten_seconds_it_stays_within_a_pixel(painting):
+def test_the_area_stays_within_a_pixel_while_all_tags_are_hidden_for_ten_seconds(painting):
     frames = list(drive(SLOW, LEARNED + 300, hidden, wall=painting, **PHONE))
     errors = follow(Tracker(), frames)
     assert not np.isnan(errors).any()
@@ -34,8 +34,8 @@ def test_with_all_tags_hidden_for_ten_seconds_it_stays_within_a_pixel(painting):
 
 
 @pytest.mark.long
-def test_it_stays_where_no_tag_can_be_read_for_blur(painting):
-    """A jerk of the camera smears two frames, in the middle of a drive."""
+def test_the_area_stays_while_blur_hides_all_tags(painting):
+    """Jerks of the camera smear two frames each, in the middle of a drive."""
     sharp = list(drive(LIVELY, 120, wall=painting, **PHONE))
     smeared = list(drive(LIVELY, 120, wall=painting, smear=15, **PHONE))
     frames = [smeared[number] if number in (80, 81, 100, 101) else frame for number, frame in enumerate(sharp)]
@@ -43,7 +43,7 @@ def test_it_stays_where_no_tag_can_be_read_for_blur(painting):
     assert rms(errors[[80, 81, 100, 101]]) < 1
 
 
-def test_it_knows_the_wall_again_after_a_jerk(painting):
+def test_the_wall_is_recognized_after_a_jerk(painting):
     frames, shift = list(drive(STILL, 90, hidden, wall=painting, **PHONE)), np.float32([[1, 0, 14], [0, 1, -9]])
     for number, frame in enumerate(frames[75:], 75):
         jerked = cv2.warpAffine(frame.image, shift, (640, 480), borderMode=cv2.BORDER_REPLICATE)
@@ -52,7 +52,7 @@ def test_it_knows_the_wall_again_after_a_jerk(painting):
 
 
 @pytest.mark.long
-def test_it_lets_go_when_no_tag_has_been_there_for_long(painting):
+def test_the_area_is_given_up_after_a_long_time_without_tags(painting):
     tracker, frames = Tracker(), list(drive(STILL, LEARNED + 30, hidden, wall=painting, noise=2.0))
     assert not np.isnan(follow(tracker, frames)).any()
     assert tracker.explanation == "The wall's texture shows it."
@@ -63,7 +63,7 @@ def test_it_lets_go_when_no_tag_has_been_there_for_long(painting):
     assert tracker.explanation == 'None of its tags has been in sight for 15 s.'
 
 
-def test_a_blank_wall_does_not_hold_it():
+def test_a_blank_wall_does_not_hold_the_area():
     frames = list(drive(STILL, LEARNED + 30, hidden, wall=BLANK, noise=3.0))
     errors = follow(Tracker(), frames)
     assert np.isnan(errors[LEARNED + 12:]).all()
@@ -71,8 +71,8 @@ def test_a_blank_wall_does_not_hold_it():
 
 @pytest.mark.long
 @pytest.mark.parametrize('left', [(), (2,), (1, 3)])
-def test_a_film_between_the_tags_never_pulls_it_away(package, left):
-    """It pans, all of it in the same way: while tags are in sight, that is no wall."""
+def test_a_film_between_the_tags_never_drags_the_area(package, left):
+    """The whole film pans in the same way. It is seen to move while tags are in sight, so it is not learned."""
     film = cv2.imread(package + '/images/earth.jpg')
     frames = list(drive(SLOW, LEARNED + 40, lambda number: hidden(number, [id for id in ALL if id not in left]),
                         wall=BLANK, **PHONE))
@@ -91,8 +91,8 @@ def test_a_film_between_the_tags_never_pulls_it_away(package, left):
 
 @pytest.mark.long
 @pytest.mark.parametrize('left', [(), (4,)])
-def test_who_walks_through_never_pulls_it_away(painting, package, left):
-    """A person in patterned clothes, first before the picture, then also where all but some tags are hidden."""
+def test_a_passer_by_never_drags_the_area(painting, package, left):
+    """Somebody in patterned clothes passes before the picture, later also while most or all tags are hidden."""
     coat = cv2.resize(cv2.imread(package + '/images/earth.jpg'), (180, 420))
     frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
                         wall=painting, **PHONE))
@@ -106,7 +106,7 @@ def test_who_walks_through_never_pulls_it_away(painting, package, left):
 
 @pytest.mark.long
 @pytest.mark.parametrize('left', [(), (1,)])
-def test_a_shadow_never_pulls_it_away(painting, left):
+def test_a_shadow_never_drags_the_area(painting, left):
     frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
                         wall=painting, **PHONE))
     for number, frame in enumerate(frames):
@@ -118,7 +118,7 @@ def test_a_shadow_never_pulls_it_away(painting, left):
 
 
 @pytest.mark.long
-def test_what_was_learned_holds_while_one_drives_past(painting):
+def test_the_texture_locates_the_area_while_driving_past(painting):
     frames = list(drive(FAST, 120, lambda number: ALL if number % 60 >= 40 else (), wall=painting, **PHONE))
     errors = follow(Tracker(), frames)
     assert not np.isnan(errors[30:]).any() and rms(errors[30:]) < 1

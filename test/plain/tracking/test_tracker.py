@@ -1,4 +1,4 @@
-"""The area over time, against the simulated camera's truth: it sticks, and is never wrong."""
+"""The area over time, compared with the simulated camera's truth: it sticks, and is never wrong."""
 from dataclasses import replace
 
 import cv2
@@ -8,20 +8,20 @@ from aruco_ar import InputError, Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import Poster
 from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
-from rig.following import USUAL, assert_never_wrong, follow, later, rms
+from rig.accuracy.areas import USUAL, assert_never_wrong, follow, later, rms
 
 
-def test_standing_still_it_does_not_tremble():
+def test_the_area_does_not_tremble_while_the_camera_stands_still():
     tracker, frames = Tracker(), list(drive(STILL, 40, noise=5.0))
     corners = np.array([tracker.update(frame.image, frame.stamp).corners for frame in frames])
     assert corners.std(axis=0).max() < 0.05
     assert rms(np.linalg.norm(corners - frames[0].corners, axis=2)) < 0.3
 
 
-def test_driving_past_it_stays_and_does_not_lag():
+def test_the_area_does_not_lag_behind_while_driving_past():
     frames = list(drive(FAST, 120, **USUAL))
     errors = follow(Tracker(), frames)
-    assert rms(errors) < 0.7  # NaN, were there no area in some frame
+    assert rms(errors) < 0.7  # NaN if any frame had no area
     assert rms(errors[-30:]) < 0.7
 
 
@@ -31,8 +31,8 @@ def test_a_sudden_start_is_followed_at_once():
     assert errors[28:].max() < 0.7
 
 
-def test_near_the_wall_a_lone_tag_brings_it_back_when_the_robot_stands_still():
-    # Up to the wall, away from it until one tag is left in the frame, and there it stops.
+def test_a_lone_tag_near_the_wall_locates_the_area_once_the_robot_stands_still():
+    # The robot drives up to the wall, turns until one tag is left in the frame, and stops.
     path = Path(Pose(-2.2, 0.05, 0), ((1.3, 0.6, 0), (2.1, 0, 0.3), (3, 0, 0)))
     frames = list(drive(path, 190, **USUAL))
     errors = follow(Tracker(), frames)
@@ -42,7 +42,7 @@ def test_near_the_wall_a_lone_tag_brings_it_back_when_the_robot_stands_still():
 
 @pytest.mark.parametrize('covered, px', [([3], 0.6), ([1, 2], 1.2), ([2, 4], 1.2), ([2, 3, 4], 5.0),
                                          ([1, 2, 3], 5.0)])
-def test_it_stays_while_tags_are_covered(covered, px):
+def test_the_area_stays_while_tags_are_covered(covered, px):
     frames = list(drive(SLOW, 75, lambda number: covered if number >= 15 else (), **USUAL))
     errors = follow(Tracker(), frames)
     assert rms(errors[15:]) < px
@@ -50,7 +50,7 @@ def test_it_stays_while_tags_are_covered(covered, px):
 
 
 @pytest.mark.long
-def test_it_is_there_though_every_tag_hides_now_and_then():
+def test_the_area_is_there_although_every_tag_is_hidden_now_and_then():
     frames = list(drive(LIVELY, 300, at_random(300, seed=4), **USUAL))
     errors = follow(Tracker(), frames)
     assert np.mean(~np.isnan(errors[:, 0])) >= 0.99
@@ -58,7 +58,7 @@ def test_it_is_there_though_every_tag_hides_now_and_then():
 
 
 @pytest.mark.parametrize('look', [{'smear': 9}, {'light': 0.75}, {'quality': 50}], ids=str)
-def test_blur_shade_and_compression_do_not_hide_it(look):
+def test_the_area_is_there_despite_blur_shade_and_compression(look):
     frames = list(drive(LIVELY, 60, noise=2.0, **look))
     errors = follow(Tracker(), frames)
     assert np.mean(~np.isnan(errors[:, 0])) >= 0.98
@@ -66,7 +66,7 @@ def test_blur_shade_and_compression_do_not_hide_it(look):
 
 
 @pytest.mark.parametrize('hold', [0.0, 0.3, 1.0])
-def test_without_any_tag_it_is_held_and_then_gone(hold):
+def test_the_area_is_held_without_tags_and_then_gone(hold):
     frames = list(drive(STILL, 50, lambda number: [1, 2, 3, 4] if number >= 10 else (), noise=2.0))
     errors = follow(Tracker(hold=hold), frames)
     last = frames[9].stamp
@@ -75,7 +75,7 @@ def test_without_any_tag_it_is_held_and_then_gone(hold):
     assert np.nanmax(errors) < 1.0
 
 
-def test_where_time_goes_back_all_is_forgotten():
+def test_everything_is_forgotten_if_the_time_goes_back():
     frames = list(drive(STILL, 20, lambda number: [1] if number >= 10 else ()))
     tracker = Tracker()
     assert not np.isnan(follow(tracker, frames)).any()
@@ -83,7 +83,7 @@ def test_where_time_goes_back_all_is_forgotten():
     assert tracker.update(frames[0].image, 0.2) is not None
 
 
-def test_where_the_frames_change_their_size_all_is_forgotten():
+def test_everything_is_forgotten_if_the_size_of_the_frames_changes():
     tracker = Tracker()
     frames = list(drive(STILL, 2))
     assert not np.isnan(follow(tracker, frames)).any()
@@ -91,7 +91,7 @@ def test_where_the_frames_change_their_size_all_is_forgotten():
     assert tracker.update(small.image, 0.2) is None
 
 
-def test_frames_that_all_have_the_same_stamp_are_no_trouble():
+def test_frames_with_the_same_stamp_are_accepted():
     frames = list(drive(SLOW, 60, lambda number: WALL.area if number >= 30 else (), **USUAL))
     errors = follow(Tracker(), [frame._replace(stamp=7.0) for frame in frames])
     assert errors[:30].max() < 0.7
@@ -101,19 +101,19 @@ def test_frames_that_all_have_the_same_stamp_are_no_trouble():
 @pytest.mark.parametrize('arguments, words', [
     ({'hold': -1}, 'held for -1'), ({'hold': 'long'}, 'held for long'),
     ({'upright': 'up'}, '"up".*tags, image')])
-def test_what_it_cannot_do_is_said_at_once(arguments, words):
+def test_wrong_arguments_are_explained(arguments, words):
     with pytest.raises(InputError, match=words):
         Tracker(**arguments)
 
 
-def test_gray_frames_will_do():
+def test_gray_frames_are_accepted():
     frames = [frame._replace(image=cv2.cvtColor(frame.image, cv2.COLOR_BGR2GRAY)) for frame in drive(SLOW, 10)]
     assert follow(Tracker(), frames).max() < 0.3
 
 
 @pytest.mark.parametrize('color', [WALL.color, (30, 40, 50)], ids=['light', 'dark'])
 @pytest.mark.parametrize('quiet', [0.5, 0.25])
-def test_rims_may_be_narrow_and_the_wall_beyond_of_any_shade(quiet, color):
+def test_margins_may_be_narrow_on_a_wall_of_any_shade(quiet, color):
     frames = list(drive(LIVELY, 60, wall=replace(WALL, quiet=quiet, color=color), **USUAL))
     tracker, found = Tracker(), 0
     errors = []
@@ -129,8 +129,8 @@ def test_rims_may_be_narrow_and_the_wall_beyond_of_any_shade(quiet, color):
     (0.4, {'quality': 25}, 0.3), (0.4, {'exposure': lambda number: 2.2, 'blur': 0.7}, 0.5),
     (0.4, {'exposure': lambda number: 2**(1.5 * np.sin(number / 10)), 'blur': 0.7}, 0.4),
     (0.4, {'hand': 2.0, 'shutter': 25.0, 'blur': 0.7}, 0.4)])
-def test_tags_as_people_hang_them(package, quiet, look, most):
-    """Narrow rims or none, a dark painting; soft, compressed, overexposed, in a hand, a rolling shutter."""
+def test_tags_are_tracked_under_poor_conditions(package, quiet, look, most):
+    """Narrow or no margins, a painting, blur, compression, overexposure, a moving hand, a rolling shutter."""
     painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
     look = dict(look)
     wall = replace(WALL, quiet=quiet, posters=look.pop('posters', (painting,)))
@@ -145,8 +145,8 @@ def test_tags_as_people_hang_them(package, quiet, look, most):
     (6.5, {'blur': 0.7, 'noise': 2.0}, 10, 50, 0.4),
     (4.7, {'blur': 1.0, 'noise': 3.0, 'quality': 40, 'hand': 2.0, 'shutter': 25.0,
            'exposure': lambda number: 2**(0.8 * np.sin(number / 10))}, 10, 40, 1.0)])
-def test_small_tags_are_soon_found_on_a_painting(package, away, look, quick, least, most):
-    """Of 16 px, and of 22 px with all that goes wrong at once."""
+def test_small_tags_on_a_painting_are_found_soon(package, away, look, quick, least, most):
+    """Tags of 16 px; and of 22 px under many poor conditions at once."""
     painting = Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0)
     path = Path(Pose(-away, 0.1, -0.01), ((3, 0.1, 0.01),))
     frames = list(drive(path, 60, wall=replace(WALL, quiet=0.4, posters=(painting,)), **look))
@@ -156,25 +156,25 @@ def test_small_tags_are_soon_found_on_a_painting(package, away, look, quick, lea
     assert_never_wrong(errors, frames)
 
 
-def test_tags_of_14_px_are_followed():
+def test_tags_of_14_px_are_tracked():
     frames = list(drive(Path(Pose(-7.4, 0.1, -0.01), ((3, 0.1, 0.01),)), 60, noise=2.0, blur=0.5))
     errors = follow(Tracker(), frames)
     assert not np.isnan(errors[10:]).any() and rms(errors[10:]) < 0.25
 
 
-def test_a_lone_small_tag_does_not_pretend_to_know_where_the_rest_is():
-    """Its corners are off in the same way in every frame: no number of frames makes up for that."""
+def test_a_lone_small_tag_does_not_locate_the_area():
+    """The bias of its corners is the same in every frame, so more frames do not help."""
     wall = replace(WALL, plaster=0, tags=tuple(replace(tag, side=0.07) for tag in WALL.tags))
     frames = list(drive(STILL, 90, lambda number: (1, 2, 3) if number >= 30 else (), wall=wall, noise=2.0))
     tracker = Tracker()
     follow(tracker, frames[:30])
     tracker.update(np.zeros_like(frames[0].image), 1.0)
-    shown = later(frames[30:], 5.0)  # after a pause, it has nothing else to go by
+    shown = later(frames[30:], 5.0)  # after a pause, nothing else is known
     assert tracker.update(shown[0].image, shown[0].stamp) is None
     assert np.isnan(follow(tracker, shown[1:])).all()
 
 
-def test_nothing_is_written_into_the_frame():
+def test_the_frame_is_not_changed():
     frame = next(drive(STILL, 1))
     before, tracker = frame.image.copy(), Tracker()
     for number in range(3):
@@ -183,7 +183,7 @@ def test_nothing_is_written_into_the_frame():
 
 
 @pytest.mark.parametrize('shape', [(480, 640, 3), (1, 1, 3), (2, 900), (64, 48, 3)])
-def test_frames_without_tags_are_no_trouble(random, shape):
+def test_frames_without_tags_are_accepted(random, shape):
     tracker = Tracker()
     for number in range(4):
         assert tracker.update(random.randint(0, 256, shape).astype(np.uint8), number / 30) is None

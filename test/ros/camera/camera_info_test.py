@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tag_poses with a camera_info or a wall that is missing, late or wrong, and with a lens that bends."""
+"""tag_poses with a camera_info or a wall that is missing, late or wrong, and with a distorting lens."""
 import tempfile
 
 import numpy as np
@@ -12,8 +12,8 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import image_from_frame
 from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from rig.nodes import NodeTest
-from rig.started import WAIT_S
+from rig.nodes.case import NodeTest
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -26,7 +26,7 @@ BENT = [-0.3, 0.1, 0.0, 0.0, 0.0]
 
 class CameraInfos(NodeTest):
     def start_poses(self, image, info, *arguments):
-        """tag_poses before a camera with these topics; it has listeners."""
+        """Start tag_poses before a camera with these topics, and subscribe to its results."""
         self.images, connections = self.camera(image)
         self.infos, others = self.camera(info, CameraInfo)
         self.node = self.start('tag_poses.py', 'camera/rgb/image_raw:=' + image, *arguments)
@@ -35,31 +35,31 @@ class CameraInfos(NodeTest):
         connections.wait(1)
         others.wait(1)
 
-    def count(self, frame, frame_id='eye'):
-        """Publish a frame; how many tags are found in it."""
+    def count_tags(self, frame, frame_id='eye'):
+        """Publish a frame; returns how many tags are found in it."""
         stamp = rospy.Time.now()
         self.images.publish(image_from_frame(frame, Header(stamp=stamp, frame_id=frame_id)))
         tags = self.seen['tags'].next()
         self.assertEqual(tags.header.stamp, stamp)
         return len(tags.tags)
 
-    def show_until_said(self, frame, words, frame_id='eye'):
-        """Publish frames, in which tags are found all the while, until the node has said these words."""
+    def show_until_logged(self, frame, words, frame_id='eye'):
+        """Publish frames until the node has logged these words; meanwhile it must find the tags."""
         until = rospy.Time.now() + rospy.Duration(WAIT_S)
         while not any(words in line for line in self.node.lines):
-            self.assertEqual(self.count(frame, frame_id), 4)
+            self.assertEqual(self.count_tags(frame, frame_id), 4)
             self.assertLess(rospy.Time.now(), until, words)
 
     def show_until_posed(self, frame, info):
-        """Publish a camera_info and frames until poses come; what they say."""
+        """Publish a camera_info, and frames until poses arrive; returns the poses."""
         self.infos.publish(info)
         for _ in range(100):
-            self.assertEqual(self.count(frame), 4)
+            self.assertEqual(self.count_tags(frame), 4)
             if not self.seen['poses'].empty():
                 return self.seen['poses'].next().tags
-        raise AssertionError('no poses in 100 frames')
+        raise AssertionError('no poses after 100 frames')
 
-    def assert_right(self, tags):
+    def assert_poses_are_right(self, tags):
         rotation, translation = VIEW
         self.assertEqual(sorted(tag.id for tag in tags), [1, 2, 3, 4])
         for tag in tags:
@@ -68,43 +68,43 @@ class CameraInfos(NodeTest):
             found = tag.pose.pose.position
             self.assertLess(np.linalg.norm(np.array([found.x, found.y, found.z]) - true), 0.015)
 
-    def test_without_a_good_camera_info_the_tags_are_found_and_the_poses_wait(self):
+    def test_without_a_good_camera_info_tags_are_found_but_have_no_poses(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
         frame, camera = WallRenderer(WALL, Camera()).render(*VIEW), Camera()
-        self.assertEqual(self.count(frame), 4)
-        self.show_until_said(frame, 'nothing arrives on it')
+        self.assertEqual(self.count_tags(frame), 4)
+        self.show_until_logged(frame, 'nothing arrives on it')
         for wrong, words in ((CameraInfo(), 'for what size of frames'),
                              (CameraInfo(width=640, height=480), 'K is not a camera matrix'),
                              (camera_info(Camera(width=1280, height=960), None), 'for frames of 1280 x 960')):
             for _ in range(3):
                 self.infos.publish(wrong)
-                self.show_until_said(frame, words)
+                self.show_until_logged(frame, words)
         self.assertTrue(self.seen['poses'].empty())
-        self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
+        self.assert_poses_are_right(self.show_until_posed(frame, camera_info(camera, None)))
         for words in 'nothing arrives on it', 'for what size', 'K is not a camera matrix', '1280 x 960':
-            told = [line for line in self.node.lines if words in line]
-            self.assertEqual(len(told), 1, told)
-            self.assertIn('/eye/camera_info', told[0])
-            self.assertIn('WARN', told[0])
+            warnings = [line for line in self.node.lines if words in line]
+            self.assertEqual(len(warnings), 1, warnings)
+            self.assertIn('/eye/camera_info', warnings[0])
+            self.assertIn('WARN', warnings[0])
 
-    def test_a_lens_that_bends_is_honored(self):
+    def test_the_distortion_of_the_lens_is_corrected(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
         camera = Camera(distortion=BENT)
         frame = WallRenderer(WALL, camera).render(*VIEW)
-        self.assert_right(self.show_until_posed(frame, camera_info(camera, None)))
+        self.assert_poses_are_right(self.show_until_posed(frame, camera_info(camera, None)))
 
-    def test_a_rectified_topic_is_taken_as_such(self):
+    def test_the_frames_of_a_rectified_topic_are_not_corrected_again(self):
         self.start_poses('/eye/image_rect_color', '/eye/camera_info')
-        # The calibration says how the lens bends; the frames have been corrected.
+        # The camera_info has the distortion, but the frames have been corrected.
         info = camera_info(Camera(distortion=BENT), None)
-        self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW), info))
+        self.assert_poses_are_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW), info))
 
-    def test_a_resized_frame_and_a_topic_elsewhere(self):
+    def test_poses_of_a_resized_frame_with_another_camera_info_topic_are_right(self):
         self.start_poses('/eye/image_raw', '/else/where', '_scale:=0.5', '_camera_info:=/else/where')
-        self.assert_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
+        self.assert_poses_are_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
                                                 camera_info(Camera(), None)))
 
-    def test_a_wall_that_does_not_fit_is_told(self):
+    def test_a_wrong_wall_file_is_reported(self):
         frame, info = WallRenderer(WALL, Camera()).render(*VIEW), camera_info(Camera(), None)
         with open(package_folder() + '/config/wall.yaml') as file:
             fitting = file.read()
@@ -115,30 +115,30 @@ class CameraInfos(NodeTest):
                 file.flush()
                 self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
                 self.show_until_posed(frame, info)
-                self.show_until_said(frame, words % file.name)
+                self.show_until_logged(frame, words % file.name)
             self.tearDown()
             self.setUp()
 
-    def test_one_tag_in_a_file_is_enough_to_know_where_the_camera_is(self):
+    def test_one_tag_of_a_wall_file_is_enough_to_locate_the_camera(self):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
             file.write('tags: [{id: 4, x: -0.45, y: 0.25, side: 0.18}]')
             file.flush()
             self.start_poses('/eye/image_raw', '/eye/camera_info', '_wall:=' + file.name)
             self.assert_camera('wall', -VIEW[0].T @ VIEW[1])
 
-    def test_a_wall_that_is_learned_has_another_frame(self):
+    def test_a_learned_wall_has_its_own_frame(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
-        first = WALL.tags[0]  # with the lowest id
+        first = WALL.tags[0]  # that with the lowest id
         self.assert_camera('learned_wall', -VIEW[0].T @ VIEW[1] - [first.x, first.y, 0])
 
     def assert_camera(self, frame_id, place):
-        """The camera is there in that frame."""
+        """Assert that the camera is at that place in that frame."""
         self.seen['camera'] = self.listen('/tag_poses/camera_pose', PoseWithCovarianceStamped)
         frame = WallRenderer(WALL, Camera()).render(*VIEW)
         self.show_until_posed(frame, camera_info(Camera(), None))
         until = rospy.Time.now() + rospy.Duration(WAIT_S)
         while self.seen['camera'].empty():
-            self.count(frame)
+            self.count_tags(frame)
             self.assertLess(rospy.Time.now(), until)
         message = self.seen['camera'].next()
         self.assertEqual(message.header.frame_id, frame_id)
@@ -149,10 +149,10 @@ class CameraInfos(NodeTest):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
         frames = self.listen('/tf', TFMessage)
         frame = WallRenderer(WALL, Camera()).render(*VIEW)
-        self.assert_right(self.show_until_posed(frame, camera_info(Camera(), None)))
+        self.assert_poses_are_right(self.show_until_posed(frame, camera_info(Camera(), None)))
         while not frames.empty():
             frames.next()
-        self.show_until_said(frame, 'frames of the camera have no frame_id', frame_id='')
+        self.show_until_logged(frame, 'frames of the camera have no frame_id', frame_id='')
         self.assertFalse([each for message in list(frames.queue) for each in message.transforms
                           if not each.header.frame_id])
 

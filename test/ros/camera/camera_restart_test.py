@@ -1,30 +1,30 @@
 #!/usr/bin/env python3
-"""The camera is killed and started anew: frames are answered again, and the area is there."""
+"""The camera is killed and started again: the node answers its frames, and finds the area."""
 import os
 import signal
 
 import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image
-from rig.nodes import CAMERA, NodeTest
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, NodeTest
+from rig.processes.started import WAIT_S
 
 ARRIVES, SILENT = 'Frames arrive on ' + CAMERA, 'has a publisher, but nothing arrives. Is the camera running?'
 
 
 class CameraRestart(NodeTest):
     def kill(self):
-        """Kill the camera the hard way: the ROS master does not hear of it."""
+        """Kill the camera in a way that the ROS master does not notice."""
         os.kill(self.eye.process.pid, signal.SIGKILL)
         self.eye.ends()
 
-    def look_on(self, *arguments):
-        """Start the camera; wait for an area in what it sees."""
+    def start_camera(self, *arguments):
+        """Start the camera, and wait for an area in its frames."""
         self.eye = self.start('wall_camera.py', '_rate:=10', *arguments)
-        self.see_area()
+        self.wait_for_area()
 
-    def see_area(self):
-        """Wait for an area in a frame from now on."""
+    def wait_for_area(self):
+        """Wait for an area in a frame that is taken from now on."""
         began = rospy.Time.now()
         mask = self.masks.next()
         while mask.header.stamp < began or not frame_from_image(mask).any():
@@ -34,19 +34,19 @@ class CameraRestart(NodeTest):
     def test_frames_and_area_come_back_and_the_log_says_so_once(self):
         node = self.start('exercise5_5.py')
         self.masks = self.listen('/exercise5_5/mask')
-        self.look_on()
-        said = len(node.lines)
+        self.start_camera()
+        line_count = len(node.lines)
         self.kill()
-        self.look_on()  # before anybody has missed it
-        self.assertEqual(node.lines[said:], [])
+        self.start_camera()  # before anybody has noticed
+        self.assertEqual(node.lines[line_count:], [])
         self.kill()
         node.wait_for(SILENT)
-        self.look_on('__name:=another_camera')  # beside which the dead one is still registered
+        self.start_camera('__name:=another_camera')  # the dead camera is still registered beside it
         node.wait_for(ARRIVES)
         self.masks.subscriber.unregister()
         self.masks = self.listen('/exercise5_5/mask')
-        self.see_area()
-        self.assertEqual(len(node.lines), said + 2, node.lines)
+        self.wait_for_area()
+        self.assertEqual(len(node.lines), line_count + 2, node.lines)
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A real photo goes through the launch file of exercise 5.2."""
+"""The launch file of exercise 5.2 with a real photo."""
 import glob
 import unittest
 
@@ -9,8 +9,8 @@ import rospy
 import rostest
 from aruco_ar import Detector, mark_tags
 from aruco_node.messages.images import frame_from_image
-from rig.skipping import skip
-from rig.started import Started
+from rig.processes.skip import skip
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 
 DOCS = '/usr/share/doc/opencv-doc'
@@ -18,11 +18,11 @@ DOCS = '/usr/share/doc/opencv-doc'
 
 class Photo(unittest.TestCase):
     def test_the_six_tags_are_outlined_and_numbered(self):
-        # Where the package opencv-doc has it; of which format, depends on its version.
+        # The package opencv-doc has it as JPEG or PNG, depending on its version.
         paths = [path for kind in ('jpg', 'png')
                  for path in glob.glob('%s/**/singlemarkersoriginal.%s' % (DOCS, kind), recursive=True)]
         if not paths:
-            skip(self.id(), 'no photo singlemarkersoriginal; it comes with the package opencv-doc')
+            skip(self.id(), 'the photo singlemarkersoriginal is missing; it is in the package opencv-doc')
         camera = Started('rosrun', 'image_publisher', 'image_publisher', paths[0], '__name:=photo')
         self.addCleanup(camera.stop)
         photo = cv2.imread(paths[0])
@@ -30,7 +30,7 @@ class Photo(unittest.TestCase):
         self.assertEqual(sorted(tag.id for tag in tags), [23, 40, 62, 98, 124, 203])
         result = frame_from_image(rospy.wait_for_message('/exercise5_2/image', Image, 50))
         np.testing.assert_array_equal(result, mark_tags(photo, tags))
-        for tag in tags:  # outlined on the photo itself, and numbered in the middle
+        for tag in tags:  # they are outlined on the photo itself, and numbered in the middle
             self.assertTrue(np.any(np.all(result == (0, 255, 0), axis=2)[box(tag.corners)]))
             self.assertTrue(np.any(np.all(result == (0, 255, 255), axis=2)[box(tag.corners)]))
 

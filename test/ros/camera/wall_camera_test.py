@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The simulated camera: what it publishes fits together, and it drives."""
+"""The simulated camera: its messages agree with each other, and the robot drives."""
 import threading
 import unittest
 
@@ -20,8 +20,8 @@ TIMEOUT_S = 20
 
 
 class WallCamera(unittest.TestCase):
-    def moment(self):
-        """(image, info, tags, area) of one stamp."""
+    def wait_for_moment(self):
+        """Wait for (image, camera_info, tags, area) with the same stamp."""
         arrived = threading.Event()
         found = []
 
@@ -32,13 +32,13 @@ class WallCamera(unittest.TestCase):
             ('/camera/rgb/image_raw', Image), ('/camera/rgb/camera_info', CameraInfo),
             ('/wall_camera/tags', TagArray), ('/wall_camera/area', PolygonStamped))]
         message_filters.TimeSynchronizer(subscribers, 20).registerCallback(on_messages)
-        self.assertTrue(arrived.wait(TIMEOUT_S), 'no frame with its truth')
+        self.assertTrue(arrived.wait(TIMEOUT_S), 'no frame arrived with its truth')
         for subscriber in subscribers:
             subscriber.unregister()
         return found
 
     def test_the_frame_the_truth_and_the_camera_info_agree(self):
-        image, info, truth, area = self.moment()
+        image, info, truth, area = self.wait_for_moment()
         self.assertEqual((image.width, image.height, image.encoding), (640, 480, 'rgb8'))
         self.assertEqual(image.header.frame_id, 'camera_rgb_optical_frame')
         self.assertAlmostEqual(2 * np.arctan(info.width / 2 / info.K[0]), 1.047, places=6)
@@ -50,7 +50,7 @@ class WallCamera(unittest.TestCase):
         np.testing.assert_allclose(find_area(tags).corners, [(p.x, p.y) for p in area.polygon.points],
                                    atol=1.0)
 
-        # The transforms and the camera's matrix put the wall where the truth says.
+        # The transforms and the camera's matrix project tag 1 to where the truth says.
         buffer = tf2_ros.Buffer()
         tf2_ros.TransformListener(buffer)
         found = buffer.lookup_transform('camera_rgb_optical_frame', 'wall', rospy.Time(0),
@@ -65,21 +65,21 @@ class WallCamera(unittest.TestCase):
         corner = area.polygon.points[0]
         np.testing.assert_allclose(pixel[:2] / pixel[2], [corner.x, corner.y], atol=0.01)
 
-    def test_the_truth_is_that_of_a_hand_and_a_rolling_shutter(self):
+    def test_the_truth_includes_a_shaking_hand_and_a_rolling_shutter(self):
         client = Client('/wall_camera', timeout=TIMEOUT_S)
         self.addCleanup(client.close)
         usual = {'hand': 0.0, 'shutter': 0.0, 'jpeg': 0.0, 'exposure': 1.0}
         self.addCleanup(client.update_configuration, usual)
-        steady = [(p.x, p.y) for p in self.moment()[3].polygon.points]
+        steady = [(p.x, p.y) for p in self.wait_for_moment()[3].polygon.points]
         client.update_configuration({'hand': 3.0, 'shutter': 30.0, 'jpeg': 80.0, 'exposure': 0.7})
         corners = None
         while corners is None or np.abs(corners - steady).max() < 2:
-            image, _, _, area = self.moment()
+            image, _, _, area = self.wait_for_moment()
             corners = np.array([(p.x, p.y) for p in area.polygon.points])
             found = find_area(Detector().detect(frame_from_image(image)))
             np.testing.assert_allclose(found.corners, corners, atol=1.0)
 
-    def test_noise_and_light_change_while_it_runs_and_what_is_no_number_is_refused(self):
+    def test_noise_and_light_can_be_changed_and_nan_is_refused(self):
         client = Client('/wall_camera', timeout=TIMEOUT_S)
         self.addCleanup(client.close)
 
@@ -114,8 +114,8 @@ class WallCamera(unittest.TestCase):
             publisher.publish(command)
             if moved.wait(0.1):
                 break
-        self.assertTrue(moved.is_set(), 'it does not move')
-        self.assertTrue(stopped.wait(TIMEOUT_S), 'it does not stop when no command comes')
+        self.assertTrue(moved.is_set(), 'the robot does not move')
+        self.assertTrue(stopped.wait(TIMEOUT_S), 'the robot does not stop without commands')
         odometry.unregister()
 
 

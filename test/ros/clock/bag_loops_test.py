@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A bag that is played over and over, by its own clock and without: each round is answered like the first."""
+"""A bag that is played in a loop, with its own clock and without: each round is processed like the first."""
 import os
 import tempfile
 import threading
@@ -10,19 +10,19 @@ import rostest
 from aruco_ar.base.files import package_folder
 from aruco_node.messages.images import frame_from_image
 from PIL import Image as PillowImage
-from rig.listening import Diagnoses
-from rig.nodes import NodeTest
-from rig.started import WAIT_S, Started
+from rig.nodes.case import NodeTest
+from rig.nodes.topics import Diagnostics
+from rig.processes.started import WAIT_S, Started
 from sensor_msgs.msg import Image
 from unit5.msg import TagPoseArray
 
-COLORS = {'blue': (255, 0, 0), 'red': (0, 0, 255)}  # of the clip, BGR
+COLORS = {'blue': (255, 0, 0), 'red': (0, 0, 255)}  # the colors of the clip, BGR
 MIN_PX = 2000
 ALL = {'blue', 'red', 'poses'}
 
 
 class Rounds:
-    """What comes in each round of the bag: which colors are painted, and whether there are poses."""
+    """What each round of the bag gives: which colors are painted, and whether there are poses."""
 
     def __init__(self):
         self._found, self._changed = {}, threading.Condition()
@@ -35,7 +35,7 @@ class Rounds:
     def _take(self, message, look):
         with self._changed:
             number, last = self._starts.get(look, (0, message.header.stamp))
-            number += (last - message.header.stamp).to_sec() > 4  # half of the bag
+            number += (last - message.header.stamp).to_sec() > 4  # half of the bag's length
             self._starts[look] = number, message.header.stamp
             self._found.setdefault(number, set()).update(look(message))
             self._changed.notify_all()
@@ -48,10 +48,10 @@ class Rounds:
         return ['poses'] * any(tag.pose.pose.position.z > 0 for tag in message.tags)
 
     def wait(self, number):
-        """Wait until all there is has come in that round."""
+        """Wait until that round has given everything."""
         with self._changed:
             if not self._changed.wait_for(lambda: self._found.get(number) == ALL, 2 * WAIT_S):
-                raise AssertionError('in round %d of %s' % (number, self._found))
+                raise AssertionError('round %d is incomplete: %s' % (number, self._found))
 
     def unregister(self):
         for subscriber in self._subscribers:
@@ -70,24 +70,24 @@ class BagLoops(NodeTest):
     def play(self, simulated):
         rospy.set_param('/use_sim_time', simulated)
         self.addCleanup(rospy.delete_param, '/use_sim_time')
-        diagnoses, rounds = Diagnoses(), Rounds()
-        self.running += [diagnoses.subscriber, rounds]
+        diagnostics, rounds = Diagnostics(), Rounds()
+        self.running += [diagnostics.subscriber, rounds]
         nodes = [self.start('exercise5_6.py', '_transport:=compressed', '_picture:=' + self.clip),
                  self.start('tag_poses.py', '_transport:=compressed')]
         bag = os.path.join(package_folder(), 'test/bags/drive_compressed.bag')
         self.running.append(Started('rosbag', 'play', '--quiet', '--loop', '--rate', '3', bag,
                                     *['--clock'] * simulated))
-        for number in 1, 2:  # after the first jump back in time, and the second
+        for number in 1, 2:  # after the first jump back in time, and after the second
             rounds.wait(number)
             for node in 'exercise5_6', 'tag_poses':
-                diagnoses.wait_for_frames(node)
+                diagnostics.wait_for_frames(node)
         for node in nodes:
             self.assertFalse([line for line in node.lines if 'ERROR' in line or 'Traceback' in line])
 
-    def test_by_the_clock_of_the_bag(self):
+    def test_with_the_clock_of_the_bag(self):
         self.play(True)
 
-    def test_by_the_clock_on_the_wall(self):
+    def test_with_the_clock_of_the_machine(self):
         self.play(False)
 
 

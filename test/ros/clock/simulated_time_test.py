@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Nodes by a simulated clock that runs, stands still, or jumps back as where a bag is played over and over."""
+"""Nodes with a simulated clock that runs, stands still, or jumps back as in a bag that is played in a loop."""
 import threading
 
 import numpy as np
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
-from rig.listening import Diagnoses, until
-from rig.nodes import NODES, NodeTest, scene
-from rig.started import stop_all
+from rig.nodes.case import NODES, NodeTest, scene
+from rig.nodes.topics import Diagnostics, until
+from rig.processes.started import stop_all
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 from tf2_msgs.msg import TFMessage
@@ -17,8 +17,8 @@ from unit5.msg import TagPoseArray
 TICK_S = 0.05
 
 
-class Ticking:
-    """The clock: stands where it is set, or runs on from there."""
+class SimulatedClock:
+    """A clock that stands still at a time, or runs from there."""
 
     def __init__(self):
         self._publisher = rospy.Publisher('/clock', Clock, queue_size=1, latch=True)
@@ -52,45 +52,45 @@ class Ticking:
 class SimulatedTime(NodeTest):
     def setUp(self):
         super().setUp()
-        self.clock, self.diagnoses = Ticking(), Diagnoses()
-        self.running += [self.clock, self.diagnoses.subscriber]
+        self.clock, self.diagnostics = SimulatedClock(), Diagnostics()
+        self.running += [self.clock, self.diagnostics.subscriber]
 
-    def test_a_clock_that_stands_still_stops_no_diagnostics_and_keeps_no_node_from_ending(self):
-        nodes = self.start_all().values()  # before there is any time
+    def test_a_clock_that_stands_still_stops_no_diagnostics_and_nodes_can_end(self):
+        nodes = self.start_all().values()  # before the clock has a time
         for seconds in None, 1000:
             if seconds:
                 self.clock.set(seconds)
             for _ in range(2):
                 for node in NODES:
-                    self.diagnoses.wait(node)
+                    self.diagnostics.wait(node)
         stop_all(nodes)
         self.assertEqual([node.ends() for node in nodes], [0] * len(NODES))
 
-    def test_frames_are_answered_before_there_is_any_time(self):
-        self.before_camera('exercise5_6')
+    def test_frames_are_answered_before_the_clock_has_a_time(self):
+        self.start_before_camera('exercise5_6')
         for stamp in rospy.Time(0), rospy.Time(1000), rospy.Time(1000.1), rospy.Time(0):
-            self.assert_painted(self.see(scene(), stamp=stamp), scene())
-        values = self.diagnoses.wait_for_frames('exercise5_6')
+            self.assert_painted(self.answer_to(scene(), stamp=stamp), scene())
+        values = self.diagnostics.wait_for_frames('exercise5_6')
         self.assertEqual(values['latency, median (ms)'], 'unknown')
 
     def test_frames_are_answered_with_their_simulated_stamps(self):
         self.clock.set(1000)
         until(lambda: rospy.Time.now() == rospy.Time(1000))
-        self.before_camera('exercise5_6')
+        self.start_before_camera('exercise5_6')
         for seconds in 999.9, 999.95:
-            self.assert_painted(self.see(scene(), stamp=rospy.Time(seconds)), scene())
-        values = self.diagnoses.wait('exercise5_6')
+            self.assert_painted(self.answer_to(scene(), stamp=rospy.Time(seconds)), scene())
+        values = self.diagnostics.wait('exercise5_6')
         self.assertAlmostEqual(float(values['latency, 99 % (ms)']), 100, delta=1)
 
     def test_poses_and_transforms_have_the_stamps_of_their_frames(self):
         self.clock.set(1000)
-        self.calibrate()
-        self.before_camera('tag_poses', poses=TagPoseArray)
+        self.publish_camera_info()
+        self.start_before_camera('tag_poses', poses=TagPoseArray)
         transforms = self.listen('/tf', TFMessage)
         until(transforms.subscriber.get_num_connections)
-        for seconds in 1000.5, 1000.6, 500.0:  # back in time: the bag begins again
+        for seconds in 1000.5, 1000.6, 500.0:  # back in time, as when the bag starts again
             stamp = rospy.Time(seconds)
-            poses, = self.see(scene(), 'poses', stamp=stamp)
+            poses, = self.answer_to(scene(), 'poses', stamp=stamp)
             self.assertEqual(sorted(tag.id for tag in poses.tags), [1, 2, 3, 4])
             message = transforms.next()
             while message.transforms[0].header.stamp != stamp:
@@ -100,21 +100,21 @@ class SimulatedTime(NodeTest):
             self.assertEqual({each.child_frame_id for each in message.transforms},
                              {'tag_%d' % number for number in (1, 2, 3, 4)})
 
-    def test_time_that_jumps_back_stops_neither_nodes_nor_diagnostics(self):
-        self.before_camera('exercise5_6')
+    def test_a_jump_back_in_time_stops_neither_nodes_nor_diagnostics(self):
+        self.start_before_camera('exercise5_6')
         for _ in range(2):  # rounds of the bag
             for seconds, ids, is_painted in ((2000, [1, 3], False), (2000.1, [1, 2, 3, 4], True),
                                              (2000.2, [1, 3], True), (2000.2, [2, 4], True)):
                 self.clock.set(seconds)
                 frame = scene(ids)
-                image = self.see(frame, stamp=rospy.Time(seconds))
+                image = self.answer_to(frame, stamp=rospy.Time(seconds))
                 if is_painted:
                     self.assert_painted(image, frame)
                 else:
                     np.testing.assert_array_equal(image, frame)
-            self.diagnoses.wait_for_frames('exercise5_6')
+            self.diagnostics.wait_for_frames('exercise5_6')
 
-    def test_the_simulated_camera_goes_on_where_the_clock_jumps_or_waits(self):
+    def test_the_simulated_camera_continues_if_the_clock_jumps_or_waits(self):
         self.clock.run(1000)
         self.start('wall_camera.py', '_rate:=10')
         frames = self.listen('/camera/rgb/image_raw', Image)
@@ -125,7 +125,7 @@ class SimulatedTime(NodeTest):
             self.clock.run(seconds)
             until(lambda: is_after(seconds))
         self.clock.stop()
-        self.diagnoses.wait('wall_camera', 'Slow: 0.0 frames a second', level=DiagnosticStatus.WARN)
+        self.diagnostics.wait('wall_camera', 'Slow: 0.0 frames a second', level=DiagnosticStatus.WARN)
         self.clock.run(501)
         until(lambda: is_after(500))
 

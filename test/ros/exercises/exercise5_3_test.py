@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Exercise 5.3: the centers are marked, and the polygon through them as they come is filled."""
+"""Exercise 5.3: the centers are marked, and the polygon through them in the order of detection is filled."""
 import cv2
 import numpy as np
 from aruco_ar.painting.marks import PURPLE
-from rig.replay import ReplayTest, main
+from rig.nodes.replay import ReplayTest, main
 
 
 class Exercise53(ReplayTest):
@@ -25,12 +25,12 @@ class Exercise53(ReplayTest):
                                          np.int32(np.round(corners)), 255)
             outside = cv2.dilate(outside, np.ones((5, 5))) == 0
             self.assertFalse(np.any(purple & outside))
-            # The crossed figure leaves two of the four triangles at the middle empty.
+            # The crossed polygon leaves two of the four triangles at the middle empty.
             self.assertGreater(purple.sum(), 0.3 * whole)
             crossed += purple.sum() < 0.7 * whole
         self.assertGreater(crossed, len(self.with_area) // 2)
 
-    def test_fewer_tags_are_shown_too(self):
+    def test_fewer_tags_are_marked_too(self):
         few = [moment for moment in self.moments if 0 < len(moment.tags) < 3 and moment.cut]
         self.assertTrue(few)
         for moment in few:
@@ -39,12 +39,12 @@ class Exercise53(ReplayTest):
 
 
 def dot_center(image, near):
-    """The middle of the yellow dot near a place."""
+    """The middle of the yellow dot near a point."""
     left, top = np.int32(near) - 8
     part = image[top:top + 17, left:left + 17].astype(int)
     yellow = np.clip(np.minimum(part[..., 1], part[..., 2]) - part[..., 0] - 100, 0, None)
     yellow = np.where((part[..., 0] < 80), yellow, 0)
-    assert yellow.sum() > 0, 'no dot near %s' % near
+    assert yellow.sum() > 0, 'there is no dot near %s' % near
     y, x = np.mgrid[0:17, 0:17]
     return np.array([left + (x * yellow).sum() / yellow.sum(), top + (y * yellow).sum() / yellow.sum()])
 

@@ -2,7 +2,7 @@
 """Exercise 5.4: the polygon through the ordered centers is a proper quadrilateral."""
 import numpy as np
 from aruco_ar.painting.marks import PURPLE
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
 
 class Exercise54(ReplayTest):
@@ -13,7 +13,7 @@ class Exercise54(ReplayTest):
             image = moment.results[0].copy()
             purple = np.all(image == PURPLE, axis=2)
             inside, outside = split(moment.area, image.shape)
-            for corner in moment.area.corners:  # the dots on the corners lie over it
+            for corner in moment.area.corners:  # the dots on the corners cover it
                 x, y = np.int32(np.round(corner))
                 for mask in (inside, outside):
                     mask[y - 8:y + 9, x - 8:x + 9] = False
@@ -21,7 +21,7 @@ class Exercise54(ReplayTest):
             np.testing.assert_array_equal(image[outside], moment.frame[outside])
             self.assert_corners(moment, moment.results[0], PURPLE, 1.5)
 
-    def test_without_four_tags_the_frame_goes_through(self):
+    def test_without_four_tags_the_frame_is_unchanged(self):
         self.assert_untouched_without_area('/exercise5_4/image')
 
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Exercise 5.5: the mask is white exactly where the area is, and the image black there."""
+"""Exercise 5.5: the mask is white exactly in the area, and the image is black there."""
 import numpy as np
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
 
 class Exercise55(ReplayTest):
     results = ['/exercise5_5/mask', '/exercise5_5/image']
     transport = 'raw'
-    count = 6  # all of the short bag
+    count = 6  # all frames of the short bag
 
     def test_the_mask_is_white_in_the_area_and_black_elsewhere(self):
         for moment in self.with_area:
@@ -24,7 +24,7 @@ class Exercise55(ReplayTest):
             np.testing.assert_array_equal(image[outside], moment.frame[outside])
             self.assert_corners(moment, image, (0, 0, 0), 1.5)
 
-    def test_image_and_mask_belong_together(self):
+    def test_image_and_mask_fit_together(self):
         for moment in self.moments:
             mask, image = moment.results
             np.testing.assert_array_equal(image, np.maximum(moment.frame.astype(int) - mask, 0))

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Exercise 5.6: the Earth is in the area, the wall around it."""
+"""Exercise 5.6: the Earth is in the area, with the wall around it."""
 import numpy as np
 import rospkg
 from aruco_ar import load_picture, overlay
-from rig.replay import ReplayTest, main, split
+from rig.nodes.replay import ReplayTest, main, split
 
-SPACE = (9, 5, 4)  # the color of earth.jpg along its rim
+SPACE = (9, 5, 4)  # the color along the rim of earth.jpg
 
 
 class Exercise56(ReplayTest):
@@ -20,7 +20,7 @@ class Exercise56(ReplayTest):
             ideal = overlay(moment.frame, earth, moment.area)
             unlike = np.abs(image[inside].astype(int) - ideal[inside])
             self.assertLess(unlike.mean(), 6)
-            # not the wall, and not the Earth upside down
+            # neither the wall nor an Earth upside down
             self.assertGreater(np.abs(image[inside].astype(int) - moment.frame[inside]).mean(), 80)
             flipped = overlay(moment.frame, earth[::-1], moment.area)
             self.assertGreater(np.abs(image[inside].astype(int) - flipped[inside]).mean(),
@@ -40,7 +40,7 @@ class Exercise56(ReplayTest):
         self.assertTrue(red > green > blue and red > 150)
         self.assertLess(color(60, 320).max(), 60)
 
-    def test_its_corners_are_where_the_truth_says(self):
+    def test_the_corners_are_where_the_truth_says(self):
         for moment in self.with_area:
             self.assert_corners(moment, moment.results[0], SPACE, 1.5)
 

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""What every exercise's node does: subscribing, encodings, sentences about what is wrong."""
+"""What all exercises' nodes have in common: subscriptions, encodings, and explanations of errors."""
 import cv2
 import numpy as np
 import rospy
 import rostest
 from aruco_node.messages.images import frame_from_compressed, frame_from_image, image_from_frame
 from cv_bridge import CvBridge
-from rig.nodes import CAMERA, NodeTest, scene
+from rig.nodes.case import CAMERA, NodeTest, scene
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 
 
 class Node(NodeTest):
-    def test_it_subscribes_only_while_somebody_listens(self):
+    def test_it_subscribes_only_while_it_has_a_subscriber(self):
         publisher, connections = self.camera()
         node = self.start('exercise5_6.py')
         node.wait_for('Ready', CAMERA, '/exercise5_6/image')
@@ -27,12 +27,12 @@ class Node(NodeTest):
         answer = inbox.next()
         self.assertEqual((answer.header.stamp, answer.header.frame_id), (header.stamp, 'some/eye'))
         painted = frame_from_compressed(answer)
-        self.assertLess(painted[130:350, 170:200].mean(), 60)  # space, beside the Earth
+        self.assertLess(painted[130:350, 170:200].mean(), 60)  # space beside the Earth
         self.assertLess(np.abs(painted[:60].astype(int) - frame[:60]).max(), 10)
         inbox.subscriber.unregister()
         connections.wait(0)
 
-    def test_every_encoding_comes_in_and_bgr8_goes_out(self):
+    def test_every_encoding_is_accepted_and_bgr8_is_published(self):
         publisher, connections = self.camera()
         self.start('exercise5_5.py')
         inbox = self.listen('/exercise5_5/image')
@@ -54,7 +54,7 @@ class Node(NodeTest):
             self.assertFalse(cut[125:355, 165:475].any(), encoding)
             self.assertTrue(cut[:60].all(), encoding)
 
-    def test_bad_frames_are_explained_once_and_the_next_good_one_answered(self):
+    def test_bad_frames_are_explained_once_and_the_next_good_one_is_answered(self):
         publisher, connections = self.camera()
         node = self.start('exercise5_4.py')
         inbox = self.listen('/exercise5_4/image')
@@ -74,7 +74,7 @@ class Node(NodeTest):
         for words in bad:
             self.assertEqual(len([line for line in node.lines if words in line]), 1, words)
 
-    def test_several_cameras_on_one_topic_disturb_each_other_but_not_the_node(self):
+    def test_two_cameras_on_one_topic_do_not_disturb_the_node(self):
         publisher, connections = self.camera()
         self.start('wall_camera.py', '_rate:=100')
         node = self.start('tag_poses.py')
@@ -100,7 +100,7 @@ class Node(NodeTest):
             self.assertEqual(mask.shape, (240, 320, 3))
             self.assertTrue(np.all(mask[64:176, 84:236] == 255) and not mask[:55].any())
 
-    def test_only_the_ids_asked_for_count(self):
+    def test_only_the_requested_ids_count(self):
         publisher, connections = self.camera()
         self.start('exercise5_4.py', '_ids:=[1,2,3,9]')
         inbox = self.listen('/exercise5_4/image')
@@ -109,7 +109,7 @@ class Node(NodeTest):
         publisher.publish(CvBridge().cv2_to_imgmsg(frame, 'bgr8'))
         np.testing.assert_array_equal(frame_from_image(inbox.next()), frame)
 
-    def test_in_a_namespace_and_remapped(self):
+    def test_namespaces_and_remapping_work(self):
         publisher, connections = self.camera('/robot/camera/rgb/image_raw')
         other, others = self.camera('/usb/image')
         self.start('exercise5_2.py', '__ns:=/robot')
@@ -120,7 +120,7 @@ class Node(NodeTest):
             source.publish(CvBridge().cv2_to_imgmsg(scene(), 'bgr8'))
             self.assertEqual(inbox.next().height, 480)
 
-    def test_silence_is_explained(self):
+    def test_missing_frames_are_explained(self):
         node = self.start('exercise5_2.py')
         self.listen('/exercise5_2/image')
         node.wait_for('Waiting for frames on ' + CAMERA, 'nothing publishes it')
@@ -136,7 +136,7 @@ class Node(NodeTest):
         publisher.publish(CvBridge().cv2_to_imgmsg(scene(), 'bgr8'))
         node.wait_for('Frames arrive')
 
-    def test_a_wrong_parameter_ends_it_with_a_sentence(self):
+    def test_a_wrong_parameter_ends_the_node_with_a_sentence(self):
         for name, argument, words in (
                 ('exercise5_2.py', '_dictionary:=DICT_6x6_250', ['~dictionary', 'DICT_6x6_250', 'DICT_4X4_50']),
                 ('exercise5_3.py', '_ids:=[1,2]', ['~ids', '[1, 2]', 'four different tags']),

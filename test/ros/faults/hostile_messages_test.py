@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Messages that kill or mislead other packages, and a slice of what script/torture sends."""
+"""Messages that crash or mislead other packages, and some of the messages that script/torture sends."""
 import threading
 
 import cv2
@@ -15,11 +15,11 @@ from aruco_node.messages.images import (
 )
 from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from hostile.messages import Garbage, Hostile, jpeg_of_size
-from hostile.pacing import PacedPublisher
-from rig.listening import Connections, until
-from rig.nodes import BLANK, CAMERA, CENTERS, NodeTest, scene
-from rig.serving import ask, free_port
+from hostile.messages.camera_messages import Garbage, Hostile, jpeg_of_size
+from hostile.messages.paced_publisher import PacedPublisher
+from rig.nodes.case import BLANK, CAMERA, CENTERS, NodeTest, scene
+from rig.nodes.topics import Connections, until
+from rig.page.server import ask, free_port
 from rosgraph import Master
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
@@ -27,18 +27,18 @@ from tf2_msgs.msg import TFMessage
 from unit5.msg import TagPoseArray
 
 IDS = sorted(CENTERS)
-LINES = 20  # that a node may write about all that is hostile
-MESSAGES = 500  # of each kind
+LINES = 20  # a node may log at most this many lines about all hostile messages
+MESSAGES = 500  # of each type
 
 
 class HostileMessages(NodeTest):
-    def before_a_calibrated_camera(self, **changes):
-        """tag_poses, which has answered a frame with poses; ``changes`` of the CameraInfo."""
+    def start_before_calibrated_camera(self, **changes):
+        """Start tag_poses, and wait until it answers a frame with poses. ``changes``: to the CameraInfo."""
         self.infos = rospy.Publisher('/camera/rgb/camera_info', CameraInfo, latch=True, queue_size=1)
         self.running.append(self.infos)
         self.publish_info(**changes)
-        self.before_camera('tag_poses', poses=TagPoseArray)
-        self.assertTrue(self.is_posed())
+        self.start_before_camera('tag_poses', poses=TagPoseArray)
+        self.assertTrue(self.gives_poses())
 
     def publish_info(self, **changes):
         info = camera_info(Camera(), Header())
@@ -46,64 +46,64 @@ class HostileMessages(NodeTest):
             setattr(info, name, value)
         self.infos.publish(info)
 
-    def is_posed(self):
-        """Whether a frame's tags get poses that are numbers."""
-        self.see(scene(), 'tags')
-        posed = [message.tags for message in self.taken('poses')]
+    def gives_poses(self):
+        """Whether the tags of a frame get poses; these must be finite."""
+        self.answer_to(scene(), 'tags')
+        posed = [message.tags for message in self.received('poses')]
         for tags in posed:
             for tag in tags:
                 place = tag.pose.pose.position
                 self.assertTrue(np.all(np.isfinite([place.x, place.y, place.z])))
         return bool(posed)
 
-    def taken(self, topic):
-        """What has come on a topic since the last time."""
+    def received(self, topic):
+        """The messages on a topic since the last call."""
         inbox, messages = self._inboxes[topic], []
         while not inbox.empty():
             messages.append(inbox.get())
         return messages
 
-    def said(self, *words):
+    def logged(self, *words):
         return [line for line in self.node.lines if all(word in line for word in words)]
 
-    def test_an_empty_image_aborts_others(self):
-        """aruco_ros and apriltag_ros end."""
-        self.before_camera('tag_poses')
+    def test_an_empty_image_does_not_end_the_node(self):
+        """It aborts aruco_ros and apriltag_ros."""
+        self.start_before_camera('tag_poses')
         for _ in range(3):
             self.publisher.publish(Image(encoding='bgr8'))
             self.node.wait_for('0 x 0 pixels is empty')
-            self.assertEqual(self.sees(scene()), IDS)
-        self.assertEqual(len(self.said('0 x 0 pixels is empty')), 1)
+            self.assertEqual(self.ids_seen(scene()), IDS)
+        self.assertEqual(len(self.logged('0 x 0 pixels is empty')), 1)
 
-    def test_an_empty_list_of_coefficients_crashes_others(self):
-        """aruco_detect ends: a camera without distortion may have none."""
-        self.before_a_calibrated_camera(D=[])
+    def test_an_empty_list_of_coefficients_is_accepted(self):
+        """It crashes aruco_detect. A camera without distortion may have an empty list."""
+        self.start_before_calibrated_camera(D=[])
 
-    def test_five_coefficients_are_not_dropped(self):
-        """aruco_ros knows none of five: the poses are then those of a lens that does not bend."""
-        self.before_a_calibrated_camera()
-        straight = self.see(scene(), 'poses')[0].tags
+    def test_all_five_coefficients_are_used(self):
+        """aruco_ros ignores all of them if there are five."""
+        self.start_before_calibrated_camera()
+        straight = self.answer_to(scene(), 'poses')[0].tags
         self.publish_info(D=[-0.3, 0.1, 0.0, 0.0, 0.02])
 
         def bent():
-            tags = self.see(scene(), 'poses')[0].tags
+            tags = self.answer_to(scene(), 'poses')[0].tags
             return abs(tags[0].pose.pose.position.x - straight[0].pose.pose.position.x) > 0.005
         until(bent)
 
-    def test_a_calibration_of_zeros_is_recovered_from(self):
-        """aruco_ros publishes NaN; ar_track_alvar never recovers."""
-        self.before_a_calibrated_camera()
+    def test_the_node_recovers_from_a_calibration_of_zeros(self):
+        """aruco_ros publishes NaN, and ar_track_alvar never recovers."""
+        self.start_before_calibrated_camera()
         self.publish_info(K=[0.0] * 9)
-        until(lambda: self.see(scene(), 'tags') and self.said('K is not a camera matrix'))
-        self.taken('poses')
-        self.assertEqual(self.sees(scene()), IDS)
-        self.assertFalse(self.taken('poses'))
+        until(lambda: self.answer_to(scene(), 'tags') and self.logged('K is not a camera matrix'))
+        self.received('poses')
+        self.assertEqual(self.ids_seen(scene()), IDS)
+        self.assertFalse(self.received('poses'))
         self.publish_info()
-        until(self.is_posed)
+        until(self.gives_poses)
 
     def test_yuv422_is_decoded(self):
         """It aborts apriltag_ros."""
-        self.before_camera('exercise5_2')
+        self.start_before_camera('exercise5_2')
         gray = np.uint8(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY) * (219 / 255) + 16)
         pair = [np.full_like(gray, 128), gray]
         for encoding, order in (('yuv422', pair), ('yuv422_yuy2', pair[::-1])):
@@ -111,9 +111,9 @@ class HostileMessages(NodeTest):
             self.assertEqual(ids, IDS)
             self.assertLess(abs(int(answer[5, 5].mean()) - 180), 3)
 
-    def test_16_bits_are_scaled_and_floats_refused(self):
-        """apriltag_ros reads both as 8 bits, without a word."""
-        self.before_camera('exercise5_2')
+    def test_16_bit_images_are_scaled_and_floats_are_refused(self):
+        """apriltag_ros reads both as 8 bits, without a warning."""
+        self.start_before_camera('exercise5_2')
         gray = np.uint16(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)) * 257
         for big in (0, 1):
             answer, ids = self.see_image(gray.byteswap() if big else gray, 'mono16', big)
@@ -124,21 +124,22 @@ class HostileMessages(NodeTest):
         for _ in range(3):
             self.publish_image(floats, '32FC1')
             self.node.wait_for('32FC1')
-            self.assertEqual(self.sees(scene()), IDS)
-        self.assertEqual(len(self.said('encoding "32FC1" cannot be used. Set the camera driver')), 1)
+            self.assertEqual(self.ids_seen(scene()), IDS)
+        self.assertEqual(len(self.logged('encoding "32FC1" cannot be used. Set the camera driver')), 1)
 
-    def test_when_nobody_listens_any_more_it_leaves_the_camera(self):
-        """aruco_detect goes on computing."""
-        self.before_camera('exercise5_6')
+    def test_without_subscribers_it_unsubscribes_from_the_camera(self):
+        """aruco_detect continues to compute."""
+        self.start_before_camera('exercise5_6')
         self.connections.wait(1)
         for inbox in self._inboxes.values():
             inbox.subscriber.unregister()
         self.connections.wait(0)
 
-    def test_a_stamp_that_is_no_time_ends_neither_the_node_nor_who_listens_to_tf(self):
-        """tf2 counts on from it to beyond 32 bits and throws; it says a line for each that comes twice."""
-        self.before_a_calibrated_camera()
-        self.listen('/tag_poses/robot_pose', PoseWithCovarianceStamped)  # with whom it listens to /tf itself
+    def test_an_impossible_stamp_harms_neither_the_node_nor_listeners_of_tf(self):
+        """tf2 computes a time beyond 32 bits from it and throws. It also logs a line for a repeated stamp."""
+        self.start_before_calibrated_camera()
+        # With a subscriber to this topic, the node itself subscribes to /tf.
+        self.listen('/tag_poses/robot_pose', PoseWithCovarianceStamped)
         until(lambda: [topic for topic, nodes in Master('/test').getSystemState()[1]
                        if topic == '/tf' and '/tag_poses' in nodes])
         frames = self.listen('/tf', TFMessage)
@@ -147,21 +148,21 @@ class HostileMessages(NodeTest):
         for stamp in (rospy.Time(2**31), rospy.Time(50)):
             self.show(scene(), wrong)
             self.node.wait_for('not a possible time. Check the clock')
-            self.see(scene(), 'tags', stamp=stamp)
-        self.assertEqual(self.sees(scene()), IDS)
-        self.assertEqual(len(self.said('not a possible time')), 1)
+            self.answer_to(scene(), 'tags', stamp=stamp)
+        self.assertEqual(self.ids_seen(scene()), IDS)
+        self.assertEqual(len(self.logged('not a possible time')), 1)
         for _ in range(5):
-            self.see(scene(), 'tags', stamp=rospy.Time(2000))
-        self.see(scene(), 'tags', stamp=rospy.Time(2001))
+            self.answer_to(scene(), 'tags', stamp=rospy.Time(2000))
+        self.answer_to(scene(), 'tags', stamp=rospy.Time(2001))
         stamps = []
         while 2001 not in stamps:
             stamps.append(frames.next().transforms[0].header.stamp.to_sec())
         self.assertEqual(len(stamps), len(set(stamps)), stamps)
         self.assertNotIn(2**32 - 1, stamps)
-        self.assertFalse(self.said('TF_REPEATED_DATA'))
+        self.assertFalse(self.logged('TF_REPEATED_DATA'))
 
-    def test_frames_without_stamps_have_the_time_at_which_they_came_in_tf(self):
-        self.before_a_calibrated_camera()
+    def test_frames_without_stamps_have_their_time_of_arrival_in_tf(self):
+        self.start_before_calibrated_camera()
         frames = self.listen('/tf', TFMessage)
         began = rospy.Time.now()
 
@@ -171,23 +172,23 @@ class HostileMessages(NodeTest):
         until(framed)
         self.assertGreaterEqual(frames.next().transforms[0].header.stamp, began)
 
-    def test_messages_that_cannot_be_read_are_told_once_and_the_next_is_answered(self):
-        """rospy itself tries to read them again and again, and gets to no other."""
-        self.before_camera('exercise5_2')
+    def test_unreadable_messages_are_reported_once_and_the_next_one_is_answered(self):
+        """rospy itself would try to read them again and again, and never get to another."""
+        self.start_before_camera('exercise5_2')
         for data in (b'', b'x' * 7, b'\xff' * 100, bytes(12) + b'\xff' * 4):
             self.publisher.publish(Garbage(Image, data))
             self.node.wait_for('cannot be read')
-            self.assertEqual(self.sees(scene()), IDS)
-        self.assertEqual(len(self.said('cannot be read')), 1)
+            self.assertEqual(self.ids_seen(scene()), IDS)
+        self.assertEqual(len(self.logged('cannot be read')), 1)
         self.assertLess(len(self.node.lines), LINES)
 
-    def test_a_thousand_hostile_messages_leave_the_next_good_frame_as_it_was(self):
+    def test_the_next_good_frame_after_many_hostile_messages_is_answered_as_before(self):
         for transport, kind in (('raw', Image), ('compressed', CompressedImage)):
-            self.hostile(transport, kind)
+            self.send_hostile_messages(transport, kind)
             self.tearDown()
             self.setUp()
 
-    def hostile(self, transport, kind):
+    def send_hostile_messages(self, transport, kind):
         topic = CAMERA + ('/compressed' if kind is CompressedImage else '')
         connections = Connections()
         publisher = PacedPublisher(topic, kind, connections)
@@ -204,7 +205,7 @@ class HostileMessages(NodeTest):
             return ask(port, '/snapshot?topic=%s' % CAMERA)
 
         def good():
-            """What the node makes of a good frame that comes twice: it paints one onto the other."""
+            """The node's answer to a good frame that is sent twice, so that one is painted into the other."""
             for number, frame in enumerate((BLANK[:9, :9], scene(), scene())):
                 stamp = rospy.Time(1000 + number)
 
@@ -234,7 +235,7 @@ class HostileMessages(NodeTest):
         np.testing.assert_array_equal(after, before)
 
         def snapshot_of(message):
-            """(status, body) of what the page makes of it."""
+            """(status, body) of the page's snapshot of a message."""
             shown = []
             threading.Thread(target=lambda: shown.append(snapshot())).start()
             until(lambda: publisher.publish(message) or shown)
@@ -243,7 +244,7 @@ class HostileMessages(NodeTest):
         self.assertLess(np.abs(picture.astype(int) - scene()).mean(), 3)
         large = Image(width=65000, height=65000, encoding='bgr8') if kind is Image else \
             CompressedImage(data=jpeg_of_size(encode(scene(), Header()).data, 65000, 65000))
-        status, sentence = snapshot_of(large)  # which no browser should get
+        status, sentence = snapshot_of(large)  # no browser should get this
         self.assertEqual(status, 503)
         self.assertIn(b'is too large' if kind is Image else b'compressed frame', sentence)
         for node in (self.node, page):
@@ -258,7 +259,7 @@ class HostileMessages(NodeTest):
         return stamp
 
     def see_image(self, pixels, encoding, big=0):
-        """What the node answers to an Image of these pixels: its image, and the sorted ids of the tags."""
+        """(image, sorted ids): the node's answers to an Image with these pixels."""
         stamp, found = self.publish_image(pixels, encoding, big), []
         for topic in 'image', 'tags':
             found.append(self._inboxes[topic].next())

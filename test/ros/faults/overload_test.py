@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node that cannot keep up leaves frames out; it does not fall behind, nor show what is old."""
+"""A node that cannot keep up drops frames; it neither falls behind nor publishes stale results."""
 import os
 import signal
 import time
@@ -7,35 +7,35 @@ import time
 import cv2
 import rospy
 import rostest
-from rig.nodes import BLANK, CAMERA, NodeTest, scene
+from rig.nodes.case import BLANK, CAMERA, NodeTest, scene
 from unit5.msg import TagPoseArray
 
 ALONE = 'it counts how many frames a node leaves out'  # read by script/test
-FRAMES = 10  # as many as the camera's queue holds
+FRAMES = 10  # the length of the camera's queue
 
 
 class Overload(NodeTest):
     def test_an_exercise_answers_the_newest_frame_after_a_pause(self):
-        self.leaves_frames_out('exercise5_6')
+        self.assert_frames_are_dropped('exercise5_6')
 
-    def test_the_poses_are_those_of_the_newest_frame_after_a_pause(self):
-        self.leaves_frames_out('tag_poses')
+    def test_the_poses_after_a_pause_are_those_of_the_newest_frame(self):
+        self.assert_frames_are_dropped('tag_poses')
 
-    def test_an_exercise_does_not_show_a_frame_that_is_too_old_where_a_newer_one_waits(self):
-        self.leaves_old_frames_out('exercise5_6')
+    def test_an_exercise_does_not_publish_a_stale_frame_if_a_newer_one_waits(self):
+        self.assert_stale_frames_are_dropped('exercise5_6')
 
-    def test_there_are_no_poses_of_a_frame_that_is_too_old_where_a_newer_one_waits(self):
-        self.calibrate()
-        self.leaves_old_frames_out('tag_poses', poses=TagPoseArray)
+    def test_there_are_no_poses_of_a_stale_frame_if_a_newer_one_waits(self):
+        self.publish_camera_info()
+        self.assert_stale_frames_are_dropped('tag_poses', poses=TagPoseArray)
 
-    def leaves_old_frames_out(self, name, **others):
-        self.before_camera(name, **others)
+    def assert_stale_frames_are_dropped(self, name, **others):
+        self.start_before_camera(name, **others)
         camera, now = self.listen(CAMERA), time.time()
-        for second in range(20):  # all of them in time: before it
-            self.see(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
+        for second in range(20):  # these frames are in time, since their stamps are in the future
+            self.answer_to(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
         os.killpg(self.node.process.pid, signal.SIGSTOP)
         old = self.show(scene(), rospy.Time(now - 100))
-        # More than fits between the two: the node has read the old one when the rest of this comes.
+        # This is more than the buffers hold, so the node has read the old frame before all of it arrives.
         self.show(cv2.resize(scene(), (4000, 3000)), rospy.Time(now + 200))
         new = self.show(scene(), rospy.Time(now + 201))
         while camera.next().header.stamp != new:
@@ -47,15 +47,15 @@ class Overload(NodeTest):
                 stamp = inbox.next().header.stamp
                 self.assertNotEqual(stamp, old, topic)
 
-    def leaves_frames_out(self, name):
-        self.before_camera(name)
+    def assert_frames_are_dropped(self, name):
+        self.start_before_camera(name)
         camera, answers = self.listen(CAMERA), self._inboxes['tags']
-        self.see(scene())
+        self.answer_to(scene())
         os.killpg(self.node.process.pid, signal.SIGSTOP)
         stamps = [self.show(BLANK[:24, :32]) for _ in range(FRAMES)]  # all fit into the socket's buffer
         while camera.next().header.stamp != stamps[-1]:
             pass
-        time.sleep(1.0)  # until they are on their way to the node, too: another thread sends them there
+        time.sleep(1.0)  # another thread sends them to the node, too
         os.killpg(self.node.process.pid, signal.SIGCONT)
         answered = [answers.next().header.stamp]
         while answered[-1] != stamps[-1]:

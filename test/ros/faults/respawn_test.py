@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that are killed come back, paint again, and have kept what was changed while they ran."""
+"""Killed nodes are started again, paint as before, and keep the parameters that were changed while they ran."""
 import os
 import signal
 import tempfile
@@ -8,8 +8,8 @@ from xmlrpc.client import ServerProxy
 import numpy as np
 import rospy
 import rostest
-from rig.nodes import GRAY, INSIDE, NodeTest, change, picture_file, scene
-from rig.started import Started
+from rig.nodes.case import GRAY, INSIDE, NodeTest, change, picture_file, scene
+from rig.processes.started import Started
 from rosgraph import Master
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray, TagPoseArray
@@ -19,16 +19,16 @@ BLUE = (255, 0, 0)
 
 class Respawn(NodeTest):
     def launch(self, name, **others):
-        """Launch a node with respawn before a camera; listen to its images, ~tags and others."""
+        """Launch a node with respawn before a camera; subscribe to its images, ~tags and ``others``."""
         self.publisher, self.connections = self.camera()
         self.launched = Started('roslaunch', 'unit5', name + '.launch', 'respawn:=true')
         self.running.append(self.launched)
         self.inboxes = {topic: self.listen('/%s/%s' % (name, topic), kind)
                         for topic, kind in dict(others, image=Image, tags=TagArray).items()}
-        self.attend(self.inboxes)
+        self.use_inboxes(self.inboxes)
 
     def kill(self, name):
-        """Kill a node the hard way; wait until it is back and sees frames."""
+        """Kill a node, and wait until it has been started again and answers frames."""
         uri = Master('/respawn_test').lookupNode('/' + name)
         code, _, pid = ServerProxy(uri).getPid('/respawn_test')
         self.assertEqual(code, 1)
@@ -36,34 +36,35 @@ class Respawn(NodeTest):
         self.launched.wait_for('[%s-' % name, 'process has died')
         self.connections.wait(0)
         self.connections.wait(1)
-        self.attend(self.inboxes)
+        self.use_inboxes(self.inboxes)
         _, _, other = ServerProxy(Master('/respawn_test').lookupNode('/' + name)).getPid('/respawn_test')
         self.assertNotEqual(other, pid)
 
-    def test_the_painter_paints_again_as_it_was_told(self):
+    def test_exercise5_6_paints_as_before(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.launch('exercise5_6')
         changed = change('/exercise5_6', picture=picture_file(folder.name, 'blue.png', np.full((8, 8, 3), BLUE,
                          np.uint8)), opacity=0.5, dictionary='DICT_5X5_100', ids='4,3,2,1', hold=1.5)
         frame = scene(dictionary='DICT_5X5_100')
-        before = self.see(frame)
+        before = self.answer_to(frame)
         np.testing.assert_allclose(before[INSIDE].mean(axis=(0, 1)), np.array(BLUE) / 2 + GRAY / 2, atol=3)
         self.kill('exercise5_6')
-        np.testing.assert_array_equal(self.see(scene([1, 3], 'DICT_5X5_100')), scene([1, 3], 'DICT_5X5_100'))
-        # Found by another way of searching, the tags are thousandths of a pixel elsewhere.
-        np.testing.assert_allclose(self.see(frame), before, rtol=0, atol=1.01)
+        two = scene([1, 3], 'DICT_5X5_100')
+        np.testing.assert_array_equal(self.answer_to(two), two)
+        # Another kind of search found the tags, so they differ by thousandths of a pixel.
+        np.testing.assert_allclose(self.answer_to(frame), before, rtol=0, atol=1.01)
         self.assertEqual(change('/exercise5_6'), changed)
 
-    def test_the_poses_are_those_of_before(self):
-        self.calibrate()
+    def test_the_poses_are_as_before(self):
+        self.publish_camera_info()
         self.launch('tag_poses', poses=TagPoseArray)
         changed = change('/tag_poses', tag_size=0.3, tag_sizes='2: 0.1')
-        before, = self.see(scene(), 'poses')
+        before, = self.answer_to(scene(), 'poses')
         self.assertEqual(sorted((tag.id, tag.size) for tag in before.tags),
                          [(1, .3), (2, .1), (3, .3), (4, .3)])
         self.kill('tag_poses')
-        after, = self.see(scene(), 'poses')
+        after, = self.answer_to(scene(), 'poses')
 
         def places(message):
             return {tag.id: (tag.pose.pose.position.x, tag.pose.pose.position.y, tag.pose.pose.position.z)

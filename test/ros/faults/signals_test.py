@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Programs that are ended at random moments leave nothing behind; nodes do not mind who reads what they say."""
+"""Programs that are killed at random moments leave nothing behind; nodes run even if their output is lost."""
 import random
 from concurrent.futures import ThreadPoolExecutor
 from itertools import islice
@@ -7,8 +7,8 @@ from itertools import islice
 import rospy
 import rostest
 from hostile import kills
-from rig.nodes import NODES, NodeTest, scene
-from rig.started import Started
+from rig.nodes.case import NODES, NodeTest, scene
+from rig.processes.started import Started
 from sensor_msgs.msg import Image
 from unit5.msg import TagArray
 
@@ -16,22 +16,22 @@ COUNT, AT_A_TIME, SEED = 12, 3, 1
 
 
 class Signals(NodeTest):
-    def test_nothing_is_left(self):
+    def test_killed_programs_leave_nothing_behind(self):
         ways = kills.kills(random.Random(SEED), (*NODES, *kills.TOOLS))
         with kills.camera(), ThreadPoolExecutor(AT_A_TIME) as pool:
             for _, found in pool.map(kills.strike, islice(ways, COUNT)):
                 self.assertEqual(found, [])
 
-    def test_a_node_goes_on_when_nobody_reads_what_it_says_and_when_that_cannot_be_written(self):
+    def test_a_node_continues_if_its_output_cannot_be_written(self):
         self.publisher, self.connections = self.camera()
         for streams in '2>&1 | head -n 1', '> /dev/full 2>&1', '>&- 2>&- <&-':
             command = Started('bash', '-c', 'rosrun unit5 exercise5_6.py ' + streams)
             self.running.append(command)
-            self.attend({'image': self.listen('/exercise5_6/image'),
+            self.use_inboxes({'image': self.listen('/exercise5_6/image'),
                          'tags': self.listen('/exercise5_6/tags', TagArray)})
             for _ in range(3):
-                self.publisher.publish(Image())  # of which it wants to say something
-                self.assert_painted(self.see(scene()), scene())
+                self.publisher.publish(Image())  # the node logs a line about this
+                self.assert_painted(self.answer_to(scene()), scene())
             command.stop()
             self.assertFalse(any('Traceback' in line for line in command.lines), command.lines)
 

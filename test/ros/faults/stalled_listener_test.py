@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Who connects and says nothing, or does not read, holds up no other and costs no memory."""
+"""Subscribers that send nothing, or do not read, neither delay others nor cost memory."""
 import psutil
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
-from rig.listening import Diagnoses
-from rig.nodes import NodeTest, change, scene
-from rig.stalled import HalfOpen, Stalled
+from rig.nodes.case import NodeTest, change, scene
+from rig.nodes.stalled import HalfOpen, Stalled
+from rig.nodes.topics import Diagnostics
 from rosgraph import Master
 from sensor_msgs.msg import CompressedImage, Image
 from unit5.msg import TagArray
@@ -15,25 +15,25 @@ IMAGE = '/exercise5_6/image'
 TOPICS = {IMAGE: Image, IMAGE + '/compressed': CompressedImage, '/exercise5_6/tags': TagArray,
           '/diagnostics': DiagnosticArray}
 FRAMES = 90         # 83 MB of ~image
-KEPT = 40           # at most that many of them are in the kernel's buffers
+KEPT = 40           # at most this many of them fit into the kernel's buffers
 GROWTH_BYTES = 20e6
 
 
 class StalledListener(NodeTest):
-    def test_a_listener_that_stalls(self):
-        diagnoses = Diagnoses()
-        self.running.append(diagnoses.subscriber)
-        self.before_camera('exercise5_6')
+    def test_a_stalled_subscriber_does_not_disturb_others(self):
+        diagnostics = Diagnostics()
+        self.running.append(diagnostics.subscriber)
+        self.start_before_camera('exercise5_6')
         uri = Master('/test').lookupNode('/exercise5_6')
         stalled = {topic: Stalled(uri, topic, kind) for topic, kind in TOPICS.items()}
         self.running += stalled.values()
         process, frame = psutil.Process(self.node.process.pid), scene()
         for number in range(FRAMES):
-            self.assert_painted(self.see(frame), frame)
+            self.assert_painted(self.answer_to(frame), frame)
             if number == FRAMES // 3:
                 size = process.memory_info().rss
         self.assertLess(process.memory_info().rss, size + GROWTH_BYTES)
-        self.assertEqual(diagnoses.wait('exercise5_6', 'frames a second')['frames dropped'], '0')
+        self.assertEqual(diagnostics.wait('exercise5_6', 'frames a second')['frames dropped'], '0')
         stamp = self.show(frame)
         stamps = {}
         for topic in (topic for topic in TOPICS if topic != '/diagnostics'):
@@ -43,13 +43,13 @@ class StalledListener(NodeTest):
             self.assertEqual(stamps[topic], sorted(set(stamps[topic])), topic)
         self.assertLess(len(stamps[IMAGE]), KEPT)
 
-    def test_who_connects_and_says_nothing_keeps_out_no_others(self):
+    def test_silent_connections_do_not_lock_out_others(self):
         self.publisher, _ = self.camera()
         self.start_all(['exercise5_6'])
         uri = Master('/test').lookupNode('/exercise5_6')
         self.running += [HalfOpen(uri, IMAGE) for _ in range(3)]
-        self.attend({'image': self.listen(IMAGE)})
-        self.assert_painted(self.see(scene()), scene())
+        self.use_inboxes({'image': self.listen(IMAGE)})
+        self.assert_painted(self.answer_to(scene()), scene())
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whatever raises in a node is said, once in the log and in /diagnostics, and the node goes on."""
+"""If a function of a node raises an error, the log and /diagnostics say so, and the node continues."""
 import os
 import sys
 import tempfile
@@ -10,11 +10,11 @@ import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from rig import failing
-from rig.listening import Diagnoses, until
-from rig.nodes import CAMERA, NodeTest, change, scene
-from rig.serving import ask, free_port
-from rig.started import WAIT_S, Started
+from rig.nodes.case import CAMERA, NodeTest, change, scene
+from rig.nodes.topics import Diagnostics, until
+from rig.page.server import ask, free_port
+from rig.processes import failing
+from rig.processes.started import WAIT_S, Started
 from std_srvs.srv import Trigger
 from unit5.msg import TagPoseArray
 
@@ -29,45 +29,45 @@ class WorkerFault(NodeTest):
         self.addCleanup(folder.cleanup)
         self.showing = threading.Lock()
         self.file = folder.name + '/fails'
-        self.diagnoses = Diagnoses()
-        self.running.append(self.diagnoses.subscriber)
+        self.diagnostics = Diagnostics()
+        self.running.append(self.diagnostics.subscriber)
 
-    def break_at(self, place=''):
+    def make_fail(self, place=''):
         with open(self.file + '.new', 'w') as file:
             file.write(place)
         os.replace(self.file + '.new', self.file)
 
     def start_failing(self, name, places, *arguments):
-        self.break_at()
+        self.make_fail()
         self.name, self.node = name, Started(sys.executable, FAILING, self.file, ','.join(places), name + '.py',
                                              *arguments)
         self.running.append(self.node)
 
-    def assert_said(self, provokes):
-        """Have functions raise, {place: what has it called}, twice each; it is said, and logged once."""
+    def assert_reported(self, provokes):
+        """Let functions, {place: what calls it}, raise twice each; it must be reported, and logged once."""
         for place, provoke in provokes.items():
-            self.break_at(place)
+            self.make_fail(place)
             provoke()
             provoke()
-            self.diagnoses.wait(self.name, 'A fault of this node', 'RuntimeError: %s fails, number' % place,
+            self.diagnostics.wait(self.name, 'A fault of this node', 'RuntimeError: %s fails, number' % place,
                                 level=ERROR)
-        self.break_at()
+        self.make_fail()
         diagnostics = self.listen('/diagnostics', DiagnosticArray)
-        until(lambda: all(status.level < ERROR for status in diagnostics.next().status))  # it may be slow
+        until(lambda: all(status.level < ERROR for status in diagnostics.next().status))  # it may also be slow
         for place in provokes:
-            said = [line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]
-            self.assertEqual(len(said), 1, self.node.lines)
+            logged = [line for line in self.node.lines if 'RuntimeError: %s fails' % place in line]
+            self.assertEqual(len(logged), 1, self.node.lines)
         self.assertEqual(len([line for line in self.node.lines if 'Traceback' in line]), len(provokes),
                          self.node.lines)
 
-    def show_always(self):
-        """Show frames from now on, until the test is over."""
+    def show_repeatedly(self):
+        """Show frames until the test is over."""
         frames = rospy.Timer(rospy.Duration(0.1), lambda event: self.show(scene()))
         self.addCleanup(frames.join)
         self.addCleanup(frames.shutdown)
 
-    def newest(self, topic):
-        """The next message that comes on a topic."""
+    def next_message(self, topic):
+        """Wait for the next message on a topic."""
         while not self.inboxes[topic].empty():
             self.inboxes[topic].get()
         return self.inboxes[topic].next()
@@ -80,7 +80,7 @@ class WorkerFault(NodeTest):
         rospy.wait_for_service(service, WAIT_S)
         return rospy.ServiceProxy(service, Trigger)()
 
-    def test_an_exercise_goes_on_when_its_loop_its_frames_or_its_services_fail(self):
+    def test_an_exercise_continues_if_its_loop_its_frames_or_its_services_fail(self):
         node = 'aruco_node.nodes.camera_node:CameraNode.'
         update = 'aruco_ar.tracking.tracker:Tracker.update'
         write = 'aruco_node.health.snapshot:SnapshotService._write'
@@ -88,12 +88,12 @@ class WorkerFault(NodeTest):
         self.start_failing('exercise5_6', [update, write] + [
             node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])
         self.inboxes = {'image': self.listen('/exercise5_6/image')}
-        self.attend(self.inboxes)
-        self.see(scene())  # the frames before it are answered, too
-        self.show_always()
+        self.use_inboxes(self.inboxes)
+        self.answer_to(scene())  # by then the earlier frames are answered
+        self.show_repeatedly()
 
         def answers():
-            self.assert_painted(frame_from_image(self.newest('image')), scene())
+            self.assert_painted(frame_from_image(self.next_message('image')), scene())
 
         def ask_for(service):
             with self.assertRaisesRegex(rospy.ServiceException, 'fails, number'):
@@ -101,41 +101,41 @@ class WorkerFault(NodeTest):
 
         def reconfigure():
             self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 1.0)
-        self.assert_said({node + 'is_wanted': answers, node + 'report': answers, update: lambda: None,
+        self.assert_reported({node + 'is_wanted': answers, node + 'report': answers, update: lambda: None,
                           node + 'reset': lambda: ask_for('reset'), write: lambda: ask_for('snapshot'),
                           node + 'prepare': reconfigure})
         answers()
         self.assertTrue(self.call('/exercise5_6/reset').success)
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
-    def test_the_poses_come_again_after_their_calibration_failed(self):
+    def test_poses_are_published_again_after_the_calibration_failed(self):
         info = 'aruco_node.nodes.calibration:Calibration.lens'
         check = 'aruco_ar.poses.wall_watch:WallWatch.check'
-        self.calibrate()
+        self.publish_camera_info()
         self.publisher, self.connections = self.camera()
         self.start_failing('tag_poses', [info, check])
         self.inboxes = {'poses': self.listen('/tag_poses/poses', TagPoseArray)}
-        self.attend(self.inboxes)
-        self.see(scene(), 'poses')  # the frames before it are answered, too
-        self.show_always()
-        self.assert_said({info: lambda: None, check: lambda: None})
-        self.assertEqual(sorted(tag.id for tag in self.newest('poses').tags), [1, 2, 3, 4])
+        self.use_inboxes(self.inboxes)
+        self.answer_to(scene(), 'poses')  # by then the earlier frames are answered
+        self.show_repeatedly()
+        self.assert_reported({info: lambda: None, check: lambda: None})
+        self.assertEqual(sorted(tag.id for tag in self.next_message('poses').tags), [1, 2, 3, 4])
 
     def test_the_simulated_camera_publishes_again(self):
         observe = 'aruco_node.messages.wall_messages:observe'
         render = 'aruco_ar.simulation.render:WallRenderer.render'
         self.start_failing('wall_camera', [observe, render])
         self.inboxes = {'camera': self.listen(CAMERA)}
-        self.newest('camera')
-        self.assert_said({observe: lambda: None, render: lambda: None})
-        self.assertGreater(np.ptp(np.frombuffer(self.newest('camera').data, np.uint8)), 50)
+        self.next_message('camera')
+        self.assert_reported({observe: lambda: None, render: lambda: None})
+        self.assertGreater(np.ptp(np.frombuffer(self.next_message('camera').data, np.uint8)), 50)
 
     def test_the_page_is_served_again(self):
         state, images = 'page_server.choices:Choices.state', 'page_server.topics:Topics.images'
         port = free_port()
         self.start_failing('page', [state, images], '_port:=%d' % port)
         self.node.wait_for('The page is at')
-        self.assert_said({state: lambda: None, images: lambda: self.assertEqual(ask(port, '/')[0], 500)})
+        self.assert_reported({state: lambda: None, images: lambda: self.assertEqual(ask(port, '/')[0], 500)})
         self.assertEqual(ask(port, '/')[0], 200)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Bags looked at by a cluster of two hosts give, to the byte, what one process makes of them."""
+"""A cluster of two hosts processes bags with exactly the same results as one process."""
 import os
 import shutil
 import subprocess
@@ -9,8 +9,8 @@ import unittest
 
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.hosts import BASE_ADDRESS, hosts, until_it_ends
-from rig.started import Started, stop_all
+from rig.network.hosts import BASE_ADDRESS, enter_or_skip, hosts
+from rig.processes.started import Started, stop_all
 
 PACKAGE = package_folder()
 BAGS = [os.path.join(PACKAGE, 'test', 'bags', name) for name in ('drive_compressed.bag', 'drive_raw.bag')]
@@ -19,11 +19,11 @@ LONG_S = 120
 
 
 class Cluster(unittest.TestCase):
-    def test_two_hosts_make_of_bags_what_one_process_makes_of_them(self):
+    def test_two_hosts_give_the_same_results_as_one_process(self):
         one, two = tempfile.mkdtemp(), tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, one)
         self.addCleanup(shutil.rmtree, two)
-        (base, *others), _ = until_it_ends(self, hosts(2))
+        (base, *others), _ = enter_or_skip(self, hosts(2))
         running = [Started(*base.command('dask', 'scheduler', '--host', BASE_ADDRESS, '--no-dashboard'))]
         self.addCleanup(stop_all, running)
         running[0].wait_for('Scheduler at')
@@ -39,7 +39,7 @@ class Cluster(unittest.TestCase):
 
 
 def annotated(start, folder, *arguments):
-    """What annotate_bags prints, started by a command."""
+    """Run annotate_bags by a command that ``start`` begins; returns its output."""
     return subprocess.run(
         [*start, sys.executable, os.path.join(PACKAGE, 'src', 'annotate_bags.py'), *BAGS, '--out', folder,
          '--piece', '2', *arguments], stdout=subprocess.PIPE, text=True, check=True, timeout=LONG_S).stdout

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What script/demo starts listens to this machine alone, all of it, nodes in C++ as well."""
+"""All that script/demo starts can only be reached from this machine, even nodes in C++."""
 import ipaddress
 import os
 import shutil
@@ -8,19 +8,19 @@ import unittest
 
 import rostest
 from aruco_ar.base.files import package_folder
-from rig.listening import until
-from rig.sockets import sockets_below
-from rig.started import Started
+from rig.nodes.topics import until
+from rig.processes.sockets import sockets_below
+from rig.processes.started import Started
 
-LISTENING = {  # how many sockets of TCP: of a node, its XML-RPC server, and that of its topics
+LISTENING = {  # the number of TCP sockets: a node has one for XML-RPC and one for its topics
     **{'exercise5_%d' % number: 2 for number in range(2, 7)}, 'wall_camera': 2, 'page': 3, 'rosout': 2,
     **{'save_exercise5_%d' % number: 2 for number in range(2, 7)}, 'video_recorder': 2,
     'rosmaster': 1, 'roslaunch': 1}
-SHELL = 'ROS_HOSTNAME', 'ROS_IP', 'ROS_MASTER_URI', 'LD_PRELOAD'  # what script/env looks at
+SHELL = 'ROS_HOSTNAME', 'ROS_IP', 'ROS_MASTER_URI', 'LD_PRELOAD'  # the variables that script/env looks at
 
 
 class Loopback(unittest.TestCase):
-    def test_all_that_the_demo_starts_listens_to_this_machine_alone(self):
+    def test_all_that_the_demo_starts_can_only_be_reached_from_this_machine(self):
         folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, folder)
         script = os.path.join(package_folder(), 'script', 'demo')
@@ -36,7 +36,7 @@ class Loopback(unittest.TestCase):
         for name, addresses in found.items():
             for _, address in addresses:
                 self.assertTrue(ipaddress.ip_address(address).is_loopback, '%s listens on %s' % (name, address))
-        self.assertTrue(any(not tcp for tcp, _ in found['rosout']))  # UDP has been looked at as well
+        self.assertTrue(any(not tcp for tcp, _ in found['rosout']))  # sockets of UDP are checked, too
 
 
 if __name__ == '__main__':

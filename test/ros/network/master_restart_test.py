@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ROS master is killed and started anew, or hangs: nodes go on meanwhile, and are found again."""
+"""The ROS master is killed and started again, or hangs: nodes continue, and register again."""
 import atexit
 import os
 import signal
@@ -12,18 +12,18 @@ import rostest
 from diagnostic_msgs.msg import DiagnosticStatus
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
-from rig.listening import Diagnoses, until
-from rig.nodes import CAMERA, NodeTest, change, scene
-from rig.serving import ask, free_port
-from rig.stalled import Stalled
-from rig.started import Started, stop_all
+from rig.nodes.case import CAMERA, NodeTest, change, scene
+from rig.nodes.stalled import Stalled
+from rig.nodes.topics import Diagnostics, until
+from rig.page.server import ask, free_port
+from rig.processes.started import Started, stop_all
 from sensor_msgs.msg import CompressedImage, Image
 
 AGAIN = 'it is registered again'
 
 
 class Master:
-    """A ROS master of the test's own; whoever is started from now on has it."""
+    """A ROS master of the test's own, which everything uses that is started from now on."""
 
     def __init__(self):
         self._port = free_port()
@@ -42,43 +42,43 @@ class Master:
         self._started.ends()
 
 
-def known(node):
-    """{(kind, name)} of what the master knows of a node: topics that it publishes, or listens to, services."""
+def registrations(node):
+    """{(kind, name)} of what the master knows about a node: published and subscribed topics, services."""
     return {(kind, name) for kind, state in enumerate(rosgraph.Master('/test').getSystemState())
             for name, nodes in state if node in nodes}
 
 
 class MasterRestart(NodeTest):
     def restart(self, *nodes):
-        """Start the master, and wait until it knows the nodes again."""
+        """Start the master, and wait until the nodes have registered again."""
         master.start()
         for node in nodes:
             node.wait_for(AGAIN)
 
-    def test_all_nodes_are_known_again_and_the_page_says_what_is_wrong(self):
+    def test_all_nodes_register_again_and_the_page_explains_the_fault(self):
         nodes = self.start_all()
         port = int(rospy.get_param('/page/port'))
         nodes['exercise5_2'].wait_for('Nobody listens')
-        before = {name: known('/' + name) for name in nodes}
+        before = {name: registrations('/' + name) for name in nodes}
         self.assertTrue(all(len(each) > 8 for each in before.values()), before)
         master.kill()
         nodes['exercise5_2'].wait_for('The ROS master does not answer')
         status, _, body = ask(port, '/stream?topic=/exercise5_2/image')
         self.assertEqual((status, b'The ROS master does not answer' in body), (503, True))
-        said = len(nodes['exercise5_2'].lines)
+        line_count = len(nodes['exercise5_2'].lines)
         self.restart(*nodes.values())
         for name in nodes:
-            until(lambda: known('/' + name) == before[name])
-        self.assertLess(len(nodes['exercise5_2'].lines), said + 4)
+            until(lambda: registrations('/' + name) == before[name])
+        self.assertLess(len(nodes['exercise5_2'].lines), line_count + 4)
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
-    def test_who_is_connected_goes_on_and_others_find_the_node_again(self):
-        self.before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
-        painted = self.see(scene())
+    def test_connected_nodes_continue_and_others_find_the_node_again(self):
+        self.start_before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
+        painted = self.answer_to(scene())
         master.kill()
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         self.restart(self.node)
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         compressed = self.listen('/exercise5_6/image/compressed', CompressedImage)
         until(compressed.subscriber.get_num_connections)
         self.show(scene())
@@ -91,14 +91,14 @@ class MasterRestart(NodeTest):
         until(lambda: CAMERA not in [each[4] for each in api.getBusInfo('/test')[2]])
         self.publisher, self.connections = self.camera()
         self.connections.wait(1)
-        two = self.see(scene([1, 3]))
-        self.assert_painted(two, scene([1, 3]))  # nothing of the wall is forgotten
+        two = self.answer_to(scene([1, 3]))
+        self.assert_painted(two, scene([1, 3]))  # the node has not forgotten the wall
         self.assertGreater(np.abs(two.astype(int) - painted).max(), 50)
         self.assertEqual(len([line for line in self.node.lines if AGAIN in line]), 1)
 
-    def test_what_is_set_and_subscribed_to_while_there_is_no_master(self):
-        self.before_camera('exercise5_6')
-        painted = self.see(scene())
+    def test_parameters_and_subscriptions_can_be_changed_without_a_master(self):
+        self.start_before_camera('exercise5_6')
+        painted = self.answer_to(scene())
         reconfigure = rospy.ServiceProxy('/exercise5_6/set_parameters', Reconfigure, persistent=True)
         reconfigure()
         image = self.listen('/exercise5_6/image')
@@ -106,40 +106,40 @@ class MasterRestart(NodeTest):
         self.assertEqual({item.name: item.value for item in reconfigure(Config(
             doubles=[DoubleParameter('opacity', 0.5)])).config.doubles}['opacity'], 0.5)
         self.node.wait_for('The ROS master does not answer', 'uses the changed parameters all the same')
-        self.assertGreater(np.abs(self.see(scene()).astype(int) - painted).max(), 50)
-        reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # to which it cannot subscribe now
-        self.see(scene())
+        self.assertGreater(np.abs(self.answer_to(scene()).astype(int) - painted).max(), 50)
+        reconfigure(Config(strs=[StrParameter('picture', 'topic:/other')]))  # it cannot subscribe to it now
+        self.answer_to(scene())
         self.assertFalse([line for line in self.node.lines if 'Traceback' in line], self.node.lines)
         self.restart(self.node)
-        until(lambda: (1, '/other') in known('/exercise5_6'))
+        until(lambda: (1, '/other') in registrations('/exercise5_6'))
         self.assertEqual(rospy.get_param('/exercise5_6/opacity'), 0.5)
         master.kill()
         reconfigure(Config(strs=[StrParameter('picture', 'topic:/another')]))
-        self.see(scene())
+        self.answer_to(scene())
         stop_all([self.node])
         self.assertEqual(self.node.ends(), 0)
         master.start()
         del image
 
-    def test_a_master_that_hangs_stops_no_frames_and_no_diagnostics_and_keeps_no_node_from_ending(self):
-        diagnoses = Diagnoses()
-        self.running.append(diagnoses.subscriber)
-        self.before_camera('exercise5_6')
-        # Not the camera of exercise5_6: that is the test itself.
+    def test_a_master_that_hangs_stops_neither_frames_nor_diagnostics_and_nodes_can_end(self):
+        diagnostics = Diagnostics()
+        self.running.append(diagnostics.subscriber)
+        self.start_before_camera('exercise5_6')
+        # This is not the camera of exercise5_6, which is the test itself.
         other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
         nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]
         for node in 'exercise5_6', 'exercise5_2', 'wall_camera', 'page':
-            diagnoses.wait_for_any(node)
+            diagnostics.wait_for_any(node)
         uri = rosgraph.Master('/test').lookupNode('/exercise5_2')
         master.send(signal.SIGSTOP)
         try:
-            self.running.append(Stalled(uri, '/exercise5_2/image', Image))  # for whom it would subscribe
+            self.running.append(Stalled(uri, '/exercise5_2/image', Image))  # the node tries to subscribe for it
             self.publisher.publish(Image())
             self.node.wait_for('0 x 0')
-            self.assert_painted(self.see(scene()), scene())
-            diagnoses.wait('exercise5_2', 'The ROS master does not answer', level=DiagnosticStatus.ERROR)
+            self.assert_painted(self.answer_to(scene()), scene())
+            diagnostics.wait('exercise5_2', 'The ROS master does not answer', level=DiagnosticStatus.ERROR)
             for node in 'wall_camera', 'page':
-                diagnoses.wait_for_any(node)
+                diagnostics.wait_for_any(node)
             stop_all(nodes)
             self.assertEqual([node.ends() for node in nodes], [0] * 4)
         finally:

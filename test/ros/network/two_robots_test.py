@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two robots before one master: each with its own wall, topics, TF frames, diagnostics and services."""
+"""Two robots with one master: each has its own wall, topics, TF frames, diagnostics and services."""
 import unittest
 
 import numpy as np
@@ -11,8 +11,8 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import frame_from_image
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-from rig.listening import Diagnoses, Inbox, moments, until
-from rig.nodes import change
+from rig.nodes.case import change
+from rig.nodes.topics import Diagnostics, Inbox, moments, until
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -22,18 +22,18 @@ COUNT = 10  # frames at a time
 
 
 class TwoRobots(unittest.TestCase):
-    def test_each_paints_what_its_own_camera_sees(self):
+    def test_each_robot_paints_into_its_own_camera_frames(self):
         for robot, camera in ROBOTS.items():
             frames, answers = '/%s/%s' % (robot, camera), '/%s/exercise5_6/image' % robot
 
             def is_painted(moment):
                 self.assertEqual(moment[answers].header.frame_id, robot + '/camera_rgb_optical_frame')
                 frame, answer = (frame_from_image(moment[topic]).astype(float) for topic in (frames, answers))
-                # What JPEG makes of a frame is not much.
+                # JPEG changes a frame by less.
                 return (np.abs(answer - frame) > 60).any(axis=2).mean() > 0.02
             until(lambda: any(map(is_painted, moments({frames: Image, answers: Image}, COUNT))))
 
-    def test_frames_are_told_apart_and_tags_are_where_they_hang(self):
+    def test_tf_frames_are_separate_and_tags_are_where_they_hang(self):
         frames = set()
 
         def take(message):
@@ -50,7 +50,7 @@ class TwoRobots(unittest.TestCase):
                 x, y = tag.corners.mean(axis=0)[:2]
 
                 def is_near():
-                    """The wall's x to the right is odometry's -y, its y up is z."""
+                    """The wall's x, to the right, is odometry's -y; its y, up, is z."""
                     try:
                         place = buffer.lookup_transform(robot + '/odom', '%s/tag_%d' % (robot, tag.id),
                                                         rospy.Time(0)).transform.translation
@@ -66,7 +66,7 @@ class TwoRobots(unittest.TestCase):
         with self.assertRaises(tf2_ros.TransformException):
             buffer.lookup_transform('one/odom', 'two/odom', rospy.Time(0))
 
-    def test_each_knows_where_it_is_before_its_wall(self):
+    def test_each_robot_knows_its_place_before_its_wall(self):
         for robot in ROBOTS:
             poses, odometry = '/%s/tag_poses/robot_pose' % robot, '/%s/odom' % robot
 
@@ -77,15 +77,15 @@ class TwoRobots(unittest.TestCase):
             topics = {poses: PoseWithCovarianceStamped, odometry: Odometry}
             until(lambda: any(map(is_right, moments(topics, COUNT))))
 
-    def test_diagnostics_parameters_and_services_are_apart(self):
-        diagnoses = Diagnoses()
-        self.addCleanup(diagnoses.subscriber.unregister)
+    def test_diagnostics_parameters_and_services_are_separate(self):
+        diagnostics = Diagnostics()
+        self.addCleanup(diagnostics.subscriber.unregister)
         answers = {robot: Inbox('/%s/exercise5_6/image' % robot, Image) for robot in ROBOTS}
         for inbox in answers.values():
             self.addCleanup(inbox.subscriber.unregister)
         for robot in ROBOTS:
-            diagnoses.wait_for_frames(robot + '/exercise5_6')
-            diagnoses.wait(robot + '/wall_camera', 'frames a second')
+            diagnostics.wait_for_frames(robot + '/exercise5_6')
+            diagnostics.wait(robot + '/wall_camera', 'frames a second')
         change('/one/exercise5_6', scale=0.5)
         self.addCleanup(change, '/one/exercise5_6', scale=1.0)
         for robot, width in ('one', 320), ('two', 640):

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""The page's server under attack, a little of each kind; script/torture --only door has more of it."""
+"""A small part of the attacks on the page's server; script/torture --only door runs more."""
 import random
 
 import psutil
 import rospy
 import rostest
 from aruco_node.messages.images import image_from_frame
-from hostile import attacks, intruders
-from rig.listening import until
-from rig.serving import PICTURE, ServerTest
-from rig.skipping import skip
+from hostile.page import attacks, client
+from rig.nodes.topics import until
+from rig.page.server import PICTURE, ServerTest
+from rig.processes.skip import skip
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 SHARE = 0.05
-# What it may have more of afterward: two uploads; connections to the master, until Python collects them.
+# What it may use in addition afterward: two uploads; connections to the master, until Python collects them.
 MORE_MB, MORE_FDS = 128, 64
 
 
@@ -31,7 +31,7 @@ class PageAttack(ServerTest):
 
     def setUp(self):
         snapshot = '/snapshot?topic=' + attacks.TOPIC
-        until(lambda: intruders.statuses(intruders.get(self.port, snapshot, 5)) == [200])
+        until(lambda: client.statuses(client.get(self.port, snapshot, 5)) == [200])
         self.guest = attacks.Guest(self.port)
         self.assertTrue(self.guest.is_served())
 
@@ -44,30 +44,30 @@ class PageAttack(ServerTest):
         self.assertGreater(attack.sent, 5)
         self.guest.close()
         until(lambda: self.page.num_fds() <= before[1] + MORE_FDS)
-        until(lambda: self.page.num_threads() <= before[2] + 8)  # its pools grow up to what they may
+        until(lambda: self.page.num_threads() <= before[2] + 8)  # its thread pools grow up to their limits
         until(lambda: self.page.memory_info().rss < before[0] + 1e6 * MORE_MB)
         self.assertFalse([line for line in self.server.lines if 'Traceback' in line or
-                          line.startswith(intruders.FORGED)], ''.join(self.server.lines))
+                          line.startswith(client.FORGED)], ''.join(self.server.lines))
 
-    def test_odd_addresses_requests_and_queries(self):
+    def test_odd_addresses_requests_and_queries_do_no_harm(self):
         self.attack('paths', 'requests', 'queries')
 
-    def test_picture_bombs_and_large_uploads(self):
+    def test_picture_bombs_and_large_uploads_do_no_harm(self):
         self.attack('bombs', 'uploads')
 
-    def test_nonsense_and_floods_on_websockets(self):
+    def test_nonsense_and_floods_on_websockets_do_no_harm(self):
         self.attack('frames', 'floods')
 
-    def test_crowds(self):
+    def test_crowds_of_clients_do_no_harm(self):
         self.attack('crowds')
 
-    def test_it_answers_as_it_is_described(self):
+    def test_the_answers_match_the_openapi_description(self):
         try:
-            from hostile import described
+            from hostile.page import openapi
         except ImportError:
-            skip(self.id(), 'no schemathesis here, which needs Python 3.10')
+            skip(self.id(), 'schemathesis, which needs Python 3.10, is not installed')
         known = {'topic': [attacks.TOPIC], 'file': ['page.js', 'openapi.yaml'], 'name': ['earth.jpg']}
-        answers, faults = described.ask(self.port, 1, 4, known)
+        answers, faults = openapi.ask(self.port, 1, 4, known)
         self.assertEqual(faults, [])
         for answer in (('GET', '/', 200), ('GET', '/stream', 200), ('GET', '/snapshot', 200),
                        ('GET', '/stream', 400), ('POST', '/picture', 422), ('GET', '/page/{file}', 200)):

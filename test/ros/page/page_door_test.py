@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The door of the page's server: who may ask it what, and what it does not let in or out."""
+"""Access to the page's server: who may ask for what, and what it refuses."""
 import asyncio
 import json
 import queue
@@ -11,16 +11,16 @@ import cv2
 import rospy
 import rostest
 from geometry_msgs.msg import Twist
-from rig.listening import Inbox
-from rig.serving import PICTURE, ServerTest, ask, free_port
-from rig.started import WAIT_S, node
+from rig.nodes.topics import Inbox
+from rig.page.server import PICTURE, ServerTest, ask, free_port
+from rig.processes.started import WAIT_S, node
 from rosgraph import Master
 from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 
 def bomb(side):
-    """A PNG of a few bytes and side x side pixels."""
+    """A PNG of a few bytes with side x side pixels."""
     def chunk(kind, data):
         return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
     rows = zlib.compress(b'\0' * ((side // 8 + 1) * side), 9)
@@ -29,7 +29,7 @@ def bomb(side):
 
 
 class PageDoor(ServerTest):
-    def test_no_path_leads_out(self):
+    def test_no_path_leads_out_of_the_served_folders(self):
         secret = b'unit5</name>'
         for path in ('/page/../package.xml', '/page/..%2fpackage.xml', '/page/%2e%2e/package.xml',
                      '/../package.xml', '//package.xml', '/page//etc/passwd', '/page/index.html',
@@ -44,7 +44,7 @@ class PageDoor(ServerTest):
             self.assertNotIn(b'root:', answer)
         self.assertEqual(ask(self.port, '/page/page.js')[0], 200)
 
-    def test_other_sites_and_other_names_are_refused(self):
+    def test_other_sites_and_other_host_names_are_refused(self):
         png = cv2.imencode('.png', PICTURE)[1].tobytes()
         for headers in ({'Origin': 'http://evil.example'}, {'Origin': 'null'}, {'Origin': 'http://127.0.0.1:1'},
                         {'Host': 'evil.example:%d' % self.port}):
@@ -57,16 +57,16 @@ class PageDoor(ServerTest):
             self.assertEqual(refused.exception.code, 403)
 
     async def talk(self, messages, headers=None, port=None):
-        """Open the websocket, say these, and return the first that is answered."""
+        """Open the websocket, send these messages, and return the first reply, or None if it was closed."""
         live = await websocket_connect(HTTPRequest('ws://127.0.0.1:%d/live' % (port or self.port),
                                                    headers=headers or {}))
         for message in messages:
             await live.write_message(message)
         first = await asyncio.wait_for(live.read_message(), WAIT_S)
         live.close()
-        return first and json.loads(first)  # None where it is closed
+        return first and json.loads(first)  # None if the connection was closed
 
-    def test_nonsense_on_the_websocket_closes_it_and_nothing_else(self):
+    def test_nonsense_on_the_websocket_closes_only_that_websocket(self):
         for message in ('', '[]', '7', '{"drive": "fast"}', '{"drive": [1]}', '{"drive": [NaN, 1]}',
                         '{"look": 5}', '{"picture": 5}', '{"slide": [1, 2, 3]}', b'\xff\xfe',
                         '{"look": ["/\\u0000", "~", ""]}', '[' * 30000, '{"drive": [1%s, 0]}' % ('0' * 400),
@@ -74,7 +74,7 @@ class PageDoor(ServerTest):
             asyncio.run(self.talk([message]))
         self.assertIn('state', asyncio.run(self.talk([])))
 
-    def test_only_pictures_of_a_bearable_size_are_taken(self):
+    def test_pictures_that_are_too_large_or_unreadable_are_refused(self):
         for data, status, words in ((b'no picture', 422, 'not a picture'),
                                     (b'', 422, 'not a picture'),
                                     (bomb(30000), 422, 'at most 32 million pixels'),
@@ -91,19 +91,19 @@ class PageDoor(ServerTest):
                     for _ in range(17 * 16):
                         line.sendall(b'10000\r\n' + bytes(0x10000) + b'\r\n')
                 except OSError:
-                    pass  # it has hung up already
+                    pass  # the server has already hung up
                 self.assertRegex(line.recv(65536), b'^HTTP/1.1 413 .*')
-        # Without anybody to paint it, a good one is refused with a sentence as well.
+        # If no node can paint it, even a good picture is refused with a sentence.
         answered, _, body = ask(self.port, '/picture', cv2.imencode('.png', PICTURE)[1].tobytes())
         self.assertEqual((answered, body), (422, b'/exercise5_6 does not answer: it is not running.\n'))
 
-    def test_it_listens_to_this_machine_alone(self):
+    def test_it_can_only_be_reached_from_this_machine(self):
         with open('/proc/net/tcp') as table:
             listening = [line.split()[1] for line in table if line.split()[3] == '0A']
         self.assertIn('0100007F:%04X' % self.port, listening)
         self.assertNotIn('00000000:%04X' % self.port, listening)
 
-    def test_driving_is_off_where_it_is_turned_off_or_the_network_can_reach_it(self):
+    def test_driving_is_off_if_it_is_turned_off_or_the_network_can_reach_the_page(self):
         commands = Inbox('/cmd_vel', Twist)
         self.addCleanup(commands.subscriber.unregister)
         for arguments in (['_drive:=false'], ['_address:=0.0.0.0']):
@@ -117,7 +117,7 @@ class PageDoor(ServerTest):
             self.assertNotIn('/page_%d' % port, publishers)
         self.assertTrue(commands.empty())
 
-    def test_who_drives_and_falls_silent_is_stopped_though_the_connection_stays(self):
+    def test_a_robot_is_stopped_if_its_driver_sends_nothing_though_still_connected(self):
         commands = Inbox('/cmd_vel', Twist)
         self.addCleanup(commands.subscriber.unregister)
 
@@ -125,7 +125,7 @@ class PageDoor(ServerTest):
             live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
             loop = asyncio.get_running_loop()
             speeds = []
-            while not speeds:  # until the subscriber is there
+            while not speeds:  # until the subscriber is connected
                 await live.write_message('{"drive": [1, -0.5]}')
                 try:
                     command = await loop.run_in_executor(None, lambda: commands.get(timeout=0.2))
@@ -135,14 +135,14 @@ class PageDoor(ServerTest):
             while speeds[-1] != (0, 0):
                 command = await loop.run_in_executor(None, commands.next)
                 speeds.append((command.linear.x, command.angular.z))
-            await live.write_message('{"look": []}')  # it is open still
+            await live.write_message('{"look": []}')  # the websocket is still open
             live.close()
             return speeds
         speeds = asyncio.run(drive())
         self.assertAlmostEqual(speeds[0][0], 0.3)
         self.assertAlmostEqual(speeds[0][1], -0.4)
 
-    def test_what_cannot_be_served_ends_it_with_a_sentence(self):
+    def test_an_impossible_address_or_parameter_ends_it_with_a_sentence(self):
         for arguments, words in ((['_port:=%d' % self.port], 'cannot be served at 127.0.0.1:%d' % self.port),
                                  (['_port:=0'], '~port is 0; it must be a number from 1 to 65535'),
                                  (['_address:=nowhere'], '~address is "nowhere"; it must be an IP address'),

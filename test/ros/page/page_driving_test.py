@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Driving from the page in a real browser, and stopping in every way there is."""
+"""Driving from the page in a real browser, and all ways of stopping."""
 import os
 import signal
 import threading
@@ -10,14 +10,14 @@ import rostest
 from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.msg import Config
 from nav_msgs.msg import Odometry
-from rig.browsing import BrowserTest
-from rig.started import WAIT_S
+from rig.page.browser import BrowserTest
+from rig.processes.started import WAIT_S
 from rosgraph import Master
 from sensor_msgs.msg import Image
 
 
 class Robot:
-    """What /odom says."""
+    """The robot's place and speed from /odom."""
 
     def __init__(self):
         self._changed = threading.Condition()
@@ -30,7 +30,7 @@ class Robot:
             self._changed.notify_all()
 
     def wait(self, is_so):
-        """Wait until is_so(x, forward, left) is true; x."""
+        """Wait until ``is_so(x, forward, left)`` is true; returns x."""
         def true():
             return self._message and is_so(*self._values())
         with self._changed:
@@ -49,7 +49,7 @@ class PageDriving(BrowserTest):
         super().setUpClass()
         cls.robot = Robot()
 
-    def test_an_arrow_key_drives_and_letting_go_stops(self):
+    def test_an_arrow_key_drives_until_it_is_released(self):
         start = self.robot.wait(lambda x, forward, left: forward == left == 0)
         self.page.keyboard.down('ArrowUp')
         self.robot.wait(lambda x, forward, left: forward > 0.2 and x > start + 0.1)
@@ -65,7 +65,7 @@ class PageDriving(BrowserTest):
         self.turn_back()
 
     def turn_back(self):
-        """Toward the wall again, as far as it was turned away."""
+        """Turn the robot back toward the wall."""
         heading = rospy.wait_for_message('/odom', Odometry, WAIT_S).pose.pose.orientation.z
         key = 'ArrowRight' if heading > 0 else 'ArrowLeft'
         self.page.keyboard.down(key)
@@ -94,7 +94,7 @@ class PageDriving(BrowserTest):
         self.page.keyboard.up('Space')
         self.robot.wait(lambda x, forward, left: forward == 0)
 
-    def test_the_robot_stops_when_the_page_loses_focus_or_is_gone(self):
+    def test_the_robot_stops_if_the_page_loses_focus_or_is_closed(self):
         def drive():
             self.page.keyboard.down('ArrowDown')
             self.robot.wait(lambda x, forward, left: forward < -0.2)
@@ -103,11 +103,11 @@ class PageDriving(BrowserTest):
         self.robot.wait(lambda x, forward, left: forward == 0)
         self.page.keyboard.up('ArrowDown')
         drive()
-        self.page.context.set_offline(True)  # holds back new connections; the old one is cut by going elsewhere
+        self.page.context.set_offline(True)  # it prevents new connections; leaving the page closes the old one
         self.page.goto('about:blank')
         self.robot.wait(lambda x, forward, left: forward == 0)
 
-    def test_arrow_keys_on_a_slider_do_not_drive_but_change_the_noise_until_it_is_left(self):
+    def test_arrow_keys_on_a_focused_slider_change_the_noise_and_do_not_drive(self):
         settings = []
         arrived = threading.Condition()
 
@@ -126,15 +126,15 @@ class PageDriving(BrowserTest):
         self.robot.wait(lambda x, forward, left: forward == left == 0)
         slider.fill(str(int(before)))
         self.assertEqual(slider.evaluate('slider => slider === document.activeElement'), True)
-        self.page.get_by_text('earth', exact=True).click()  # by mouse: from then on arrow keys drive
+        self.page.get_by_text('earth', exact=True).click()  # after a click on something else, arrow keys drive
         self.page.wait_for_function('() => document.activeElement === document.body')
         self.page.keyboard.down('ArrowDown')
         self.robot.wait(lambda x, forward, left: forward < 0)
         self.page.keyboard.up('ArrowDown')
         self.robot.wait(lambda x, forward, left: forward == 0)
 
-    def test_z_killing_the_server_stops_the_robot_and_leaves_the_nodes_alive(self):
-        self.expected = 'ERR_CONNECTION'  # the browser tells its console of every attempt
+    def test_z_killing_the_server_stops_the_robot_but_not_the_nodes(self):
+        self.expected = 'ERR_CONNECTION'  # the browser logs every attempt to connect on its console
         self.page.keyboard.down('ArrowDown')
         self.robot.wait(lambda x, forward, left: forward < -0.2)
         page = ServerProxy(Master('/page_driving_test').lookupNode('/page'))

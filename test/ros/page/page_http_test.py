@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page's server without a browser: web_video_server's addresses."""
+"""The page's server without a browser: the addresses of web_video_server."""
 import asyncio
 import json
 import re
@@ -11,16 +11,16 @@ import numpy as np
 import rospy
 import rostest
 from aruco_node.messages.images import compressed_from_frame, image_from_frame
-from rig.listening import Connections, until
-from rig.serving import PICTURE, ServerTest, ask
-from rig.started import WAIT_S
+from rig.nodes.topics import Connections, until
+from rig.page.server import PICTURE, ServerTest, ask
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header, String
 from tornado.websocket import websocket_connect
 
 
 class Stream:
-    """An MJPEG stream, read part by part."""
+    """An MJPEG stream that is read part by part."""
 
     def __init__(self, port, path):
         self._file = urllib.request.urlopen('http://127.0.0.1:%d%s' % (port, path), timeout=WAIT_S)
@@ -28,7 +28,7 @@ class Stream:
         self._boundary = re.search('boundary=(.*)', self.kind).group(1).encode()
 
     def part(self):
-        """(headers, body) of the next part."""
+        """Read the next part; returns (headers, body)."""
         assert self._file.readline().strip() == b'--' + self._boundary
         headers = {}
         for line in iter(self._file.readline, b'\r\n'):
@@ -48,35 +48,35 @@ class PageHttp(ServerTest):
         connections = Connections()
         publisher = rospy.Publisher(topic, kind, connections, queue_size=1)
         self.addCleanup(publisher.unregister)
-        self.addCleanup(connections.wait, 0)  # else the next test takes this one's listener for its own
+        self.addCleanup(connections.wait, 0)  # otherwise the next test would count this one's subscriber
         make = image_from_frame if kind is Image else compressed_from_frame
 
         def publish(picture=PICTURE, number=1):
             publisher.publish(make(picture, Header(stamp=rospy.Time(number, 500))))
         return publish, connections
 
-    def publish_always(self, publish):
+    def publish_repeatedly(self, publish):
         timer = rospy.Timer(rospy.Duration(1 / 30), lambda event: publish())
         self.addCleanup(timer.shutdown)
 
-    def listed(self, topic):
-        """Wait until the page lists a topic that was just published."""
+    def wait_until_listed(self, topic):
+        """Wait until the page lists a topic."""
         until(lambda: topic in ask(self.port, '/')[2].decode())
 
     def test_it_lists_the_image_topics_and_no_others(self):
         self.camera()
         other = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(other.unregister)
-        self.listed('/eye/image')
+        self.wait_until_listed('/eye/image')
         _, headers, body = ask(self.port, '/')
         self.assertIn('href="/stream?topic=/eye/image"', body.decode())
         self.assertIn('href="/snapshot?topic=/eye/image"', body.decode())
         self.assertNotIn('/words', body.decode())
         self.assertIn("default-src 'none'", headers['Content-Security-Policy'])
 
-    def test_a_stream_of_jpegs_only_while_somebody_looks(self):
+    def test_a_stream_of_jpegs_subscribes_only_while_somebody_watches(self):
         publish, connections = self.camera()
-        self.listed('/eye/image')
+        self.wait_until_listed('/eye/image')
         self.assertEqual(connections.count, 0)
         stream = Stream(self.port, '/stream?topic=/eye/image&quality=90')
         self.assertEqual(stream.kind, 'multipart/x-mixed-replace;boundary=boundarydonotcross')
@@ -100,11 +100,11 @@ class PageHttp(ServerTest):
         self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (240, 320, 3))
         stream.close()
 
-    def test_a_snapshot_and_one_of_a_camera_that_is_only_there_compressed(self):
+    def test_snapshots_of_a_raw_and_of_a_compressed_camera(self):
         for topic, suffix, kind in (('/eye/image', '', Image), ('/lens/image', '/compressed', CompressedImage)):
             publish, connections = self.camera(topic + suffix, kind)
-            self.listed(topic)
-            self.publish_always(publish)
+            self.wait_until_listed(topic)
+            self.publish_repeatedly(publish)
             status, headers, body = ask(self.port, '/snapshot?topic=' + topic)
             self.assertEqual((status, headers['Content-Type'], headers['X-Timestamp']),
                              (200, 'image/jpeg', '1.000000500'))
@@ -113,9 +113,9 @@ class PageHttp(ServerTest):
         viewer = ask(self.port, '/stream_viewer?topic=/eye/image')[2].decode()
         self.assertIn('src="/stream?topic=/eye/image"', viewer)
 
-    def test_what_is_not_there_is_answered_with_a_sentence(self):
+    def test_an_impossible_request_is_answered_with_a_sentence(self):
         self.camera()
-        self.listed('/eye/image')
+        self.wait_until_listed('/eye/image')
         words = rospy.Publisher('/words', String, queue_size=1)
         self.addCleanup(words.unregister)
         until(lambda: b'its type is' in ask(self.port, '/stream?topic=/words')[2])
@@ -138,32 +138,32 @@ class PageHttp(ServerTest):
             self.assertEqual((answered, headers['Content-Type']), (status, 'text/plain; charset=utf-8'), path)
             self.assertIn(sentence, body.decode())
 
-    def test_the_page_is_sent_the_newest_frame_when_it_has_shown_the_last(self):
+    def test_the_page_gets_the_newest_frame_after_it_has_shown_the_last(self):
         publish, connections = self.camera()
-        self.listed('/eye/image')
+        self.wait_until_listed('/eye/image')
 
         async def look():
             live = await self.look(connections)
-            other = Stream(self.port, '/stream?topic=/eye/image')  # tells when a frame has arrived
+            other = Stream(self.port, '/stream?topic=/eye/image')  # its parts tell when a frame has arrived
             for number in range(1, 11):
                 publish(number=number)
                 other.part()
             other.close()
-            frames = [await self.frame(live)]
+            frames = [await self.next_frame(live)]
             await live.write_message('{"shown": "/eye/image"}')
-            frames.append(await self.frame(live))
+            frames.append(await self.next_frame(live))
             live.close()
             return [head['stamp'] for head, _ in frames]
         np.testing.assert_allclose(asyncio.run(look()), [1, 10], atol=0.01)
 
     async def look(self, connections):
-        """A websocket that looks at /eye/image."""
+        """Open a websocket that looks at /eye/image."""
         live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
         await live.write_message(json.dumps({'look': ['/eye/image']}))
         connections.wait(1)
         return live
 
-    async def frame(self, live):
+    async def next_frame(self, live):
         """(head, picture) of the next frame that a websocket sends."""
         message = ''
         while isinstance(message, str):
@@ -171,29 +171,29 @@ class PageHttp(ServerTest):
         length, = struct.unpack('>I', message[:4])
         return json.loads(message[4:4 + length]), cv2.imdecode(np.frombuffer(message[4 + length:], np.uint8), 1)
 
-    def test_a_frame_that_cannot_be_shown_is_explained_and_the_next_one_shown(self):
+    def test_an_unusable_frame_is_explained_and_the_next_one_is_shown(self):
         publish, connections = self.camera()
-        self.listed('/eye/image')
+        self.wait_until_listed('/eye/image')
 
         async def look():
             live = await self.look(connections)
             publish(np.zeros((1, 70000, 3), np.uint8))
-            said = ''
-            while 'without' not in said:
-                said = await asyncio.wait_for(live.read_message(), WAIT_S)
+            reply = ''
+            while 'without' not in reply:
+                reply = await asyncio.wait_for(live.read_message(), WAIT_S)
             publish()
-            head, picture = await self.frame(live)
+            head, picture = await self.next_frame(live)
             live.close()
-            return json.loads(said), head, picture
-        said, head, picture = asyncio.run(look())
-        self.assertEqual(said['without'], '/eye/image')
-        self.assertIn('A frame of 70000 x 1 pixels is too large', said['why'])
+            return json.loads(reply), head, picture
+        reply, head, picture = asyncio.run(look())
+        self.assertEqual(reply['without'], '/eye/image')
+        self.assertIn('A frame of 70000 x 1 pixels is too large', reply['why'])
         self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
-    def test_a_slow_browser_gets_fewer_frames_and_slows_nobody(self):
+    def test_a_slow_browser_gets_fewer_frames_and_does_not_slow_others(self):
         publish, connections = self.camera()
-        self.listed('/eye/image')
-        noise = np.random.RandomState(0).randint(0, 255, (480, 640, 3), np.uint8)  # some 400 kB a frame
+        self.wait_until_listed('/eye/image')
+        noise = np.random.RandomState(0).randint(0, 255, (480, 640, 3), np.uint8)  # about 400 kB per frame
         slow = Stream(self.port, '/stream?topic=/eye/image')
         quick = Stream(self.port, '/stream?topic=/eye/image')
         connections.wait(1)

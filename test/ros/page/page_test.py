@@ -1,32 +1,32 @@
 #!/usr/bin/env python3
-"""The page in a real browser: pictures that move, and choosing what is painted."""
+"""The page in a real browser: moving pictures, and choosing what is painted."""
 import cv2
 import numpy as np
 import rospy
 import rostest
 from aruco_ar import Area
 from geometry_msgs.msg import PolygonStamped
-from rig.browsing import BrowserTest
-from rig.listening import until
-from rig.started import WAIT_S
+from rig.nodes.topics import until
+from rig.page.browser import BrowserTest
+from rig.processes.started import WAIT_S
 
 PAINTED = '.tile[data-topic="/exercise5_6/image"]'
 
 
 class Page(BrowserTest):
-    def shot(self, selector):
+    def screenshot(self, selector):
         """A screenshot of an element, (h, w, 3) BGR."""
         png = self.page.locator(selector).screenshot()
         return cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_COLOR)
 
     def painted(self):
-        """What 5.6 shows on the page, as large as it is, and the true area in it."""
+        """The page's picture of exercise 5.6 in its original size, and the true Area in it."""
         corners = rospy.wait_for_message('/wall_camera/area', PolygonStamped, WAIT_S).polygon.points
-        shot = cv2.resize(self.shot(PAINTED + ' canvas'), (640, 480))
+        shot = cv2.resize(self.screenshot(PAINTED + ' canvas'), (640, 480))
         return shot, Area(np.float32([(point.x, point.y) for point in corners]))
 
     def wait_for_color(self, color):
-        """Wait until the middle of what 5.6 shows has about that color, (blue, green, red)."""
+        """Wait until the middle of the area of exercise 5.6 has about this color, (blue, green, red)."""
         self.page.wait_for_function(
             '''([selector, x, y, [blue, green, red]]) => {
                  const picture = document.querySelector(selector).getContext('2d');
@@ -45,10 +45,10 @@ class Page(BrowserTest):
         for tile in self.page.locator('.tile').all():
             topic = tile.get_attribute('data-topic')
             selector = '.tile[data-topic="%s"] canvas' % topic
-            first = self.shot(selector)
+            first = self.screenshot(selector)
             self.assertGreater(first.std(), 20, topic)
-            until(lambda: np.any(self.shot(selector) != first))
-        self.page.get_by_text('earth', exact=True).click()  # whatever was chosen by another test
+            until(lambda: np.any(self.screenshot(selector) != first))
+        self.page.get_by_text('earth', exact=True).click()  # another test may have chosen another picture
 
         def color(x, y):
             shot, area = self.painted()
@@ -64,13 +64,14 @@ class Page(BrowserTest):
         self.assertTrue(red > green > blue and red > 130, (blue, green, red))
         self.assertLess(color(60, 320).max(), 70)
 
-    def test_rate_latency_and_tags_are_beside_each_picture_and_nothing_comes_from_elsewhere(self):
+    def test_each_picture_has_its_rate_latency_and_tags_and_all_files_are_local(self):
         self.wait_for_text('.tile .tags', 'tags 1 2 3 4')
         for tile in self.page.locator('.tile').all():
             self.assertRegex(tile.locator('.rate').inner_text(), r'^\d+ fps$')
             self.assertRegex(tile.locator('.latency').inner_text(), r'^\d+ ms$')
         own = 'http://localhost:%d/' % self.port
-        self.assertEqual([url for url in self.asked if not url.startswith((own, 'data:', 'ws' + own[4:]))], [])
+        own_urls = own, 'data:', 'ws' + own[4:]
+        self.assertEqual([url for url in self.requested if not url.startswith(own_urls)], [])
 
     def test_everything_has_a_name_for_a_screen_reader(self):
         nameless = self.page.evaluate(
@@ -84,18 +85,18 @@ class Page(BrowserTest):
         self.assertEqual(self.page.get_by_role('slider', name='Noise').count(), 1)
         self.wait_for_text('#status', 'Live')
 
-    def test_a_click_makes_a_picture_large_and_the_others_rest(self):
-        small = self.shot(PAINTED)
+    def test_a_click_enlarges_a_picture_and_the_others_pause(self):
+        small = self.screenshot(PAINTED)
         self.page.get_by_role('button', name='5.6 A picture in its place').click()
-        self.assertGreater(self.shot(PAINTED).shape[1], 2 * small.shape[1])
-        # Now only 5.6 is looked at: the other nodes are left alone.
-        self.until_connected(['/exercise5_6/image/compressed'])
+        self.assertGreater(self.screenshot(PAINTED).shape[1], 2 * small.shape[1])
+        # Only 5.6 is visible now, so the page unsubscribes from the other nodes.
+        self.wait_for_subscriptions(['/exercise5_6/image/compressed'])
         self.page.keyboard.press('Escape')
-        self.assertEqual(self.shot(PAINTED).shape[1], small.shape[1])
-        self.until_connected(['/exercise5_%d/image/compressed' % number for number in range(2, 7)])
+        self.assertEqual(self.screenshot(PAINTED).shape[1], small.shape[1])
+        self.wait_for_subscriptions(['/exercise5_%d/image/compressed' % number for number in range(2, 7)])
 
-    def until_connected(self, topics):
-        """Wait until these and no others of the exercises' pictures are subscribed to."""
+    def wait_for_subscriptions(self, topics):
+        """Wait until the page subscribes to exactly these pictures of the exercises."""
         def connected():
             listened = rospy.get_master().getSystemState()[2][1]
             return sorted(topic for topic, nodes in listened if topic.endswith('image/compressed')
@@ -105,8 +106,8 @@ class Page(BrowserTest):
     def test_choosing_a_picture_changes_what_is_painted(self):
         self.page.get_by_text('turning earth').click()
         self.wait_for_chosen('turning_earth.mp4')
-        turned = [self.shot(PAINTED + ' canvas')]
-        until(lambda: turned.append(self.shot(PAINTED + ' canvas')) or
+        turned = [self.screenshot(PAINTED + ' canvas')]
+        until(lambda: turned.append(self.screenshot(PAINTED + ' canvas')) or
               np.abs(turned[-1].astype(int) - turned[0]).max() > 60)
         png = cv2.imencode('.png', np.full((20, 30, 3), (10, 200, 30), np.uint8))[1].tobytes()
         green = {'name': 'green.png', 'mimeType': 'image/png', 'buffer': png}
@@ -122,13 +123,13 @@ class Page(BrowserTest):
                    new DragEvent('drop', { bubbles: true, cancelable: true, dataTransfer }));
                }''', np.ravel(blue).tolist())
         self.wait_for_color((220, 30, 10))
-        self.expected = '422'  # the browser tells its console of answers that are none
+        self.expected = '422'  # the browser logs this status on its console
         self.page.locator('#file').set_input_files({'name': 'no.png', 'mimeType': 'image/png', 'buffer': b'no'})
         self.wait_for_text('#status', 'This file is not a picture')
         self.wait_for_color((220, 30, 10))
         self.page.get_by_text('earth', exact=True).click()
         self.wait_for_chosen('earth.jpg')
-        self.page.get_by_text('dropped 2').click()  # it is still there
+        self.page.get_by_text('dropped 2').click()  # the dropped picture is still there
         self.wait_for_color((220, 30, 10))
         self.page.get_by_text('earth', exact=True).click()
         self.wait_for_chosen('earth.jpg')

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The example of docs/howto/poses.md, as it stands there, drives the simulated robot up to the wall."""
+"""The example in docs/howto/poses.md drives the simulated robot up to the wall."""
 import os
 import re
 import tempfile
@@ -10,8 +10,8 @@ import rostest
 from aruco_ar.base.files import package_folder
 from aruco_ar.simulation.robot import CAMERA_FORWARD_M
 from nav_msgs.msg import Odometry
-from rig.listening import Inbox
-from rig.started import Started
+from rig.nodes.topics import Inbox
+from rig.processes.started import Started
 
 
 class StopBeforeTheWall(unittest.TestCase):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The poses that tag_poses publishes, against the truth of the simulated camera's drive past its wall."""
+"""The poses that tag_poses publishes, compared with the truth while the simulated camera drives past."""
 import unittest
 
 import numpy as np
@@ -14,7 +14,7 @@ from aruco_node.messages.images import frame_from_image
 from aruco_node.messages.pose_messages import from_transform
 from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
 from nav_msgs.msg import Odometry
-from rig.listening import Inbox, moments
+from rig.nodes.topics import Inbox, moments
 from sensor_msgs.msg import Image
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
@@ -27,12 +27,12 @@ WALL = load_wall(package_folder() + '/config/wall.yaml')
 TAGS = {tag.id: tag for tag in WALL.tags}
 
 
-def placed(pose):
+def from_pose(pose):
     """(rotation, translation) of a geometry_msgs/Pose."""
     return from_transform(Transform(translation=pose.position, rotation=pose.orientation))
 
 
-def turn(one, other):
+def angle_between(one, other):
     """Degrees between two rotations."""
     return np.degrees(np.arccos(np.clip((np.trace(one.T @ other) - 1) / 2, -1, 1)))
 
@@ -45,24 +45,24 @@ class TagPoses(unittest.TestCase):
         cls.moments = moments(TOPICS, COUNT, 60)
 
     def truth(self, moment):
-        """(R, t) of the wall in the camera's optical frame, where the robot was then."""
+        """(R, t) of the wall in the camera's optical frame at that moment."""
         pose = moment['/odom'].pose.pose
         heading = 2 * np.arctan2(pose.orientation.z, pose.orientation.w)
         return wall_to_camera(Pose(pose.position.x, pose.position.y, heading))
 
-    def test_every_tag_is_where_it_is(self):
+    def test_every_tag_has_its_true_pose(self):
         count = 0
         for moment in self.moments:
             rotation, translation = self.truth(moment)
             message = moment['/tag_poses/poses']
             self.assertEqual(message.header.frame_id, 'camera_rgb_optical_frame')
             for tag in message.tags:
-                found = placed(tag.pose.pose)
+                found = from_pose(tag.pose.pose)
                 true = rotation @ np.array([TAGS[tag.id].x, TAGS[tag.id].y, 0]) + translation
                 far = np.linalg.norm(true)
                 self.assertLess(np.linalg.norm(found[1] - true), 0.002 + 0.01 * far)
-                # The tags are upright: their axes are the wall's.
-                self.assertLess(turn(found[0], rotation), 2.0)
+                # The tags are upright, so their axes are those of the wall.
+                self.assertLess(angle_between(found[0], rotation), 2.0)
                 self.assertEqual(tag.size, 0.18)
                 corners = np.array([(corner.x, corner.y) for corner in tag.corners])
                 expected, _ = project(TAGS[tag.id].corners, rotation, translation, Camera())
@@ -75,35 +75,35 @@ class TagPoses(unittest.TestCase):
                 count += 1
         self.assertGreater(count, COUNT)
 
-    def test_the_camera_and_the_robot_are_where_they_are(self):
+    def test_the_camera_and_the_robot_have_their_true_poses(self):
         for moment in self.moments:
             rotation, translation = self.truth(moment)
             message = moment['/tag_poses/camera_pose']
             self.assertEqual(message.header.frame_id, 'wall')
-            found = placed(message.pose.pose)
+            found = from_pose(message.pose.pose)
             self.assertLess(np.linalg.norm(found[1] + rotation.T @ translation), 0.03)
-            self.assertLess(turn(found[0], rotation.T), 1.0)
-            # The wall's x is odometry's -y, its z odometry's -x.
-            robot = placed(moment['/tag_poses/robot_pose'].pose.pose)[1]
+            self.assertLess(angle_between(found[0], rotation.T), 1.0)
+            # The wall's x is odometry's -y, and its z is odometry's -x.
+            robot = from_pose(moment['/tag_poses/robot_pose'].pose.pose)[1]
             odometry = moment['/odom'].pose.pose.position
             self.assertLess(np.abs(robot - [-odometry.y, 0, -odometry.x]).max(), 0.03)
 
-    def test_the_area_is_where_it_is_and_as_large(self):
+    def test_the_area_has_its_true_pose_and_size(self):
         count = 0
         for moment in self.moments:
             rotation, translation = self.truth(moment)
             area = moment['/tag_poses/area']
             if not area.corners:
                 continue
-            found = placed(area.pose.pose)
+            found = from_pose(area.pose.pose)
             true = rotation @ WALL.area_corners.mean(axis=0) + translation
             self.assertLess(np.linalg.norm(found[1] - true), 0.01 + 0.02 * np.linalg.norm(true))
-            self.assertLess(turn(found[0], rotation), 2.0)
+            self.assertLess(angle_between(found[0], rotation), 2.0)
             self.assertLess(abs(area.width - 0.9) + abs(area.height - 0.6), 0.05)
             count += 1
         self.assertGreater(count, COUNT / 3)
 
-    def test_tf_says_the_same(self):
+    def test_tf_agrees_with_the_poses(self):
         count = 0
         for moment in self.moments[:-5]:
             message = moment['/tag_poses/poses']
@@ -117,7 +117,7 @@ class TagPoses(unittest.TestCase):
                 count += 1
         self.assertGreater(count, COUNT)
 
-    def test_rviz_is_shown_a_plate_for_every_tag_and_the_area(self):
+    def test_rviz_gets_a_plate_for_every_tag_and_for_the_area(self):
         inbox = Inbox('/tag_poses/markers', MarkerArray)
         ids = set()
         while ids < {'1', '2', '3', '4'} or 'area' not in ids:
@@ -135,9 +135,9 @@ class TagPoses(unittest.TestCase):
 
     def assert_axes(self, seen, tags):
         for tag in tags:
-            rotation, translation = placed(tag.pose.pose)
+            rotation, translation = from_pose(tag.pose.pose)
             for axis, color in ((0, (0, 0, 255)), (1, (0, 255, 0))):
-                # Something else may lie over a part of it: the axis toward the camera, another tag's id.
+                # Something else may cover a part of an axis: the axis toward the camera, or another tag's id.
                 along = rotation[:, axis] * np.linspace(0.02, 0.12, 8)[:, None] + translation
                 points, _ = project(along, np.eye(3), np.zeros(3), Camera())
                 points = [(x, y) for x, y in np.round(points).astype(int) if 3 < x < 636 and 3 < y < 476]

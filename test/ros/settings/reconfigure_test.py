@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""dynamic_reconfigure: what it offers, and that a change counts for the very next frame or is refused."""
+"""dynamic_reconfigure: what it offers, and that a change is refused or applies to the very next frame."""
 import asyncio
 import json
 import tempfile
@@ -10,10 +10,10 @@ import rostest
 from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.msg import ConfigDescription
 from geometry_msgs.msg import Twist
-from rig.listening import until
-from rig.nodes import BLANK, GRAY, INSIDE, NODES, NodeTest, change, picture_file, scene
-from rig.serving import free_port
-from rig.started import WAIT_S
+from rig.nodes.case import BLANK, GRAY, INSIDE, NODES, NodeTest, change, picture_file, scene
+from rig.nodes.topics import until
+from rig.page.server import free_port
+from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 
@@ -34,7 +34,7 @@ LEFT, RIGHT, TOP, BOTTOM = ((slice(None), slice(0, 40)), (slice(None), slice(-40
                             (slice(0, 40), slice(None)), (slice(-40, None), slice(None)))
 
 
-class Reconfigured(NodeTest):
+class DynamicReconfigure(NodeTest):
     def setUp(self):
         super().setUp()
         folder = tempfile.TemporaryDirectory()
@@ -44,19 +44,19 @@ class Reconfigured(NodeTest):
         self.red = picture_file(folder.name, 'red.png', half)
 
     def paint(self, *arguments):
-        self.before_camera('exercise5_6', '_picture:=' + self.red, *arguments)
+        self.start_before_camera('exercise5_6', '_picture:=' + self.red, *arguments)
 
     def assert_color(self, image, place, color):
         np.testing.assert_allclose(image[place].reshape(-1, 3).mean(axis=0), color, atol=8)
 
-    def test_all_that_is_offered_is_described_with_its_range_or_choices(self):
+    def test_every_parameter_is_described_with_its_range_or_choices(self):
         self.start_all()
         for node in NODES:
-            said = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
-            parameters = {each.name: each for group in said.groups for each in group.parameters}
+            description = rospy.wait_for_message('/%s/parameter_descriptions' % node, ConfigDescription, WAIT_S)
+            parameters = {each.name: each for group in description.groups for each in group.parameters}
             self.assertEqual(set(parameters), OFFERED.get(node, SIGHT), node)
             low, high, default = ({each.name: each.value for each in part.doubles + part.strs}
-                                  for part in (said.min, said.max, said.dflt))
+                                  for part in (description.min, description.max, description.dflt))
             for name, each in parameters.items():
                 self.assertGreater(len(each.description), 5, (node, name))
                 self.assertEqual(each.type, 'double' if name in RANGES else 'str')
@@ -68,27 +68,27 @@ class Reconfigured(NodeTest):
                 self.assertTrue(set(CHOICES.get(name, [])) <= set(names), (node, name))
                 self.assertEqual(default[name] in names, name in CHOICES, (node, name))
 
-    def test_dictionary_and_ids(self):
+    def test_dictionary_and_ids_can_be_changed(self):
         self.paint()
         others = scene(dictionary='DICT_5X5_100')
-        self.assertEqual(self.sees(others), [])
+        self.assertEqual(self.ids_seen(others), [])
         change('/exercise5_6', dictionary='DICT_5X5_100')
-        image, tags = self.see(others, 'image', 'tags')
+        image, tags = self.answer_to(others, 'image', 'tags')
         self.assert_painted(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3, 4])
         change('/exercise5_6', ids='1,2,3,9')
-        image, tags = self.see(others, 'image', 'tags')
+        image, tags = self.answer_to(others, 'image', 'tags')
         np.testing.assert_array_equal(image, others)
         self.assertEqual(sorted(tag.id for tag in tags.tags), [1, 2, 3])
         change('/exercise5_6', ids='any')
-        self.assert_painted(self.see(others), others)
+        self.assert_painted(self.answer_to(others), others)
 
-    def test_scale(self):
+    def test_scale_can_be_changed(self):
         self.paint()
         corners = {}
         for scale in (1.0, 0.5, 1.5):
             change('/exercise5_6', scale=scale)
-            image, tags = self.see(scene(), 'image', 'tags')
+            image, tags = self.answer_to(scene(), 'image', 'tags')
             self.assertEqual(image.shape, (480 * scale, 640 * scale, 3))
             place = tuple(slice(int(part.start * scale), int(part.stop * scale)) for part in INSIDE)
             self.assert_color(image, place, RED)
@@ -96,88 +96,88 @@ class Reconfigured(NodeTest):
                                        for tag in sorted(tags.tags, key=lambda tag: tag.id)])
             np.testing.assert_allclose((corners[scale] + 0.5) / scale, corners[1.0] + 0.5, atol=0.5)
 
-    def test_hold_counts_at_once_and_nothing_is_forgotten(self):
+    def test_hold_applies_at_once_and_nothing_is_forgotten(self):
         self.paint('_hold:=5.0')
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         change('/exercise5_6', hold=2.0)
-        self.assert_painted(self.see(BLANK), BLANK)
-        self.assert_painted(self.see(scene([1, 3])), scene([1, 3]))  # two tags do for what knows the four
+        self.assert_painted(self.answer_to(BLANK), BLANK)
+        self.assert_painted(self.answer_to(scene([1, 3])), scene([1, 3]))  # two are enough now
         change('/exercise5_6', hold=0.0)
-        np.testing.assert_array_equal(self.see(BLANK), BLANK)
-        self.assert_painted(self.see(scene([2, 4])), scene([2, 4]))
+        np.testing.assert_array_equal(self.answer_to(BLANK), BLANK)
+        self.assert_painted(self.answer_to(scene([2, 4])), scene([2, 4]))
 
-    def test_opacity_fit_and_picture_count_at_once_and_nothing_is_forgotten(self):
+    def test_opacity_fit_and_picture_apply_at_once_and_nothing_is_forgotten(self):
         self.paint()
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         frame = scene([1, 3])
         for opacity in (0.5, 0.0, 0.25, 1.0):
             change('/exercise5_6', opacity=opacity)
-            self.assert_color(self.see(frame), INSIDE, opacity * np.array(RED) + (1 - opacity) * GRAY)
-        change('/exercise5_6', fit='contain')  # twice as wide as high, in an area of 320 x 240
-        image = self.see(frame)
+            self.assert_color(self.answer_to(frame), INSIDE, opacity * np.array(RED) + (1 - opacity) * GRAY)
+        change('/exercise5_6', fit='contain')  # the picture is twice as wide as high, the area is 320 x 240
+        image = self.answer_to(frame)
         self.assert_color(image, (slice(170, 310), slice(180, 460)), RED)
         self.assert_color(image, (slice(125, 150), slice(220, 420)), (GRAY,) * 3)
         change('/exercise5_6', fit='stretch', picture=self.flag)
-        image = self.see(frame)
+        image = self.answer_to(frame)
         self.assert_color(image, (slice(130, 230), slice(220, 420)), RED)
         self.assert_color(image, (slice(250, 350), slice(220, 420)), BLUE)
 
-    def test_upright_with_the_camera_on_its_side(self):
+    def test_upright_can_be_changed_while_the_camera_is_on_its_side(self):
         self.paint()
         change('/exercise5_6', picture=self.flag)
         frame = np.rot90(scene())
         middle = np.s_[200:440, 160:320]
         for upright, red, blue in (('tags', LEFT, RIGHT), ('image', TOP, BOTTOM), ('tags', LEFT, RIGHT)):
             change('/exercise5_6', upright=upright)
-            image = self.see(frame)[middle]
+            image = self.answer_to(frame)[middle]
             self.assert_color(image, red, RED)
             self.assert_color(image, blue, BLUE)
 
-    def test_tag_size_and_tag_sizes_move_the_tags_and_hold_does_not(self):
-        self.calibrate()
-        self.before_camera('tag_poses', poses=TagPoseArray, area=AreaPose)
+    def test_tag_size_and_tag_sizes_scale_the_poses(self):
+        self.publish_camera_info()
+        self.start_before_camera('tag_poses', poses=TagPoseArray, area=AreaPose)
 
-        def far():
-            """{id: distance}."""
-            poses, = self.see(scene(), 'poses')
+        def distances():
+            """{id: distance of the tag}."""
+            poses, = self.answer_to(scene(), 'poses')
             return {pose.id: np.linalg.norm([getattr(pose.pose.pose.position, axis) for axis in 'xyz'])
                     for pose in poses.tags}
-        before = far()
+        before = distances()
         self.assertEqual(sorted(before), [1, 2, 3, 4])
         for sizes, factors in (({'tag_size': 0.36}, [2, 2, 2, 2]), ({'tag_size': 0.09}, [.5, .5, .5, .5]),
                                ({'tag_size': 0.18, 'tag_sizes': '3: 0.72'}, [1, 1, 4, 1]),
                                ({'tag_sizes': 'none'}, [1, 1, 1, 1])):
             change('/tag_poses', **sizes)
-            after = far()
+            after = distances()
             ratios = [after[tag_id] / before[tag_id] for tag_id in sorted(before)]
             np.testing.assert_allclose(ratios, factors, rtol=0.01)
-        for _ in range(9):  # until it knows the wall well enough to place the area by one tag
-            whole, = self.see(scene(), 'area')
+        for _ in range(9):  # until the wall is known well enough to locate the area by one tag
+            whole, = self.answer_to(scene(), 'area')
         self.assertEqual(len(whole.corners), 4)
         change('/tag_poses', hold=1.0)
-        area, = self.see(scene([1]), 'area')
+        area, = self.answer_to(scene([1]), 'area')
         self.assertEqual(len(area.corners), 4)
         self.assertAlmostEqual(area.width, whole.width, delta=0.05 * whole.width)
         self.assertAlmostEqual(area.pose.pose.position.z, whole.pose.pose.position.z, delta=0.03)
 
-    def test_how_tags_are_looked_for_is_taken_and_kept(self):
+    def test_the_parameters_of_the_search_are_accepted_and_kept(self):
         self.paint()
         values = {'search': 'thorough', 'correction': 0.5, 'likeness': 0.7, 'min_side': 12.0}
         taken = change('/exercise5_6', **values)
         self.assertEqual(taken, dict(taken, **values))
-        self.assert_painted(self.see(scene()), scene())
+        self.assert_painted(self.answer_to(scene()), scene())
         self.assertEqual(change('/exercise5_6', opacity=1.0), taken)
         for name, value in values.items():
             self.assertEqual(rospy.get_param('/exercise5_6/' + name), value)
 
-    def test_tags_narrower_than_min_side_are_passed_over(self):
-        self.before_camera('exercise5_2')
+    def test_tags_narrower_than_min_side_are_ignored(self):
+        self.start_before_camera('exercise5_2')
         frame = scene(narrow=[2])
         for min_side, ids in (0.0, [1, 2, 3, 4]), (50.0, [1, 3, 4]), (90.0, []), (20.0, [1, 2, 3, 4]):
             change('/exercise5_2', min_side=min_side)
-            self.assertEqual(self.sees(frame), ids)
+            self.assertEqual(self.ids_seen(frame), ids)
 
-    def test_what_is_wrong_is_refused_with_a_sentence(self):
+    def test_a_wrong_value_is_refused_with_a_sentence(self):
         self.paint()
         kept = change('/exercise5_6', opacity=0.5)
         for values, words in (({'scale': 9.0}, ['~scale is 9', 'from 0.01 to 4']),
@@ -196,11 +196,11 @@ class Reconfigured(NodeTest):
                               ({'upright': 'image', 'min_side': -2.0}, ['~min_side is -2'])):
             self.assertEqual(change('/exercise5_6', **values), kept, values)
             self.node.wait_for(*words, 'Nothing is changed')
-        self.assert_color(self.see(scene()), INSIDE, np.array([90, 90, 217]))
+        self.assert_color(self.answer_to(scene()), INSIDE, np.array([90, 90, 217]))
         self.assertEqual(len([line for line in self.node.lines if 'Nothing is changed' in line]), 13)
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
 
-    def test_the_other_nodes_refuse_as_well(self):
+    def test_the_other_nodes_refuse_wrong_values_too(self):
         nodes = self.start_all(['tag_poses', 'wall_camera', 'page'])
         for name, values, words in (('tag_poses', {'tag_size': 0.0}, ['~tag_size is 0', 'from 0.001 to 10']),
                                     ('tag_poses', {'tag_sizes': '7'}, ['~tag_sizes is "7"']),
@@ -214,12 +214,12 @@ class Reconfigured(NodeTest):
         for node in nodes.values():
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
 
-    def test_noise_light_and_blur_of_the_simulated_camera(self):
+    def test_noise_light_and_blur_of_the_simulated_camera_can_be_changed(self):
         self.start('wall_camera.py', '_noise:=0', '_light:=0')
         camera = self.listen('/camera/rgb/image_raw')
 
         def next_frame():
-            """The first frame that is due from now on."""
+            """The first frame that is taken from now on."""
             now, message = rospy.Time.now(), camera.next()
             while message.header.stamp < now:
                 message = camera.next()
@@ -236,7 +236,7 @@ class Reconfigured(NodeTest):
         self.assertLess(np.abs(np.diff(blurred)).max(), np.abs(np.diff(clean)).max() + 1)
         self.assertLess(np.abs(np.diff(blurred, axis=1)).max(), 0.5 * np.abs(np.diff(clean, axis=1)).max())
 
-    def test_the_next_command_of_the_page_has_the_new_speed(self):
+    def test_the_next_driving_command_has_the_new_speed(self):
         port = free_port()
         self.start('page.py', '_port:=%d' % port).wait_for('driving is on')
         commands = self.listen('/cmd_vel', Twist)
@@ -250,11 +250,11 @@ class Reconfigured(NodeTest):
             change('/page', linear=linear, angular=angular)
             asyncio.run(drive())
             command = commands.next()
-            while command.linear.x == 0:  # the stop after the one before
+            while command.linear.x == 0:  # the stop after the earlier command
                 command = commands.next()
             self.assertEqual((command.linear.x, command.angular.z), (linear, angular / 2))
 
 
 if __name__ == '__main__':
     rospy.init_node('reconfigure_test')
-    rostest.rosrun('unit5', 'reconfigure_test', Reconfigured)
+    rostest.rosrun('unit5', 'reconfigure_test', DynamicReconfigure)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""~snapshot saves the very frame and what is made of it, ~reset forgets what was learned."""
+"""~snapshot saves a frame and its result, and ~reset forgets what was learned."""
 import os
 import tempfile
 import threading
@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from rig.nodes import CAMERA, GRAY, NodeTest, change, scene
-from rig.started import WAIT_S
+from rig.nodes.case import CAMERA, GRAY, NodeTest, change, scene
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
 
@@ -27,7 +27,7 @@ class Services(NodeTest):
         return rospy.ServiceProxy(name, Trigger)()
 
     def pictures(self, answer, *names):
-        """The pictures that a snapshot wrote, which are all there is in its folder: {name: pixels}."""
+        """{name: pixels} of the pictures that a snapshot wrote; its folder must contain no others."""
         self.assertTrue(answer.success, answer.message)
         paths = {path: os.path.join(self.folder, path) for path in os.listdir(self.folder)}
         self.assertEqual(answer.message, 'Wrote ' + ', '.join(sorted(paths.values())))
@@ -35,8 +35,8 @@ class Services(NodeTest):
         self.assertEqual(set(found), set(names))
         return found
 
-    def keep_asking(self, name):
-        """Call a service while frames are shown; what it answers."""
+    def call_while_showing(self, name):
+        """Call a service while frames are shown; returns its answer."""
         answers = []
         calling = threading.Thread(target=lambda: answers.append(self.call(name)))
         calling.start()
@@ -47,26 +47,26 @@ class Services(NodeTest):
             calling.join(0.1)
         return answers[0]
 
-    def test_a_snapshot_is_of_one_frame_and_its_result_also_when_nobody_listens(self):
+    def test_a_snapshot_has_one_frame_and_its_result_even_without_subscribers(self):
         self.publisher, connections = self.camera()
         self.start('exercise5_6.py', '_folder:=' + self.folder)
-        found = self.pictures(self.keep_asking('/exercise5_6/snapshot'), 'frame', 'image')
+        found = self.pictures(self.call_while_showing('/exercise5_6/snapshot'), 'frame', 'image')
         gray = found['frame'][0, 0, 0]
         self.assertTrue(100 <= gray < 200)
         np.testing.assert_array_equal(found['frame'], np.where(scene() == GRAY, gray, scene()))
         self.assert_painted(found['image'], found['frame'])
-        connections.wait(0)  # it leaves the camera alone again
+        connections.wait(0)  # it unsubscribes from the camera again
 
-    def test_a_snapshot_for_who_listens_is_what_they_get(self):
-        self.before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
-        self.see(scene())  # the frames before it are answered, too
+    def test_a_snapshot_has_the_same_result_as_the_subscribers_get(self):
+        self.start_before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
+        self.answer_to(scene())  # by then the earlier frames are answered
         images = []
 
         def answer(message):
             images.append(message)
         for topic in 'mask', 'image':
             self.running.append(rospy.Subscriber('/exercise5_5/' + topic, Image, answer, buff_size=1 << 24))
-        found = self.pictures(self.keep_asking('/exercise5_5/snapshot'), 'frame', 'image', 'mask')
+        found = self.pictures(self.call_while_showing('/exercise5_5/snapshot'), 'frame', 'image', 'mask')
         shown = [np.frombuffer(message.data, np.uint8).reshape(480, 640, 3) for message in images]
         for name in 'image', 'mask':
             self.assertTrue(any(np.array_equal(found[name], each) for each in shown), name)
@@ -74,17 +74,17 @@ class Services(NodeTest):
         self.assertEqual(found['mask'][20, 20].tolist(), [0, 0, 0])
         np.testing.assert_array_equal(found['image'], cv2.subtract(found['frame'], found['mask']))
 
-    def test_the_folder_can_be_changed_and_one_that_cannot_be_written_is_told(self):
-        self.before_camera('exercise5_2', '_folder:=/dev/null/pictures')
-        refused = self.keep_asking('/exercise5_2/snapshot')
+    def test_the_folder_can_be_changed_and_an_unwritable_one_is_reported(self):
+        self.start_before_camera('exercise5_2', '_folder:=/dev/null/pictures')
+        refused = self.call_while_showing('/exercise5_2/snapshot')
         self.assertFalse(refused.success)
         self.assertRegex(refused.message, 'Cannot write "/dev/null/pictures/.*Choose another place')
         change('/exercise5_2', folder=self.folder)
-        found = self.pictures(self.keep_asking('/exercise5_2/snapshot'), 'frame', 'image')
+        found = self.pictures(self.call_while_showing('/exercise5_2/snapshot'), 'frame', 'image')
         self.assertTrue(np.any(found['frame'] != found['image']))
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
 
-    def test_without_a_camera_and_with_one_that_is_broken_it_says_why(self):
+    def test_without_a_camera_or_with_a_broken_one_it_says_why(self):
         self.start('tag_poses.py', '_folder:=' + self.folder)
         answer = self.call('/tag_poses/snapshot')
         self.assertFalse(answer.success)
@@ -105,15 +105,15 @@ class Services(NodeTest):
 
     def test_after_a_reset_the_area_is_gone_until_four_tags_are_seen_together(self):
         for name in 'exercise5_5', 'exercise5_6':
-            self.before_camera(name)
+            self.start_before_camera(name)
             two = scene([1, 3])
-            self.assert_painted(self.see(scene()), scene())
-            self.assert_painted(self.see(two), two)
+            self.assert_painted(self.answer_to(scene()), scene())
+            self.assert_painted(self.answer_to(two), two)
             self.assertTrue(self.call('/%s/reset' % name).success)
             for frame in (two, scene([1, 2, 3]), two):
-                np.testing.assert_array_equal(self.see(frame), frame)
-            self.assert_painted(self.see(scene()), scene())
-            self.assert_painted(self.see(two), two)
+                np.testing.assert_array_equal(self.answer_to(frame), frame)
+            self.assert_painted(self.answer_to(scene()), scene())
+            self.assert_painted(self.answer_to(two), two)
 
 
 if __name__ == '__main__':

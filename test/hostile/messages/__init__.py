@@ -1,0 +1,1 @@
+"""Hostile messages of a camera."""

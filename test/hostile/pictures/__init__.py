@@ -1,0 +1,1 @@
+"""Hostile pictures for everything that finds tags, areas and poses."""

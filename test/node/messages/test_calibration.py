@@ -1,0 +1,83 @@
+"""The Lens that a CameraInfo describes, and what can be wrong with a CameraInfo."""
+import numpy as np
+import pytest
+from aruco_ar import InputError
+from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.wall_messages import camera_info
+from aruco_node.nodes.calibration import Calibration, lens_from_info
+from aruco_node.parameters.parameters import read
+from aruco_node.parameters.settings import PoseSettings
+from sensor_msgs.msg import CameraInfo
+
+CAMERA = Camera(distortion=[-0.3, 0.1, 0.001, -0.001, 0.0])
+SIZE = (640, 480)
+
+
+def info(**changes):
+    message = camera_info(CAMERA, None)
+    for name, value in changes.items():
+        setattr(message, name, value)
+    return message
+
+
+def test_the_lens_is_that_of_the_camera_info():
+    lens = lens_from_info(info(), SIZE)
+    assert (lens.width, lens.height, lens.fisheye) == (640, 480, False)
+    np.testing.assert_allclose(lens.matrix, CAMERA.matrix)
+    np.testing.assert_allclose(lens.distortion, CAMERA.distortion)
+
+
+def test_a_rectified_image_has_another_matrix_and_no_distortion():
+    lens = lens_from_info(info(P=[500.0, 0, 310, 0, 0, 510, 240, 0, 0, 0, 1, 0]), SIZE, rectified=True)
+    np.testing.assert_allclose(lens.matrix, [[500, 0, 310], [0, 510, 240], [0, 0, 1]])
+    assert not np.any(lens.distortion)
+
+
+@pytest.mark.parametrize('changes', [{}, {'distortion_model': 'equidistant', 'D': [0.1, 0.01, 0.0, 0.0]},
+                                     {'distortion_model': 'rational_polynomial', 'D': [0.1] * 8}, {'D': []},
+                                     {'distortion_model': 'equidistant', 'D': []}])
+def test_all_distortion_models_are_supported(changes):
+    lens = lens_from_info(info(**changes), SIZE)
+    assert lens.fisheye == (changes.get('distortion_model') == 'equidistant')
+    assert len(lens.distortion) == (4 if lens.fisheye else len(changes.get('D', CAMERA.distortion)))
+    assert np.all(np.isfinite(lens.rays(lens.project(np.array([[0.1, 0.2, 1.0]])))))
+
+
+def test_a_resized_frame_has_the_same_rays():
+    points = np.array([[0.1, 0.2, 1.0], [-0.3, 0.1, 2.0]])
+    whole, half = lens_from_info(info(), SIZE), lens_from_info(info(), (320, 240), scale=0.5)
+    # The middle of the first pixel is (0, 0), and its outer corner is (-0.5, -0.5).
+    np.testing.assert_allclose(half.project(points) + 0.5, (whole.project(points) + 0.5) / 2)
+
+
+def test_binning_and_a_region_of_interest_are_taken_into_account():
+    message = info(binning_x=2, binning_y=2)
+    message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height = 100, 80, 400, 320
+    lens = lens_from_info(message, (200, 160))
+    fx, cx, cy = CAMERA.matrix[0, 0], CAMERA.matrix[0, 2], CAMERA.matrix[1, 2]
+    np.testing.assert_allclose(lens.matrix,
+                               [[fx / 2, 0, (cx - 100) / 2], [0, fx / 2, (cy - 80) / 2], [0, 0, 1]])
+
+
+@pytest.mark.parametrize('message, words', [
+    (CameraInfo(), 'for what size'), (info(K=[0.0] * 9), 'K is not a camera matrix'),
+    (info(K=[float('nan')] * 9), 'K is not a camera matrix'),
+    (info(width=1280, height=960), 'for frames of 1280 x 960'),
+    (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is not a camera matrix'),
+    (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is not a camera matrix'),
+    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
+    (info(distortion_model='mirror ball'), '"mirror ball"')])
+def test_a_wrong_camera_info_is_explained(message, words):
+    with pytest.raises(InputError, match=words) as error:
+        lens_from_info(message, SIZE)
+    assert error.value.kind
+
+
+@pytest.mark.parametrize('topic, setting, rectified', [
+    ('/camera/rgb/image_raw', 'auto', False), ('/camera/rgb/image_rect_color', 'auto', True),
+    ('/camera/image_rect', 'auto', True), ('/camera/image_rect', False, False), ('/usb/image', True, True)])
+def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
+    settings = read(PoseSettings, {'rectified': setting}.get)
+    calibration = Calibration(settings, topic)
+    assert calibration.rectified == rectified
+    assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'

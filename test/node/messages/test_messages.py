@@ -1,0 +1,201 @@
+"""How messages become frames, and what is refused before it takes memory."""
+import io
+import os
+import resource
+import subprocess
+import sys
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError
+from aruco_node.messages.images import (
+    FAST,
+    MAX_PICTURE_PIXELS,
+    frame_from_compressed,
+    frame_from_image,
+    image_from_frame,
+    picture_from_image,
+)
+from aruco_node.ros_internals.tolerant import tolerant
+from cv_bridge import CvBridge
+from hostile.files.samples import chunk, png
+from hostile.messages.camera_messages import KNOWN, Hostile
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
+
+KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels',
+         'undecodable frame'}
+
+
+def image(pixels, encoding, big=0):
+    pixels = pixels.astype(pixels.dtype.newbyteorder('>' if big else '<'))
+    return Image(height=pixels.shape[0], width=pixels.shape[1], encoding=encoding, is_bigendian=big,
+                 step=pixels.strides[0], data=pixels.tobytes())
+
+
+@pytest.mark.parametrize('encoding', sorted(set(KNOWN) - {'yuv422_yuy2'}))
+def test_every_encoding_is_decoded_as_by_cv_bridge(encoding, random):
+    kind, channels = CvBridge().encoding_to_dtype_with_channels(encoding)
+    shape = (37, 52) + (channels,) * (channels > 1)
+    pixels = random.randint(0, np.iinfo(kind).max + 1, shape).astype(kind)
+    usual = image(pixels, encoding)  # if the byte order is not the machine's, cv_bridge fails with NumPy 2
+    for message in usual, image(pixels, encoding, big=1):
+        np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(usual, 'bgr8'))
+        if encoding.startswith(('bgra', 'rgba')):
+            np.testing.assert_array_equal(picture_from_image(message),
+                                          CvBridge().imgmsg_to_cv2(usual, 'bgra8'))
+        else:
+            np.testing.assert_array_equal(picture_from_image(message), frame_from_image(message))
+
+
+@pytest.mark.parametrize('encoding, channels', [('bgr8', 3), ('rgb8', 3), ('bgra8', 4)])
+def test_images_are_encoded_as_by_cv_bridge(encoding, channels, random):
+    pixels = random.randint(0, 256, (37, 52, channels)).astype(np.uint8)
+    header = Header(seq=3, frame_id='eye')
+    sent, usual = io.BytesIO(), io.BytesIO()
+    image_from_frame(pixels, header, 'rgb8' if encoding == 'rgb8' else 'bgr8').serialize(sent)
+    CvBridge().cv2_to_imgmsg(pixels[..., ::-1] if encoding == 'rgb8' else pixels, encoding,
+                             header).serialize(usual)
+    assert sent.getvalue() == usual.getvalue()
+
+
+def test_cv_bridge_is_not_loaded_for_the_most_common_encodings():
+    script = '''
+import sys
+from aruco_node.messages.images import frame_from_image
+from sensor_msgs.msg import Image
+for name in sys.argv[1:]:
+    frame_from_image(Image(width=1, height=1, step=3, encoding=name, data=b'abc'))
+print('cv_bridge' in sys.modules)
+'''
+    for encodings, loaded in (list(FAST), 'False'), ([*FAST, 'bgr8', 'bayer_rggb8'], 'True'):
+        done = subprocess.run([sys.executable, '-c', script, *encodings], stdout=subprocess.PIPE, text=True)
+        assert done.stdout.strip() == loaded
+
+
+def test_yuv422_is_decoded_in_either_order(random):
+    pixels = random.randint(0, 256, (8, 6, 2)).astype(np.uint8)
+    np.testing.assert_array_equal(frame_from_image(image(pixels[..., ::-1].copy(), 'yuv422_yuy2')),
+                                  frame_from_image(image(pixels, 'yuv422')))
+
+
+def test_16_bit_numbers_are_scaled_in_either_byte_order():
+    values = np.uint16([[0, 257, 128 * 257, 65535]])
+    for big in (0, 1, 255):
+        assert frame_from_image(image(values, 'mono16', big))[0, :, 0].tolist() == [0, 1, 128, 255]
+
+
+def test_padding_between_rows_is_ignored(random):
+    wide = random.randint(0, 2**16, (5, 9)).astype(np.uint16)
+    padded = image(wide, 'mono16')
+    padded.width = 6
+    np.testing.assert_array_equal(frame_from_image(padded),
+                                  frame_from_image(image(wide[:, :6].copy(), 'mono16')))
+
+
+@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6,
+                                      'rgb8\n[ERROR]'])
+def test_an_encoding_without_color_is_refused_in_one_short_line(encoding):
+    values = np.float32([[np.nan, np.inf, 0, 1]])
+    with pytest.raises(InputError, match='Set the camera driver to an encoding such as rgb8') as error:
+        frame_from_image(image(values, encoding))
+    assert error.value.kind == 'encoding' and len(str(error.value)) < 200 and str(error.value).isprintable()
+
+
+@pytest.mark.parametrize('kind, frame', [('.jpg', np.uint8), ('.png', np.uint8), ('.png', np.uint16)])
+@pytest.mark.parametrize('channels', [1, 3, 4])
+def test_a_compressed_frame_is_decoded(kind, frame, channels, random):
+    small = random.randint(0, 256, (6, 8, channels)).astype(np.uint8)
+    pixels = cv2.resize(small, (64, 48)).reshape(48, 64, channels)
+    stored = np.uint16(pixels) * 257 if frame is np.uint16 else pixels
+    data = cv2.imencode(kind, stored)[1].tobytes()
+    found = frame_from_compressed(CompressedImage(data=data)).astype(int)
+    expected = pixels[..., :3] if channels > 1 else np.repeat(pixels, 3, axis=2)
+    assert np.abs(found - expected).mean() < (6 if kind == '.jpg' else 1e-9)
+
+
+def large(width, height):
+    """A JPEG whose header claims so many pixels."""
+    data = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8))[1].tobytes()
+    at = data.find(b'\xff\xc0') + 5
+    return data[:at] + height.to_bytes(2, 'big') + width.to_bytes(2, 'big') + data[at + 4:] + bytes(10**6)
+
+
+@pytest.mark.parametrize('make', [
+    lambda: (frame_from_image, Image(width=2**32 - 1, height=2**32 - 1, encoding='bgr8')),
+    lambda: (frame_from_image, Image(width=2**16, height=2**16, step=3 * 2**16, encoding='bgr8')),
+    lambda: (frame_from_image, Image(width=1, height=40000, step=3, encoding='bgr8', data=bytes(120000))),
+    lambda: (frame_from_compressed, CompressedImage(data=large(65000, 65000))),
+    lambda: (frame_from_compressed, CompressedImage(data=large(10000, 10000)))])
+def test_a_frame_that_is_too_large_is_refused(make):
+    convert, message = make()
+    words = 'too large; frames have at most %d million' % (MAX_PICTURE_PIXELS // 10**6)
+    with pytest.raises(InputError, match=words):
+        convert(message)
+
+
+def test_decompression_bombs_take_neither_memory_nor_time():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    scan = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8), [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
+    many = scan[:-2] + scan[scan.rfind(b'\xff\xda'):-2] * 5000 + scan[-2:]
+    at = many.find(b'\xff\xc2') + 5
+    for data in (large(65000, 65000), large(6000, 6000)[:-10**6],
+                 many[:at] + (5000).to_bytes(2, 'big') * 2 + many[at + 4:], zlib.compress(bytes(10**7))):
+        with pytest.raises(InputError):
+            frame_from_compressed(CompressedImage(data=data))
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50 * 1024
+
+
+@pytest.mark.parametrize('kind', [Image, CompressedImage])
+def test_an_unreadable_message_counts_as_an_empty_one(kind, random):
+    good = io.BytesIO()
+    kind(data=random.bytes(100)).serialize(good)
+    good = good.getvalue()
+    assert tolerant(kind)().deserialize(good).data == kind().deserialize(good).data != b''
+    for data in (b'', b'x', good[:10], b'\xff' * 64):
+        assert tolerant(kind)().deserialize(data).data == b''
+
+
+def test_hostile_messages_become_frames_or_one_of_a_few_sentences(frame):
+    hostile, found, count = Hostile(1, [frame]), set(), 0
+    for kind, make, convert in ((Image, hostile.image, picture_from_image),
+                                (CompressedImage, hostile.compressed, frame_from_compressed)):
+        for _ in range(2000):
+            data = io.BytesIO()
+            make().serialize(data)
+            try:
+                pixels = convert(tolerant(kind)().deserialize(data.getvalue()))
+                assert pixels.dtype == np.uint8 and pixels.ndim == 3
+                count += 1
+            except InputError as error:
+                assert len(str(error)) < 300 and str(error).isprintable()
+                found.add(error.kind)
+    assert found == KINDS
+    assert count > 200
+
+
+def test_the_decoders_print_nothing(package):
+    script = '''
+import aruco_ar
+import numpy as np
+from aruco_node.messages.images import frame_from_compressed
+from hostile.messages.camera_messages import Garbage, Hostile
+hostile = Hostile(2, [np.zeros((480, 640, 3), np.uint8)])
+for _ in range(1000):
+    message = hostile.compressed()
+    try:
+        isinstance(message, Garbage) or frame_from_compressed(message)
+    except aruco_ar.InputError:
+        pass
+'''
+    path = os.pathsep.join([package + '/test', os.environ['PYTHONPATH']])
+    done = subprocess.run([sys.executable, '-c', script], env=dict(os.environ, PYTHONPATH=path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert (done.returncode, done.stdout) == (0, '')
+
+
+def test_a_png_may_contain_the_start_marker_of_many_jpeg_scans():
+    data = png(9, 9, bytes(27), more=chunk(b'tEXt', b'a\0' + 200 * b'\xff\xda'))
+    assert frame_from_compressed(CompressedImage(data=data)).shape == (9, 9, 3)

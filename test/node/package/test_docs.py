@@ -1,0 +1,55 @@
+"""The documentation: Sphinx builds it without warnings, and the files exist to which README and docs/ link."""
+import glob
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar.exercise import Stage
+from aruco_ar.simulation.render import project
+from aruco_ar.simulation.robot import Camera
+from aruco_node.parameters.settings import AreaSettings
+
+LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
+
+
+def test_sphinx_builds_the_docs_without_warnings(package, tmp_path):
+    if importlib.util.find_spec('myst_parser') is None:
+        pytest.skip('myst_parser is not installed')
+    clean = {key: value for key, value in os.environ.items() if key not in ('PYTHONDEVMODE', 'PYTHONWARNINGS')}
+    done = subprocess.run([sys.executable, '-W', 'ignore', '-m', 'sphinx', '-q', '-W', '--keep-going', '-d',
+                           str(tmp_path / 'doctrees'), 'docs', str(tmp_path / 'html')], cwd=package, env=clean,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / 'html' / 'index.html').is_file()
+
+
+def test_every_linked_file_exists(package):
+    for page in [package + '/README.md', *glob.glob(package + '/docs/**/*.md', recursive=True)]:
+        with open(page, encoding='utf-8') as file:
+            targets = {target for target in LINK.findall(file.read()) if target and '://' not in target}
+        for target in targets:
+            assert os.path.isfile(os.path.join(os.path.dirname(page), target)), '%s: %s' % (page, target)
+
+
+def test_the_example_of_a_new_exercise_blurs_only_the_area(package, frame, wall, view):
+    with open(package + '/docs/howto/new-exercise.md', encoding='utf-8') as page:
+        source = re.search(r'```python\n(.*?)```', page.read(), re.DOTALL)[1]
+    made = {'__name__': 'exercise'}
+    exec(source, made)
+    exercise = made['EXERCISE']
+    stage = Stage(exercise.needs, AreaSettings(), None)
+    result = exercise.step(stage.scene(frame, frame.copy(), 1.0))
+    assert sorted(tag.id for tag in result.tags) == [1, 2, 3, 4]
+    inside = np.zeros(frame.shape[:2], np.uint8)
+    corners, _ = project(wall.area_corners, *view, Camera())
+    cv2.fillPoly(inside, [np.int32(np.round(corners))], 255)
+    rim = cv2.dilate(inside, np.ones((5, 5))) != cv2.erode(inside, np.ones((5, 5)))
+    image, = result.images
+    np.testing.assert_array_equal(image[(inside == 0) & ~rim], frame[(inside == 0) & ~rim])
+    sharp, blurred = [cv2.Laplacian(each, cv2.CV_64F)[(inside > 0) & ~rim].std() for each in (frame, image)]
+    assert blurred < sharp / 10

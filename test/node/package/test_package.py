@@ -1,0 +1,83 @@
+"""The package for ROS: catkin_lint, launch arguments, the benchmark, and an install space."""
+import os
+import shutil
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import pytest
+
+EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
+SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 'search', 'correction',
+               'likeness', 'min_side', 'respawn', 'view', 'bag', 'sim'}
+OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'},
+            'exercise5_6.launch': {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
+
+
+def launch_args(package, name):
+    return {arg.get('name'): arg for arg in
+            ElementTree.parse(os.path.join(package, 'launch', name)).getroot().findall('arg')}
+
+
+def test_catkin_lint_is_clean(package, tmp_path):
+    if not shutil.which('catkin_lint'):
+        pytest.skip('catkin_lint is not installed')
+    # catkin_lint wants the folder to have the package's name.
+    shutil.copytree(package, str(tmp_path / 'unit5'),
+                    ignore=shutil.ignore_patterns('.git', '.venv', 'build', '__pycache__'))
+    done = subprocess.run(['catkin_lint', '--strict', '-W2', 'unit5'], cwd=str(tmp_path),
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_every_launch_argument_is_documented(package):
+    for name in (name for name in os.listdir(os.path.join(package, 'launch')) if name.endswith('.launch')):
+        for key, arg in launch_args(package, name).items():
+            assert arg.get('doc'), '%s: %s' % (name, key)
+
+
+def test_the_exercises_have_the_same_arguments(package):
+    for name in EXERCISES:
+        assert set(launch_args(package, name)) == SHARED_ARGS | OWN_ARGS.get(name, set())
+
+
+def test_the_benchmark_lists_its_options(package):
+    clean = {key: value for key, value in os.environ.items() if key != 'PYTHONPATH'}
+    done = subprocess.run([package + '/script/bench', '--help'], env=clean, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0 and '--video FILE' in done.stdout, done.stdout
+
+
+def test_an_install_space_is_complete(package, tmp_path):
+    prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
+    for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,
+                     '-DCATKIN_DEVEL_PREFIX=%s/devel' % build, '-DCATKIN_ENABLE_TESTING=OFF',
+                     '-DPYTHON_EXECUTABLE=' + sys.executable],
+                    ['cmake', '--build', build, '--target', 'install']):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == 0, done.stdout
+    script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
+              ' && rosrun unit5 gazebo_wall.py --output wall'
+              ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
+              ' && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 exercise5_6.launch'
+              ' && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__)"'
+              % (prefix, tmp_path))
+    clean = {key: value for key, value in os.environ.items()
+             if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}
+    done = subprocess.run(['bash', '-c', script], env=clean, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+    assert (tmp_path / 'made' / 'image_5.jpg').is_file()
+    assert (tmp_path / 'wall' / 'worlds' / 'wall.world').is_file()
+    assert os.path.isfile(prefix + '/share/unit5/gazebo/worlds/wall.world')
+    for name in ('/exercise5_6', '/wall_camera', '/page'):
+        assert name in done.stdout.splitlines()
+    assert os.path.isfile(prefix + '/share/unit5/page/index.html')
+    assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
+    assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
+    for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):
+        with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
+                open('%s/src/%s' % (package, name)) as source:
+            assert installed.readline() == '#!%s/.venv/bin/python3\n' % package
+            source.readline()
+            assert installed.read() == source.read()

@@ -1,0 +1,47 @@
+"""aruco_ar alone, installed by pip in an environment without ROS and other packages."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import venv
+import zipfile
+
+import cv2
+import numpy as np
+from aruco_ar import Detector, find_area
+
+
+def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
+    # A copy, since building leaves files behind.
+    source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
+        '.git', '.venv', 'build', 'bags', '__pycache__'))
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(('PYTHON', 'LD_PRELOAD'))}
+
+    def run(*command):
+        done = subprocess.run(command, cwd=str(tmp_path), env=clean, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True)
+        assert done.returncode == 0, done.stdout
+    venv.create(str(tmp_path / 'env'), with_pip=True)
+    python = str(tmp_path / 'env' / 'bin' / 'python')
+    run(python, '-m', 'pip', 'install', '-q', source)
+    with open(package + '/docs/reference/aruco_ar.md', encoding='utf-8') as page:
+        example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', page.read(), re.DOTALL)[1]
+    cv2.imwrite(str(tmp_path / 'photo.jpg'), frame, [cv2.IMWRITE_JPEG_QUALITY, 95])
+    os.symlink(package + '/images', str(tmp_path / 'images'))
+    run(python, '-c', example)
+    painted = cv2.imread(str(tmp_path / 'painted.png'))
+    mask = cv2.fillConvexPoly(np.zeros(frame.shape[:2], np.uint8),
+                              np.int32(find_area(Detector().detect(frame)).corners.round()), 255)
+    off = np.abs(painted.astype(int) - frame).max(axis=2)
+    inside, outside = cv2.erode(mask, np.ones((9, 9))) > 0, cv2.dilate(mask, np.ones((9, 9))) == 0
+    assert np.median(off[inside]) > 30 > 20 > off[outside].mean()
+
+
+def test_the_wheel_contains_only_aruco_ar(package, tmp_path):
+    done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
+                           package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert done.returncode == 0, done.stdout
+    wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-any.whl')
+    with zipfile.ZipFile(str(wheel)) as archive:
+        assert {name.split('/')[0] for name in archive.namelist()} == {'aruco_ar', 'aruco_ar-0.1.0.dist-info'}

@@ -1,0 +1,71 @@
+"""What a node reports about its health, from the frames that arrived, were answered, and were dropped."""
+import pytest
+from aruco_node.health import diagnostics as health
+from aruco_node.health.diagnostics import OK, WARN, FrameCount
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that only the test moves: a list with the time in seconds."""
+    now = [1000.0]
+    monkeypatch.setattr(health.time, 'monotonic', lambda: now[0])
+    return now
+
+
+def run_frames(count, clock, period, pipeline, numbers, tags=4):
+    """Let these frames arrive, one each ``period``; each is answered after ``pipeline`` seconds."""
+    count.restart()
+    for number in numbers:
+        began = clock[0]
+        missing = count.on_arrival(number)
+        clock[0] += pipeline
+        count.on_answer(began, None, missing, tags, tags > 0)
+        clock[0] += period - pipeline
+
+
+def test_a_good_node_reports_its_frame_rate(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.02, range(30))
+    level, sentence, values = count.report()
+    assert (level, sentence) == (OK, '10.0 frames a second')
+    assert (values['frames in'], values['frames out'], values['frames dropped']) == (30, 30, 0)
+    assert (values['pipeline, median (ms)'], values['latency, median (ms)']) == ('20.0', 'unknown')
+    assert (values['tags in sight'], values['area last seen (s ago)']) == (4, '0.1')
+
+
+def test_a_node_that_takes_too_long_is_reported_as_slow(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.095, range(0, 90, 3))
+    level, sentence, values = count.report()
+    assert level == WARN and sentence.startswith('Slow: ') and '~scale' in sentence
+    assert values['frames dropped'] == 2 * 29
+
+
+def test_a_node_with_time_to_spare_is_not_reported_as_slow(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.005, range(0, 90, 3))
+    level, sentence, _ = count.report()
+    assert level == WARN and 'did not arrive' in sentence and 'Slow' not in sentence
+
+
+def test_another_camera_or_a_pause_is_not_reported_as_dropped_frames(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.005, [5, 6, 5000, 7, 8])
+    run_frames(count, clock, 0.1, 0.005, [500, 501])
+    assert count.report()[2]['frames dropped'] == 0
+
+
+def test_a_long_time_without_tags_is_reported(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.005, range(120), tags=0)
+    level, sentence, values = count.report()
+    assert (level, values['tags in sight'], values['area last seen (s ago)']) == (WARN, 0, 'none seen')
+    assert sentence.startswith('No tag has been in sight for 1')
+
+
+def test_without_frames_the_rate_is_zero(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.005, range(30))
+    clock[0] += 6
+    values = count.report()[2]
+    assert (values['frame rate (Hz)'], values['tags in sight']) == ('0.0', 0)

@@ -1,0 +1,1 @@
+"""How far off areas and poses are on simulated drives."""

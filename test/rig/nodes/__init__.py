@@ -1,0 +1,1 @@
+"""Nodes before a camera: starting them, and comparing what they publish."""

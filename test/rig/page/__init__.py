@@ -1,0 +1,1 @@
+"""The page's server, and a browser that shows the page."""

@@ -1,0 +1,1 @@
+"""Starting, breaking, stopping and skipping: what tests do with processes."""
