@@ -1,7 +1,6 @@
 """Conversion of poses to messages."""
 import cv2
 import numpy as np
-from aruco_ar.geometry.plane_pose import rotation_vector
 from geometry_msgs.msg import (
     Point,
     Pose,
@@ -28,11 +27,17 @@ TAG_COLOR, TEXT_COLOR, AREA_COLOR = (1, 1, 1, 0.8), (1, 0.8, 0, 1), (0.6, 0, 1, 
 
 
 def quaternion(rotation):
-    """A rotation matrix, (3, 3), as a geometry_msgs/Quaternion."""
-    turn = rotation_vector(rotation)
-    angle = np.linalg.norm(turn)
-    axis = turn / angle if angle > 0 else turn
-    return Quaternion(*(np.sin(angle / 2) * axis), np.cos(angle / 2))
+    """A rotation matrix, (3, 3), as a geometry_msgs/Quaternion (S. W. Shepperd, 1978).
+
+    The matrix gives the product of any two of x, y, z and w. The row with the largest square is the most exact,
+    for half turns too.
+    """
+    products = np.empty((4, 4))  # four times each product
+    products[:3, :3] = rotation + rotation.T + (1 - np.trace(rotation)) * np.eye(3)
+    products[3, :3] = products[:3, 3] = (rotation - rotation.T)[[2, 0, 1], [1, 2, 0]]
+    products[3, 3] = 1 + np.trace(rotation)
+    row = products[np.argmax(np.diag(products))]
+    return Quaternion(*row / np.copysign(np.linalg.norm(row), row[3]))
 
 
 def pose_message(pose):

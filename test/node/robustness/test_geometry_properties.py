@@ -176,7 +176,7 @@ def test_the_covariance_of_a_carried_pose_follows_from_small_moves(rotation, pla
 
 @given(numbers(-1, 1, 3), st.floats(0, 3.141592), shifts)
 @same_each_time
-def test_a_pose_comes_back_from_its_message(axis, angle, place):
+def test_a_pose_survives_a_round_trip_through_its_message(axis, angle, place):
     assume(np.linalg.norm(axis) > 0.1)
     rotation = cv2.Rodrigues(angle * axis / np.linalg.norm(axis))[0]
     message = pose_messages.transform(CameraPose(rotation, place, np.eye(6), ()), Time(1), 'camera', 'tag')
