@@ -6,7 +6,7 @@ proper quadrilateral, whatever the order in which the tags were found.
 """
 import aruco_node
 from aruco_ar import fill_polygon, find_four_centers, mark_centers, order_coordinates
-from aruco_ar.exercise import Exercise, Result, find_tags
+from aruco_ar.exercise import LENS, Exercise, Result, find_tags
 
 
 def order_centers(scene):
@@ -21,12 +21,13 @@ def order_centers(scene):
     # for a square that stands on its corner. Our function handles that case, too.
     corners = order_coordinates(centers)
 
-    # Draw the polygon and the centers as in exercise 5.3.
-    image = mark_centers(fill_polygon(scene.image, corners), corners)
+    # Draw the polygon and the centers as in exercise 5.3. If the camera is calibrated, the sides of the
+    # polygon are bent as its lens bends straight lines.
+    image = mark_centers(fill_polygon(scene.image, corners, lens=scene.lens), corners)
     return Result([image], tags)
 
 
-EXERCISE = Exercise('exercise5_4', order_centers)
+EXERCISE = Exercise('exercise5_4', order_centers, needs=[LENS])
 
 if __name__ == '__main__':
     aruco_node.run(EXERCISE)

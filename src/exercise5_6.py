@@ -32,11 +32,12 @@ def paint_picture(scene):
     # of the picture to the corners of the area, and straight lines to straight lines.
     height, width = picture.shape[:2]
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
-    homography = cv2.getPerspectiveTransform(corners, place.corners)
+    homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
-    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black.
+    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black. It also
+    # distorts the picture as the lens distorts the wall, if the camera is calibrated.
     mask = area_mask(window, place)
-    warped = warp(picture, homography, mask)
+    warped = warp(picture, homography, mask, place.positions)
 
     # Subtract the mask from the window, as in 5.5, and add the picture where the window is now black:
     # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). A transparent picture is mixed in.

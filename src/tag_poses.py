@@ -25,7 +25,6 @@ from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages import pose_messages
 from aruco_node.messages.frame_names import frame_name
 from aruco_node.messages.wall_messages import WALL_FRAME
-from aruco_node.nodes.calibration import Calibration
 from aruco_node.nodes.camera_node import CameraNode
 from aruco_node.nodes.manual import camera_manual
 from aruco_node.nodes.node import run_node
@@ -71,7 +70,6 @@ class TagPoses(CameraNode):
         super().__init__(Exercise('tag_poses', self._locate, [TRACKER]), PoseSettings)
         self._wall = _load_wall(self.settings)
         self._estimator, self._watch = self._new_estimator(self.settings, self._wall)
-        self._calibration = Calibration(self.settings, self.camera)
         self._problems = {}  # sentences about what is wrong, by kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
@@ -88,7 +86,6 @@ class TagPoses(CameraNode):
 
     def update_subscriptions(self, wanted):
         super().update_subscriptions(wanted)
-        self._calibration.update_subscription(wanted)
         needs_tf = self._publishers['robot_pose'].get_num_connections() > 0
         if needs_tf and self._tf_listener is None:
             self._tf_listening_since = time.monotonic()
@@ -138,7 +135,9 @@ class TagPoses(CameraNode):
         """The step of this node's Exercise: the PoseResult of a Scene."""
         tags, area = find_tags(scene), scene.tracker.update(scene.frame, scene.stamp)
         problems: Dict[str, str] = {}
-        lens = self._lens(scene.frame.shape[1::-1], problems)
+        lens = self.lens
+        if self.lens_fault is not None:
+            problems[self.lens_fault.kind] = self.explain(self.lens_fault)
         poses, area_pose, camera = [], None, None
         if lens is not None:
             estimator = self._estimator
@@ -161,13 +160,8 @@ class TagPoses(CameraNode):
                              % (settings.wall, wall.dictionary, settings.dictionary, wall.dictionary))
         return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
 
-    def _lens(self, size, problems):
-        """The Lens of frames of this size, (width, height) pixels, or None. Adds to ``problems`` why."""
-        try:
-            return self._calibration.lens(size, self.frame_scale)
-        except InputError as error:
-            problems[error.kind] = 'Tags are found, but no poses: %s: %s.' % (self._calibration.topic, error)
-            return None
+    def explain(self, fault):
+        return 'Tags are found, but no poses: %s.' % fault
 
     def _publish_poses(self, result, header, problems):
         """Publish the poses on the topics that somebody listens to. Adds to ``problems`` what is missing."""

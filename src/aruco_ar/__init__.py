@@ -7,13 +7,13 @@ this one to ROS.
 """
 from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
 from .base.errors import InputError
+from .geometry.lens import Lens
 from .geometry.ordering import largest_quadrilateral, order_coordinates
 from .painting.marks import fill_polygon, mark_centers, mark_tags
 from .painting.paint import area_mask, overlay, subtract
 from .painting.picture import load_picture
 from .poses.area_pose import AreaPose
 from .poses.estimator import CameraPose, PoseEstimator, TagPose
-from .poses.lens import Lens
 from .tags.detector import Detector
 from .tags.tag import DICTIONARIES, Tag, draw_tag, get_dictionary
 from .tracking.area import Area, find_area, find_four_centers

@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from typing import Any, Callable, Protocol, Sequence
 
 from .base.arrays import Image
+from .geometry.lens import Lens
 from .tags.detector import Detector
 from .tags.tag import Tag
 from .tracking.area import Area
 from .tracking.tracker import Tracker
 
-TRACKER, PICTURE = 'tracker', 'picture'  # what an exercise may need
+TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
+LENSES = CORRECT, IGNORE = 'correct', 'ignore'  # the distortion of the lens: the parameter ``lens``
 # A change of one of these parameters makes a new tracker.
 TRACKER_PARAMETERS = 'dictionary', 'ids', 'upright', 'search', 'correction', 'likeness', 'min_side'
 
@@ -23,7 +25,8 @@ class Scene:
     the frame itself, or a copy of it into which other areas have been painted already. ``stamp``: the frame's
     time, seconds. ``settings``: the node's parameters. ``tracker``: the Tracker of the area. ``picture``:
     (h, w, 3) BGR or (h, w, 4) BGRA uint8; it is None until the first picture has arrived. The tracker and the
-    picture are None for an exercise that does not need them.
+    picture are None for an exercise that does not need them. ``lens``: the Lens, if the camera is calibrated
+    and its lens bends straight lines, else None.
     """
 
     frame: Image
@@ -32,6 +35,7 @@ class Scene:
     settings: Any
     tracker: Any = None
     picture: Image | None = None
+    lens: Lens | None = None
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,8 @@ class Result:
 class Exercise:
     """An exercise by the name of its node. ``step`` turns a Scene into a Result.
 
-    ``needs``: TRACKER if it asks where the area is, PICTURE if it paints one. ``topics``: its images' names.
+    ``needs``: TRACKER if it asks where the area is, PICTURE if it paints one, LENS if it needs only the
+    lens. ``topics``: the names of its images.
     """
 
     name: str
@@ -101,12 +106,14 @@ class Stage:
     def _has_same(self, other: Stage, parameters: Sequence[str]) -> bool:
         return all(getattr(self.settings, name) == getattr(other.settings, name) for name in parameters)
 
-    def scene(self, frame: Image, image: Image, stamp: float) -> Scene:
-        """The Scene of a frame; the arguments are those of Scene."""
+    def scene(self, frame: Image, image: Image, stamp: float, lens: Lens | None = None) -> Scene:
+        """The Scene of a frame; the arguments are those of Scene, and ``lens`` is any Lens, or None."""
+        if lens is not None and not (lens.bends and self.settings.lens == CORRECT):
+            lens = None
         if self.tracker is not None:
-            self.tracker.hold = self.settings.hold
+            self.tracker.hold, self.tracker.lens = self.settings.hold, lens
         picture = None if self.source is None else self.source.at(stamp)
-        return Scene(frame, image, stamp, self.settings, self.tracker, picture)
+        return Scene(frame, image, stamp, self.settings, self.tracker, picture, lens)
 
     def changed(self, settings: Any) -> Stage:
         """A new Stage with changed settings. Raises InputError; this Stage is unchanged in either case."""

@@ -108,7 +108,7 @@ class _Annotator:
     def _process(self, frame, stamp):
         """(images, tags, {id: TagPose}, area) of a frame."""
         self._update_lens(frame.shape[1::-1])
-        result = self._exercise.step(self._stage.scene(frame, frame, stamp))
+        result = self._exercise.step(self._stage.scene(frame, frame, stamp, self._lens))
         area = result.area if TRACKER in self._exercise.needs else find_area(result.tags)
         poses = {}
         if self._lens is not None:

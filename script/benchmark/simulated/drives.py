@@ -33,15 +33,15 @@ Frame = namedtuple('Frame', 'stamp image corners counts')
 
 
 def drive(path, count, covered=lambda number: (), counts=lambda number: True, size=(640, 480), wall=WALL,
-          hand=0.0, shutter=0.0, exposure=lambda number: 1.0, **look):
+          hand=0.0, shutter=0.0, exposure=lambda number: 1.0, distortion=(0,) * 5, fisheye=False, **look):
     """Yield the Frames of a drive along a path.
 
     ``covered``, ``counts``, ``exposure``: functions of the frame's number; the
     first returns the ids of the covered tags. ``hand``: how unsteady the camera
     is, see hand_held. ``shutter``: the milliseconds in which the rows of a frame
-    are read. ``look``: see WallRenderer.
+    are read. ``distortion``, ``fisheye``: see Camera. ``look``: see WallRenderer.
     """
-    camera = Camera(*size)
+    camera = Camera(*size, distortion=list(distortion), fisheye=fisheye)
     renderer = WallRenderer(wall, camera, **look)
 
     def view_at(seconds):

@@ -5,6 +5,7 @@
    other in memory, even if the picture is turned. */
 #define TILE_WIDTH 64
 #define TILE_HEIGHT 32
+#define CLEARLY_PX 16  /* undistorted: a pixel that is farther than this from all sides is not on the rim */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
 /* right * x + down * y + rest is the distance of a pixel from a side of the area, in pixels inward, plus a half. */
@@ -53,11 +54,87 @@ static Span find_span(const Side sides[4], int y, double least, int width)
     return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
 }
 
-/* Draw an area into a mask, (height, width, 3), which is black before: white inside, gray on the rim. */
-void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2])
+typedef struct { int first, last; } Span;  /* of pixels in a row */
+
+/* The pixels of a row whose cover is at least ``least``, within 0 and width - 1. */
+static Span find_span(const Side sides[4], int y, double least, int width)
+{
+    double from = 0, to = width - 1;
+    for (int side = 0; side < 4; side++) {
+        double right = sides[side].right, rest = sides[side].down * y + sides[side].rest - least;
+        if (right > 1e-9)
+            from = fmax(from, -rest / right);
+        else if (right < -1e-9)
+            to = fmin(to, -rest / right);
+        else if (rest < 0)
+            to = -1;
+    }
+    return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
+}
+
+/* The undistorted positions, (x, y), of pixels, with ``row`` bytes from one row to the next; NULL without a lens. */
+typedef struct { const char *first; int64_t row; } Positions;
+
+static const float *position_of(const Positions *positions, int x, int y)
+{
+    return (const float *)(positions->first + positions->row * y) + 2 * x;
+}
+
+static float distance_from(const Side *side, const float *position)
+{
+    return (float)side->right * position[0] + (float)side->down * position[1] + (float)(side->rest - 0.5);
+}
+
+/* The part of a pixel that the area covers. ``here``, ``next`` and ``below``: the positions of the pixel and of two
+   neighbors. Undistorted distances are divided by how much they grow from one pixel to the next. */
+static float distorted_cover_of(const Side sides[4], const float *here, const float *next, const float *below)
+{
+    float cover = 1;
+    for (int side = 0; side < 4; side++) {
+        float distance = distance_from(&sides[side], here);
+        float to_next = distance_from(&sides[side], next) - distance;
+        float to_below = distance_from(&sides[side], below) - distance;
+        cover = smaller(cover, 0.5f + distance / larger(hypotf(to_next, to_below), 1e-3f));
+    }
+    return larger(cover, 0);
+}
+
+/* Draw an area into a mask of a distorted frame, as draw_mask does. */
+static void draw_distorted_mask(uint8_t *mask, int width, int height, const Side sides[4], const Positions *positions)
+{
+    for (int y = 0; y < height; y++)
+        for (int left = 0; left < width; left += TILE_WIDTH) {
+            int count = left + TILE_WIDTH < width ? TILE_WIDTH : width - left;
+            const float *here = position_of(positions, left, y);
+            const float *below = position_of(positions, left, y + 1 < height ? y + 1 : y - 1);
+            float inside[TILE_WIDTH];
+            for (int x = 0; x < count; x++) {  /* a loop of its own, since compilers can vectorize it */
+                inside[x] = distance_from(&sides[0], here + 2 * x);
+                for (int side = 1; side < 4; side++)
+                    inside[x] = smaller(distance_from(&sides[side], here + 2 * x), inside[x]);
+            }
+            for (int x = 0; x < count; x++, mask += 3)
+                if (inside[x] > CLEARLY_PX)
+                    memset(mask, 255, 3);
+                else if (inside[x] > -CLEARLY_PX) {  /* false if the lens does not see anything there */
+                    int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
+                    float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
+                    memset(mask, (int)(255 * cover + 0.5f), 3);
+                }
+        }
+}
+
+/* Draw an area into a mask, (height, width, 3), which is black before: white inside, gray on the rim. ``positions``:
+   (height, width, 2), with ``row`` bytes from one row to the next, or NULL: the undistorted position of each pixel. */
+void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2], const char *positions, int64_t row)
 {
     Side sides[4];
     find_sides(corners, sides);
+    if (positions) {
+        if (width > 1 && height > 1)
+            draw_distorted_mask(mask, width, height, sides, &(Positions){positions, row});
+        return;
+    }
     for (int y = 0; y < height; y++, mask += 3 * width) {
         Span some = find_span(sides, y, 0, width), whole = find_span(sides, y, 1, width);
         for (int x = some.first; x <= some.last; x++) {
@@ -104,13 +181,22 @@ static void sample_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsig
     pixel[3] = within(alpha + 0.5f, 255);
 }
 
-/* Warp the pixels of a row from ``begin`` to ``end``, which are at most TILE_WIDTH. */
-static void warp_run(uint8_t *row, const Frame *picture, const float h[9], int y, int begin, int end)
+/* Warp the pixels of a row from ``begin`` to ``end``, which are at most TILE_WIDTH. ``positions``: of the row, or
+   NULL. */
+static void warp_run(uint8_t *row, const Frame *picture, const float h[9], const float *positions, int y, int begin,
+                     int end)
 {
     float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
     float right = picture->width - 1, foot = picture->height - 1;
     int u[TILE_WIDTH], v[TILE_WIDTH], channels = picture->channels;
-    for (int x = begin; x < end; x++) {  /* a loop of its own, since compilers can vectorize it */
+    /* Loops of their own, since compilers can vectorize them. */
+    for (int x = begin; positions && x < end; x++) {
+        float at_x = positions[2 * x], at_y = positions[2 * x + 1];
+        float scale = 1 / (h[6] * at_x + h[7] * at_y + h[8]);
+        u[x - begin] = (int)(STEPS * within((h[0] * at_x + h[1] * at_y + h[2]) * scale, right) + 0.5f);
+        v[x - begin] = (int)(STEPS * within((h[3] * at_x + h[4] * at_y + h[5]) * scale, foot) + 0.5f);
+    }
+    for (int x = begin; !positions && x < end; x++) {
         float scale = 1 / (h[6] * x + w0);
         u[x - begin] = (int)(STEPS * within((h[0] * x + u0) * scale, right) + 0.5f);
         v[x - begin] = (int)(STEPS * within((h[3] * x + v0) * scale, foot) + 0.5f);
@@ -121,9 +207,11 @@ static void warp_run(uint8_t *row, const Frame *picture, const float h[9], int y
 
 /* Warp a picture where a mask, (height, width, 3), is not black. ``warped``: (height, width, channels), the result.
    ``pixels``: the picture, BGR or BGRA, with ``row`` bytes from one row to the next. ``to_picture``: the homography
-   from the mask to the picture. Beyond the picture's edges, its edge pixels are repeated. */
+   from the mask to the picture. ``positions``: as for draw_mask. Beyond the picture's edges, its edge pixels are
+   repeated. */
 void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uint8_t *pixels, int64_t row,
-          int picture_width, int picture_height, int channels, const double to_picture[9])
+          int picture_width, int picture_height, int channels, const double to_picture[9],
+          const char *positions, int64_t positions_row)
 {
     Frame picture = {pixels, row, picture_width, picture_height, channels};
     float h[9];
@@ -138,6 +226,7 @@ void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uin
                     begin++;
                 while (begin < end && !shown[3 * end - 3])
                     end--;
-                warp_run(warped + (int64_t)channels * width * y, &picture, h, y, begin, end);
+                warp_run(warped + (int64_t)channels * width * y, &picture, h,
+                         positions ? (const float *)(positions + positions_row * y) : NULL, y, begin, end);
             }
 }

@@ -5,7 +5,6 @@ import numpy as np
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.tracking.area import Area
 
 FITS = 'stretch', 'contain', 'cover'
@@ -32,10 +31,10 @@ def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
         return picture[top:top + kept_height, left:left + kept_width], area
     across, down = min(wider, 1) / 2, min(1 / wider, 1) / 2
     inner = np.array([[-across, -down], [across, -down], [across, down], [-across, down]]) + 0.5
-    return picture, Area(transform(homography_to(area.corners), inner).astype(np.float32))
+    return picture, area.part(inner)
 
 
 def _ratio_in_frame(area: Area) -> float:
     """An Area's width to height in the frame: an estimate, for when its proportions on the wall are unknown."""
-    top, right, bottom, left = np.hypot(*(area.corners - np.roll(area.corners, -1, axis=0)).T)
+    top, right, bottom, left = np.hypot(*(area.undistorted - np.roll(area.undistorted, -1, axis=0)).T)
     return (top + bottom) / max(left + right, 1e-9)

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Color, Floats, Image, Integers, Numbers
+from aruco_ar.geometry.lens import Lens
 from aruco_ar.poses.estimator import TagPose
-from aruco_ar.poses.lens import Lens
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
@@ -54,7 +54,7 @@ def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens
     """
     image = _outlined(frame, tags)
     if area is not None:
-        cv2.polylines(image, [fixed_point(area.corners)], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
+        cv2.polylines(image, [fixed_point(area.outline())], True, PURPLE, 2, cv2.LINE_AA, SHIFT)
     for pose in poses:
         if lens is not None:
             _draw_axes(image, pose, lens)
@@ -101,12 +101,15 @@ def mark_centers(frame: Image, centers: Iterable[Floats]) -> Image:
     return image
 
 
-def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color = PURPLE) -> Image:
+def fill_polygon(frame: Image, points: Sequence[Floats] | Floats, color: Color = PURPLE,
+                 lens: Lens | None = None) -> Image:
     """A copy of the frame with the polygon through points, (n, 2) pixels, filled; their order matters.
 
-    Nothing is filled if there are fewer than three points.
+    Nothing is filled if there are fewer than three points. ``lens``: the Lens of the frame, or None. It bends
+    the polygon's sides as it bends straight lines of the wall.
     """
     image = frame.copy()
     if len(points) >= 3:
-        cv2.fillPoly(image, [fixed_point(points)], color, cv2.LINE_AA, SHIFT)
+        outline = points if lens is None else Area(np.array(points), lens=lens).outline()
+        cv2.fillPoly(image, [fixed_point(outline)], color, cv2.LINE_AA, SHIFT)
     return image

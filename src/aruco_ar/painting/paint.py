@@ -21,9 +21,9 @@ from .fit import fit_picture
 
 _C = library('painting')
 _C.draw_mask.restype = _C.warp.restype = None
-_C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, ctypes.c_void_p]
+_C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 2, ctypes.c_int64]
 _C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
-                    *[ctypes.c_int] * 3, ctypes.c_void_p]
+                    *[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2, ctypes.c_int64]
 
 
 def area_mask(frame: Image, area: Area | None) -> Image:
@@ -33,8 +33,9 @@ def area_mask(frame: Image, area: Area | None) -> Image:
     """
     mask = np.zeros_like(frame, order='C')
     if area is not None:
-        corners = np.array(area.corners, np.float64)
-        _C.draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], corners.ctypes.data)
+        corners = np.array(area.undistorted, np.float64)
+        _C.draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], corners.ctypes.data,
+                     *_address_and_row(area.positions))
     return mask
 
 
@@ -63,20 +64,22 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
     picture, area = fit_picture(picture, area, fit)
     window, area = area.window(out)
     mask = area_mask(window, area)
-    warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask)
+    warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask, area.positions)
     put_in(window, warped, mask, opacity)
     return out
 
 
-def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
+def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | None = None) -> Image:
     """A picture, warped by a homography where the mask is not black; elsewhere black and transparent.
 
-    This is cv2.warpPerspective with two differences. It skips the pixels where the mask is black. And a picture
+    This is cv2.warpPerspective with three differences. It skips the pixels where the mask is black. A picture
     that is much larger than its place is halved first. Otherwise pixels would be skipped, and fine lines would
-    flicker.
+    flicker. And a lens distorts the picture as it distorts the frame.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
-    pixels of the mask. ``mask``: (h, w, 3) uint8. The result has the mask's size and the picture's channels.
+    undistorted pixels. ``mask``: (h, w, 3) uint8. ``positions``: (h, w, 2) float32, the undistorted position
+    of each pixel of the mask, or None without a lens. The result has the mask's size and the channels of the
+    picture.
     """
     homography = np.asarray(homography, np.float64)
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
@@ -89,8 +92,14 @@ def warp(picture: Image, homography: Numbers, mask: Image) -> Image:
     height, width, channels = picture.shape
     warped = np.zeros((*mask.shape[:2], channels), np.uint8)
     _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], picture.ctypes.data,
-            picture.strides[0], width, height, channels, to_picture.ctypes.data)
+            picture.strides[0], width, height, channels, to_picture.ctypes.data,
+            *_address_and_row(positions))
     return warped
+
+
+def _address_and_row(positions: Image | None) -> tuple[int | None, int]:
+    """The address of positions, (h, w, 2) float32, and their bytes from one row to the next."""
+    return (None, 0) if positions is None else (positions.ctypes.data, positions.strides[0])
 
 
 def _halvings(picture: Image, homography: Floats) -> int:

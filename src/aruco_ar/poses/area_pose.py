@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from aruco_ar.base.arrays import Floats
+from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import NEAR_M, rotation_matrices, rotation_vector
 from aruco_ar.tracking.area import Area
 
 from .belief import mixture
-from .lens import Lens
 from .observations import WallFit
 
 AREA_PX = 0.1       # the standard deviation of a corner of the area

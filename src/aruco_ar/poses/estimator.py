@@ -11,15 +11,16 @@ from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.base.recent import Recent
+from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matrices, refine
+from aruco_ar.tags.corner_rays import corner_rays
 from aruco_ar.tags.tag import SIDE_M, Tag, square
 from aruco_ar.tracking.area import Area
 from aruco_ar.walls.wall import Wall
 
 from .area_pose import AreaPose, area_pose
 from .belief import Belief, mixture
-from .lens import Lens
 from .observations import SeenTags
 from .wall_estimator import WallEstimator
 
@@ -165,7 +166,7 @@ class PoseEstimator:
         quads = np.array([tag.corners for tag in tags], np.float64)
         real = np.isfinite(quads).all(axis=(1, 2))
         quads[~real] = 0
-        rays = lens.corner_rays(quads)
+        rays = corner_rays(lens, quads)
         across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
         good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
         good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise, so seen from the front

@@ -31,14 +31,10 @@ NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger 
 
 
 def project(points: Floats, rotation: Floats, translation: Floats, camera: Camera) -> tuple[Floats, bool]:
-    """The pixels, (n, 2) float64, of wall points, (n, 3), and whether all are in front of the camera.
-
-    This is the pinhole model with plumb_bob distortion, as in OpenCV's projectPoints.
-    """
-    depth = points @ rotation[2] + translation[2]
-    pixels, _ = cv2.projectPoints(np.asarray(points, np.float64), cv2.Rodrigues(rotation)[0], translation,
-                                  camera.matrix, np.array(camera.distortion, np.float64))
-    return np.asarray(pixels, np.float64).reshape(-1, 2), bool(np.all(depth > NEAR_M))
+    """The pixels, (n, 2) float64, of wall points, (n, 3), and whether all are in front of the camera."""
+    seen = points @ rotation.T + translation
+    is_before = bool(np.all(seen[:, 2] > NEAR_M))
+    return camera.lens.project_rays(seen[:, :2] / np.maximum(seen[:, 2:], NEAR_M))[0], is_before
 
 
 def project_rows(points: Floats, first: View, last: View, camera: Camera) -> tuple[Floats, bool]:
@@ -274,19 +270,17 @@ def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
     the image contains all that the lens shows. Then the map, (h, w, 2) float32,
     is the position in it for each pixel of the frame.
     """
-    if not np.any(camera.distortion):
+    if not camera.lens.bends:
         return camera.matrix, (camera.width, camera.height), None
     grid = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
-    rays = cv2.undistortPointsIter(
-        np.array(grid, np.float64).reshape(-1, 1, 2), camera.matrix, np.array(camera.distortion), NO_ARRAY,
-        NO_ARRAY, (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 50, 1e-8)).reshape(-1, 2)
-    sources = rays * camera.matrix[0, 0] + camera.matrix[:2, 2]
-    low, high = np.floor(sources.min(axis=0)) - 1, np.ceil(sources.max(axis=0)) + 1
+    sources = camera.lens.undistort(grid).reshape(-1, 2)
+    low, high = np.floor(np.nanmin(sources, axis=0)) - 1, np.ceil(np.nanmax(sources, axis=0)) + 1
     if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
         raise InputError('The distortion %s is too strong to be simulated; give smaller coefficients.'
                          % (list(camera.distortion),))
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= low
     width, height = (int(length) for length in high - low + 1)
-    sources = np.asarray(sources - low, np.float32).reshape(camera.height, camera.width, 2)
+    # Pixels at the corners of the frame may see no ray; they are given any color.
+    sources = np.asarray(np.nan_to_num(sources - low), np.float32).reshape(camera.height, camera.width, 2)
     return matrix, (width, height), sources

@@ -16,6 +16,7 @@ import numpy as np
 from aruco_ar.base.arrays import Floats, View
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import within, yaml_entries
+from aruco_ar.geometry.lens import Lens
 
 CAMERA_FORWARD_M = 0.08  # in front of the middle between the wheels
 CAMERA_HEIGHT_M = 0.35
@@ -90,15 +91,22 @@ def load_path(path: str) -> Path:
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera with OpenCV's (plumb_bob) lens distortion.
+    """A pinhole camera with the distortion of a lens.
 
-    ``fov``: horizontal, radians. ``distortion``: k1, k2, p1, p2, k3.
+    ``fov``: horizontal, radians, without the distortion. ``distortion``: k1, k2, p1, p2, k3 of OpenCV's
+    plumb_bob, or k1, k2, k3, k4 of its fisheye model.
     """
 
     width: int = 640
     height: int = 480
     fov: float = 1.047
     distortion: list[float] = field(default_factory=lambda: [0.0] * 5)
+    fisheye: bool = False
+
+    @property
+    def lens(self) -> Lens:
+        """Its Lens."""
+        return Lens(self.width, self.height, self.matrix, np.array(self.distortion, np.float64), self.fisheye)
 
     @property
     def matrix(self) -> Floats:

@@ -8,12 +8,14 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Image
-from aruco_ar.geometry.homography import homography_from, transform
+from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.geometry.homography import homography_from, homography_to, transform
+from aruco_ar.geometry.lens import GRID_PX, Lens
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
 MIN_AREA_PX = 0.1  # square pixels: a smaller area is not visible
+SIDE_POINTS = 32   # of an outline, along each side
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,30 +25,79 @@ class Area:
     ``corners``: (4, 2) float32, pixels of the frame, where the picture's top
     left, top right, bottom right and bottom left belong. ``ratio``: the area's
     width divided by its height on the wall, or None if that is unknown.
+    ``lens``: the Lens that distorts the frame, or None. ``undistorted``: (4, 2)
+    float32, the corners in undistorted pixels (see Lens), by default those of
+    ``corners``. Without a lens, they are ``corners``. ``positions``: (h, w, 2)
+    float32, the undistorted position of each pixel, by default those of the
+    whole frame; None without a lens.
     """
 
     corners: Floats
     ratio: float | None = None
+    lens: Lens | None = None
+    undistorted: Floats = NO_ARRAY
+    positions: Image | None = None
+
+    def __post_init__(self) -> None:
+        if self.undistorted is NO_ARRAY:
+            undistorted = self.corners if self.lens is None else self.lens.undistort(self.corners)
+            object.__setattr__(self, 'undistorted', np.asarray(undistorted, np.float32))
+        if self.positions is None and self.lens is not None:
+            object.__setattr__(self, 'positions', self.lens.undistorted_pixels)
+
+    @classmethod
+    def from_undistorted(cls, undistorted: Floats, ratio: float | None = None,
+                         lens: Lens | None = None) -> Area:
+        """The Area with these corners, (4, 2), in undistorted pixels."""
+        corners = undistorted if lens is None else lens.distort(undistorted)
+        return cls(np.asarray(corners, np.float32), ratio, lens, np.asarray(undistorted, np.float32))
+
+    def part(self, corners: Floats) -> Area:
+        """The part of the area with these corners, (4, 2). The whole is from (0, 0) to (1, 1)."""
+        return Area.from_undistorted(transform(homography_to(self.undistorted), corners), lens=self.lens)
 
     def window(self, frame: Image) -> tuple[Image, Area]:
         """The part of a frame that the area touches, as a view, (h, w, 3), and the Area in its pixels.
 
+        With a lens, undistorted pixels are those of the whole frame still.
         The part is empty if the area is outside of the frame, or too small to be visible.
         """
-        low = np.maximum(np.floor(self.corners.min(axis=0)) - 1, 0).astype(int)
-        high = np.minimum(np.ceil(self.corners.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
-        if np.any(low >= high) or cv2.contourArea(self.corners) < MIN_AREA_PX:
+        touched = self.corners
+        if self.positions is not None:
+            touched = np.concatenate([touched, self._grid_inside(self.positions)])
+        low = np.maximum(np.floor(touched.min(axis=0)) - 1, 0).astype(int)
+        high = np.minimum(np.ceil(touched.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
+        if np.any(low >= high) or cv2.contourArea(self.undistorted) < MIN_AREA_PX:
             return frame[:0, :0], self
-        return frame[low[1]:high[1], low[0]:high[0]], replace(self, corners=self.corners - np.float32(low))
+        rows, columns = slice(low[1], high[1]), slice(low[0], high[0])
+        corners = self.corners - np.float32(low)
+        return frame[rows, columns], Area(corners, self.ratio) if self.positions is None else replace(
+            self, corners=corners, positions=self.positions[rows, columns])
+
+    def outline(self) -> Floats:
+        """(n, 2) float32, pixels of the frame: the area's outline. With a lens, its sides are curves."""
+        if self.lens is None:
+            return self.corners
+        begin, end = self.undistorted[:, None], np.roll(self.undistorted, -1, axis=0)[:, None]
+        along = begin + np.arange(SIDE_POINTS)[:, None] / SIDE_POINTS * (end - begin)
+        return np.asarray(self.lens.distort(along.reshape(-1, 2)), np.float32)
 
     def homography(self, width: int, height: int) -> Floats:
-        """(3, 3) float64: the homography from pixels of a picture of that size to pixels of the frame.
+        """(3, 3) float64: the homography from pixels of a picture of that size to undistorted pixels.
 
         The picture's corners are (0, 0) and (width, height), as in the course.
         """
         picture = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
-        found = cv2.getPerspectiveTransform(picture, np.asarray(self.corners, np.float32))
+        found = cv2.getPerspectiveTransform(picture, np.asarray(self.undistorted, np.float32))
         return np.asarray(found, np.float64)
+
+    def _grid_inside(self, positions: Image) -> Floats:
+        """(n, 2) pixels of the frame: a margin around all those points of a grid that are in the area."""
+        grid = np.asarray(positions[::GRID_PX, ::GRID_PX], np.float64)
+        places = transform(homography_from(self.undistorted), grid)
+        y, x = np.nonzero(((places > 0) & (places < 1)).all(axis=2))
+        inside = GRID_PX * np.column_stack([x, y])
+        return np.concatenate([inside - GRID_PX, inside + GRID_PX])
 
 
 def find_four_centers(tags: Sequence[Tag]) -> Floats | None:

@@ -6,6 +6,8 @@ from typing import Any, Callable, Mapping, Sequence
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.geometry.lens import Lens
+from aruco_ar.tags.corner_rays import found_corners, undistort_corners
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
@@ -24,9 +26,12 @@ SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
 class TagSearch:
     """Searches frames for tags with a Detector.
 
-    ``shows_area``: says whether a list of Tag is enough to find the area. The other arguments are those of
-    Detector.
+    All positions that it takes and returns are undistorted pixels. ``lens``: the Lens of the frames, or None;
+    without one, they are pixels of the frame. ``shows_area``: says whether a list of Tag is enough to find the
+    area. The other arguments are those of Detector.
     """
+
+    lens: Lens | None = None
 
     def __init__(self, shows_area: Callable[[list[Tag]], bool], dictionary: str, **detection: Any) -> None:
         self._shows_area = shows_area
@@ -46,7 +51,7 @@ class TagSearch:
         """
         if motion is None:
             return {}, []
-        expected = _expected_in_frame(frame, layout, motion)
+        expected = self._expected_in_frame(frame, layout, motion)
         four = [tag_id for tag_id in layout.ids if tag_id in expected]
         seen = self._fit(frame, four, expected)
         missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
@@ -61,13 +66,13 @@ class TagSearch:
     def find_near(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags found near their expected places, {id: (4, 2) pixels}."""
         found = []
-        for tag_id, quad in expected.items():
+        for tag_id, quad in zip(expected, self._distorted(list(expected.values()))):
             side = side_of(quad[None])[0]
             low = np.maximum(quad.min(axis=0) - NEAR_SIDES * side, 0).astype(int)
             high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, frame.shape[1::-1]).astype(int)
             tags = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
             found += [Tag(tag_id, tag.corners + np.float32(low)) for tag in tags if tag.id == tag_id]
-        return found
+        return self._undistorted(found)
 
     def find_like(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
         """The tags in the whole frame that are not much smaller than those expected, (4, 2) pixels each.
@@ -76,7 +81,8 @@ class TagSearch:
         """
         if not expected:
             return self.find_all(frame)
-        return self._detector.search(frame, max(side_of(np.array(expected)).min(), MIN_SIDE_PX))
+        smallest = side_of(self._distorted(expected)).min()
+        return self._undistorted(self._detector.search(frame, max(smallest, MIN_SIDE_PX)))
 
     def find_all(self, frame: Image) -> list[Tag]:
         """The tags in the whole frame.
@@ -86,13 +92,13 @@ class TagSearch:
         """
         self._searches += 1
         if self._never_fine or self._searches % 2:
-            tags = self._detector.detect(frame)
+            tags = self._undistorted(self._detector.detect(frame))
             self._has_some = len(tags) > 0
             return tags
-        tags = self._detector.search(frame, SMALL_SIDE_PX)
+        tags = self._undistorted(self._detector.search(frame, SMALL_SIDE_PX))
         if self._has_some and not self._shows_area(tags):
             known = {tag.id for tag in tags}
-            tags += [tag for tag in self._detector.detect(frame) if tag.id not in known]
+            tags += [tag for tag in self._undistorted(self._detector.detect(frame)) if tag.id not in known]
         return tags
 
     def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Floats]:
@@ -101,19 +107,38 @@ class TagSearch:
             return {}
         quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
         found &= likeness > EXPECTED_LIKENESS
-        return {tag_id: quad for tag_id, quad, is_found in zip(ids, quads, found) if is_found}
+        tags = self._undistorted([Tag(ids[number], quads[number]) for number in np.flatnonzero(found)])
+        return {tag.id: tag.corners for tag in tags}
+
+    def _expected_in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
+        """{id: (4, 2) pixels of the frame}: where known tags should be that are in it and large enough."""
+        ids = list(layout.places)
+        quads = self._distorted(motion.project(layout.quads(ids)))
+        inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
+        inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
+        return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
+
+    def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
+        """(n, 4, 2): undistorted corners of tags, (n, 4, 2), in pixels of the frame."""
+        return np.array(quads) if self.lens is None or not len(quads) else self.lens.distort(quads)
+
+    def as_found(self, tags: list[Tag]) -> list[Tag]:
+        """Tags with undistorted corners as Tags with the corners that were found in the frame."""
+        if self.lens is None or not tags:
+            return tags
+        quads = found_corners(self.lens, self.lens.rays_of_undistorted([tag.corners for tag in tags]))
+        return [Tag(tag.id, np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)]
+
+    def _undistorted(self, tags: list[Tag]) -> list[Tag]:
+        """Tags in the frame as Tags with undistorted corners. Those beyond the lens are left out."""
+        if self.lens is None or not tags:
+            return tags
+        quads = undistort_corners(self.lens, [tag.corners for tag in tags])
+        return [Tag(tag.id, np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
+                if np.isfinite(quad).all()]
 
 
 def expected_places(layout: Layout, motion: AreaMotion | None) -> dict[int, Floats]:
     """{id: (4, 2) pixels}: where the known tags should be, inside or outside of the frame."""
     ids = list(layout.places)
     return {} if motion is None else dict(zip(ids, motion.project(layout.quads(ids))))
-
-
-def _expected_in_frame(frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
-    """{id: (4, 2) pixels}: where those known tags should be that are in the frame and large enough."""
-    ids = list(layout.places)
-    quads = motion.project(layout.quads(ids))
-    inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
-    inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
-    return {ids[number]: quads[number] for number in np.flatnonzero(inside)}

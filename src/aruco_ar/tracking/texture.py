@@ -16,6 +16,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
+from aruco_ar.geometry.lens import Lens, rectify
 
 MARGIN = 0.15            # of the template around the area, relative to the area
 MAX_LENGTH_PX = 320      # the template's longer side
@@ -47,7 +48,9 @@ MEAN_OF = 20             # a point's place is the running mean of about this man
 class Texture:
     """Learns the template of the wall's texture, and finds it in later frames."""
 
-    def __init__(self) -> None:
+    def __init__(self, lens: Lens | None = None) -> None:
+        """``lens``: the Lens of the frames, or None. With a lens, positions are undistorted pixels."""
+        self._lens = lens
         self.forget()
 
     def forget(self) -> None:
@@ -128,7 +131,8 @@ class Texture:
         size = np.array([sides[[0, 2]].mean(), sides[[1, 3]].mean()])
         # The area's size in the template.
         self._inner = size * min(1, MAX_LENGTH_PX / (1 + 2 * MARGIN) / size.max())
-        self._size = tuple(int(side) for side in np.ceil(self._inner * (1 + 2 * MARGIN)))
+        width, height = np.ceil(self._inner * (1 + 2 * MARGIN)).astype(int).tolist()
+        self._size = width, height
         self._wall_region = self._draw_wall_region(tags, corners, frame.shape)
         self._template, self._contrast = self._rectified_and_even(frame, corners)
         if self._contrast < MIN_CONTRAST:
@@ -168,8 +172,7 @@ class Texture:
         """The wall in a frame, rectified by the area's corners like the template; black beyond the frame."""
         to_plane = np.array([[1 / self._inner[0], 0, 0.5 / self._inner[0] - MARGIN],
                              [0, 1 / self._inner[1], 0.5 / self._inner[1] - MARGIN], [0, 0, 1]])
-        return cv2.warpPerspective(frame, homography_to(corners) @ to_plane, self._size,
-                                   flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP)
+        return rectify(frame, homography_to(corners) @ to_plane, self._size, self._lens)
 
     def _rectified_and_even(self, frame: Image, corners: Floats) -> tuple[Image, float]:
         """The wall in a frame, rectified, gray and evenly lit, (h, w) uint8, and its contrast, gray levels."""
@@ -186,6 +189,8 @@ class Texture:
         reach = WINDOW_PX / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         around = self._points[:, None] + reach
         pixels = transform(homography_to(corners), self._to_plane(around))
+        if self._lens is not None:
+            pixels = self._lens.distort(pixels)
         return np.asarray(((pixels > 0) & (pixels < np.array(shape[1::-1]) - 1)).all(axis=(1, 2)))
 
     def _matches(self, rectified: Image, corners: Floats,

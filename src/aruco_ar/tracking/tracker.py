@@ -9,6 +9,7 @@ from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.geometry.homography import homography_from, transform
+from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.edges import side_of
@@ -47,10 +48,13 @@ class Tracker:
 
     The four tags must be seen together once. Then the tracker knows the places
     of all tags in the plane of the wall, and any of them locates the area.
+    With a lens, it works in undistorted pixels, in which a wall is flat.
 
     ``dictionary``, ``ids``: see Detector. ``hold``: seconds, 0 or more. When
     the area cannot be located well enough, it is kept for at most this time. It
-    can be set at any time. ``upright``: the picture's top is at the tags' own
+    can be set at any time. ``lens``: the Lens of the frames, or None if it is
+    unknown or does not distort. After a change, the tracker is reset at the
+    next frame. ``upright``: the picture's top is at the tags' own
     tops (``tags``) or at the frame's top (``image``). ``detection``: further
     arguments of Detector, such as ``search``, for frames in which no area is
     expected. Raises InputError for any other value.
@@ -69,14 +73,16 @@ class Tracker:
         self._search = TagSearch(lambda tags: self._layout_of(tags) is not None, dictionary, **detection)
         self._layout: Layout | None = None
         self.hold = hold
+        self.lens: Lens | None = None
         self._upright = upright
         self.reset()
 
     @property
     def tags(self) -> list[Tag]:
         """A list of Tag: those found in the last frame, of the ids that count."""
-        return [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()
+        tags = [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()
                 if self._counts(tag_id)]
+        return self._search.as_found(tags)
 
     @property
     def explanation(self) -> str:
@@ -100,6 +106,7 @@ class Tracker:
         self._clock = FrameClock()
         self._shape: tuple[int, ...] = ()  # of the last frame
         self._shown = False                # whether the last frame had an area
+        self._search.lens = self.lens
         self._search.reset()
         self._layout = None
         self._start([])
@@ -109,9 +116,10 @@ class Tracker:
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``stamp``: its time in
         seconds. The tracker is reset if the time goes back, or if the frame's
-        size changes.
+        size or the lens changes.
         """
-        if self._clock.goes_back(stamp) or self._shape not in ((), frame.shape[:2]):
+        if (self._clock.goes_back(stamp) or self._shape not in ((), frame.shape[:2])
+                or self.lens is not self._search.lens):
             self.reset()
         passed = self._clock.advance(stamp)
         self._shape = frame.shape[:2]
@@ -129,7 +137,7 @@ class Tracker:
     def _start(self, tags: Sequence[Tag]) -> None:
         """Start anew, with the area that these tags span, if they span one."""
         self._seen = {tag.id: tag.corners for tag in tags}
-        self._texture, self._recognized = Texture(), False  # and whether the last frame showed it
+        self._texture, self._recognized = Texture(self.lens), False  # and whether the last frame showed it
         self._agreed: list[int] = []  # the tags that agreed in the last frame
         self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
@@ -316,7 +324,7 @@ class Tracker:
             return None
         corners, ratio = corners.astype(np.float32), self._layout.ratio
         if self._upright == 'tags':
-            return Area(corners, ratio)
+            return Area.from_undistorted(corners, ratio, self.lens)
         ordered = order_coordinates(corners)
         on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
-        return Area(ordered, 1 / ratio if on_its_side else ratio)
+        return Area.from_undistorted(ordered, 1 / ratio if on_its_side else ratio, self.lens)

@@ -4,7 +4,7 @@ import time
 import numpy as np
 import rospy
 from aruco_ar.base.errors import InputError, shorten
-from aruco_ar.poses.lens import Lens
+from aruco_ar.geometry.lens import Lens
 from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
@@ -16,6 +16,7 @@ from aruco_node.ros_internals.tolerant import tolerant
 # How many distortion coefficients each model may have. 0 of them mean no distortion.
 MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4),
           '': (0, 4, 5, 8)}
+NO_CAMERA_INFO = 'no camera_info'  # the kind of an InputError
 FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
 RECTIFIED = 'image_rect'  # image_proc's name of the topic of rectified frames
@@ -114,7 +115,7 @@ class Calibration:
             if time.monotonic() - self._subscribed_at < SILENCE_S:
                 return None
             raise InputError('nothing arrives on it. Start the camera with its calibration, or name the topic: '
-                             'camera_info:=TOPIC', kind='no camera_info')
+                             'camera_info:=TOPIC', kind=NO_CAMERA_INFO)
         if self._lens_input != (info, size, scale):
             self._lens = lens_from_info(info, size, self.rectified, scale)
             self._lens_input = info, size, scale

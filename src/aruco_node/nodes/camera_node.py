@@ -6,11 +6,12 @@ from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
-from aruco_node.health.faults import note_fault
+from aruco_node.health.faults import log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import load_areas
 
+from .calibration import NO_CAMERA_INFO, Calibration
 from .frame_node import Answer, FrameNode
 from .pictures import TopicPicture, open_picture
 
@@ -32,13 +33,17 @@ class CameraNode(FrameNode):
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
         self._tags = self.advertise('~tags', TagArray)
+        self._calibration = Calibration(self.settings, self.camera) if hasattr(self.settings, 'lens') else None
+        self.lens = None  # the Lens of the last frame, or None if the camera's calibration is not known
+        self.lens_fault = None  # an InputError that says why not
 
     def process(self, frame, header, stamp):
+        self._update_lens(frame)
         # Each area is searched in the original frame, whatever was painted into the other areas.
         image = frame if len(self._stages) == 1 else frame.copy()
         results = []
         for stage in self._stages:
-            results.append(self._exercise.step(stage.scene(frame, image, stamp)))
+            results.append(self._exercise.step(stage.scene(frame, image, stamp, self.lens)))
             image = results[-1].images[-1]
         return self.answer(results, header)
 
@@ -56,6 +61,8 @@ class CameraNode(FrameNode):
         level, sentence, values = super().report()
         if TRACKER in self._exercise.needs:
             values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
+        if self.lens_fault is not None:
+            values['lens'] = self.explain(self.lens_fault)
         return level, sentence, values
 
     def decode(self, message):
@@ -72,6 +79,12 @@ class CameraNode(FrameNode):
     def update_subscriptions(self, wanted):
         for picture in self._topic_pictures():
             picture.update_subscription(wanted)
+        if self._calibration is not None:
+            self._calibration.update_subscription(wanted)
+
+    def explain(self, fault):
+        """A sentence about an InputError that says why the lens is not known."""
+        return 'The lens is taken to be free of distortion: %s.' % fault
 
     def prepare(self, settings):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
@@ -95,6 +108,17 @@ class CameraNode(FrameNode):
         super().offer_services()
         if TRACKER in self._exercise.needs:
             rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
+
+    def _update_lens(self, frame):
+        if self._calibration is None:
+            return
+        self.lens = self.lens_fault = None
+        try:
+            self.lens = self._calibration.lens(frame.shape[1::-1], self.frame_scale)
+        except InputError as error:
+            self.lens_fault = InputError('%s: %s' % (self._calibration.topic, error), kind=error.kind)
+            if error.kind != NO_CAMERA_INFO:  # many cameras are not calibrated
+                log_once(error.kind, self.explain(self.lens_fault), rospy.logwarn)
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

@@ -9,6 +9,7 @@ from typing import Tuple, Union
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
+from aruco_ar.exercise import LENSES
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
@@ -113,7 +114,24 @@ class Settings(FrameSettings):
 
 
 @dataclass(frozen=True)
-class AreaSettings(Settings):
+class LensSettings(Settings):
+    """The parameters of every node that takes the distortion of the lens into account."""
+
+    lens: str = choice(
+        LENSES[0], LENSES,
+        'whether the picture is bent as the lens bends the straight lines of the wall: correct does so if the '
+        'camera is calibrated; ignore does not')
+    camera_info: str = text(
+        AUTO, 'auto, or the name of a topic',
+        "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
+    rectified: Union[str, bool] = switch(
+        AUTO,
+        'whether the distortion of the lens is already corrected in the frames; auto: if the name of their '
+        'topic begins with image_rect')
+
+
+@dataclass(frozen=True)
+class AreaSettings(LensSettings):
     """The parameters of every node that tracks the area."""
 
     hold: float = number(
@@ -180,13 +198,6 @@ class PoseSettings(AreaSettings):
         LEARN, 'learn, or the path of a YAML file, which may be within the package',
         'where the tags are on the wall: a file says it, as config/wall.yaml does; learn finds it out from the '
         'frames')
-    camera_info: str = text(
-        AUTO, 'auto, or the name of a topic',
-        "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
-    rectified: Union[str, bool] = switch(
-        AUTO,
-        'whether the distortion of the lens is already corrected in the frames; auto: if the name of their '
-        'topic begins with image_rect')
     tag_frame: str = text(
         'tag_' + ID, 'a name with {id} in it', 'name of the TF frame of a tag; {id} stands for its id',
         _tag_frame, live=False)
