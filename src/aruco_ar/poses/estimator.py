@@ -9,12 +9,12 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.base.recent import Recent
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matrices, refine
 from aruco_ar.tags.tag import SIDE_M, Tag, square
 from aruco_ar.tracking.area import Area
+from aruco_ar.tracking.frame_clock import FrameClock
 from aruco_ar.walls.wall import Wall
 
 from .area_pose import AreaPose, area_pose

@@ -7,7 +7,6 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.tags.detector import Detector
@@ -15,6 +14,7 @@ from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
 from .area import Area
+from .frame_clock import FrameClock
 from .layout import Layout
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
