@@ -43,16 +43,16 @@ def parse(argv):
                % table([row for row in parameter_rows(BagSettings, '_') if row[0][1:] in PARAMETERS]))
     option = parser.add_argument
     option('bags', nargs='+', metavar='BAG', help='a bag with images, raw or compressed')
-    option('--out', required=True, metavar='FOLDER', help='where all of it goes')
+    option('--out', required=True, metavar='FOLDER', help='folder for the output')
     option('--exercise', choices=EXERCISES, type=lambda text: text.replace('_', '.'), default='5.6',
-           help='which one; 5_2 is the same as 5.2 (default: 5.6)')
+           help='exercise to run; 5_2 is the same as 5.2 (default: 5.6)')
     option('--video', action='store_true', help='write MP4s as well')
     who = parser.add_mutually_exclusive_group().add_argument
     who('--workers', type=int, metavar='N', default=os.cpu_count(),
         help='processes on this machine (default: as many as it has processor cores)')
-    who('--scheduler', metavar='tcp://HOST:PORT', help='the Dask cluster that does it instead')
+    who('--scheduler', metavar='tcp://HOST:PORT', help='address of the Dask scheduler to use instead')
     option('--piece', type=float, metavar='SECONDS', default=PIECE_S,
-           help='of a bag, which one process looks at (default: %g)' % PIECE_S)
+           help='length of the pieces that each bag is cut into (default: %g)' % PIECE_S)
     args = parser.parse_args([arg for arg in argv if ':=' not in arg])
     if args.workers < 1:
         parser.error('--workers takes a number from 1, not %d' % args.workers)

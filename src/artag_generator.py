@@ -55,8 +55,10 @@ def parse(argv):
     option('--border', type=int, default=1, help='width of the black border in cells (default: 1)')
     option('--quiet', type=int, help='width of the white margin around the tag in cells '
                                      '(default: 0; 1 on a sheet)')
-    option('--format', choices=['jpg', 'png', 'svg'], default='jpg', help='default: jpg')
-    option('--output', metavar='FOLDER', help="default: the package's Tags/, or ./Tags")
+    option('--format', choices=['jpg', 'png', 'svg'], default='jpg',
+           help='file format of the tags (default: jpg)')
+    option('--output', metavar='FOLDER',
+           help="folder to write to (default: the package's Tags/, or ./Tags)")
     option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
     option('--page', choices=list(PAGES), default='A4', help='paper for the sheet (default: A4)')
     option('--side', type=float, default=75, metavar='MM',

@@ -8,17 +8,16 @@ clockwise from the tag's own top left.
 import aruco_node
 import cv2
 from aruco_ar import Detector
-from aruco_ar.exercise import Exercise, Result
+from aruco_ar.exercise import Exercise, Result, detection
 from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 
 def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
-    # The dictionary lists the patterns of all tags and their ids. These settings are parameters of
-    # the node: rosrun unit5 exercise5_2.py --help explains them.
-    settings = scene.settings
-    detector = Detector(settings.dictionary, settings.ids, settings.search,
-                        settings.correction, settings.likeness, settings.min_side)
+    # The settings for the detector are the parameters dictionary, ids, search, correction, likeness and
+    # min_side of the node: rosrun unit5 exercise5_2.py --help explains them. The dictionary lists the
+    # patterns of all tags and their ids.
+    detector = Detector(**detection(scene.settings))
 
     # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which searches for dark quadrilaterals
     # and reads the cells inside. Then the detector moves the corners onto the edges of the tag, to a

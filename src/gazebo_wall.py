@@ -19,8 +19,10 @@ from aruco_ar.walls.wall import load_wall
 def parse(argv):
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--wall', metavar='FILE.yaml', help="default: the package's config/wall.yaml")
-    parser.add_argument('--output', metavar='FOLDER', help="default: the package's gazebo/, or ./gazebo")
+    parser.add_argument('--wall', metavar='FILE.yaml',
+                        help="file of the wall (default: the package's config/wall.yaml)")
+    parser.add_argument('--output', metavar='FOLDER',
+                        help="folder to write to (default: the package's gazebo/, or ./gazebo)")
     return parser.parse_args(argv)
 
 

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """A simulated ROSbot with a camera, which drives in front of a wall with tags and publishes what it sees."""
-import os
 import threading
 import time
 from collections import deque
@@ -11,7 +10,7 @@ import aruco_program  # noqa: F401  before all else
 import numpy as np
 import rospy
 import tf2_ros
-from aruco_ar.base.files import package_folder
+from aruco_ar.base.files import in_package
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import (
     MAX_ANGULAR,
@@ -132,7 +131,7 @@ class WallCamera:
     def __init__(self):
         self._settings = read(Settings, parameter)
         self._camera = Camera(distortion=list(self._settings.distortion))
-        self._wall = load_wall(os.path.join(package_folder(), self._settings.wall))
+        self._wall = load_wall(in_package(self._settings.wall))
         self._renderer = self._make_renderer(self._settings)
         path = self._settings.path
         self._driver = Driver(load_path(path) if path != 'none' else None)

@@ -49,7 +49,8 @@ def main():
         return
     if args.real:
         with recorded('real', args.record):
-            clips.run(args.real, args.chart)
+            charts = clips.run(args.real, args.chart)
+        print('\nWrote %s' % ', '.join(charts))
         return
     if args.video:
         video.run(args.video, args.dictionary, args.ids, args.chart)

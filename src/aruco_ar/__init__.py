@@ -1,9 +1,12 @@
 """Augmented reality with ArUco tags, in plain Python on arrays.
 
-Each frame takes the same way: the Detector finds its tags, find_area finds the
-area between them, and overlay paints the picture into the area. A Tracker
-finds the area in a sequence of frames. The package ``aruco_node`` connects
-this one to ROS.
+Each frame goes through the same steps: the Detector finds its tags, find_area
+finds the area between them, and overlay paints the picture into the area. A
+Tracker finds the area in a sequence of frames. The package ``aruco_node``
+connects this one to ROS.
+
+The subpackages are base, compiled, geometry, tags, walls, tracking, poses,
+painting, and simulation. The module ``exercise`` says what an exercise is.
 """
 from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
 from .base.errors import InputError

@@ -13,8 +13,9 @@ from .tracking.tracker import Tracker
 
 TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
 LENSES = CORRECT, IGNORE = 'correct', 'ignore'  # the distortion of the lens: the parameter ``lens``
+DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side'  # parameters for a Detector
 # A change of one of these parameters makes a new tracker.
-TRACKER_PARAMETERS = 'dictionary', 'ids', 'upright', 'search', 'correction', 'likeness', 'min_side'
+TRACKER_PARAMETERS = (*DETECTION, 'upright')
 
 
 @dataclass(frozen=True)
@@ -61,17 +62,19 @@ class Exercise:
     topics: Sequence[str] = ('image',)
 
 
+def detection(settings: Any) -> dict[str, Any]:
+    """The arguments of a Detector as settings ask for them."""
+    return {name: getattr(settings, name) for name in DETECTION}
+
+
 def find_tags(scene: Scene) -> list[Tag]:
     """The tags in a Scene's frame, found as its settings ask for: exercise 5.2."""
-    settings = scene.settings
-    return Detector(settings.dictionary, settings.ids, settings.search, settings.correction, settings.likeness,
-                    settings.min_side).detect(scene.frame)
+    return Detector(**detection(scene.settings)).detect(scene.frame)
 
 
 def new_tracker(settings: Any) -> Tracker:
     """A Tracker as settings ask for it. Raises InputError."""
-    return Tracker(settings.dictionary, settings.ids, settings.hold, settings.upright, search=settings.search,
-                   correction=settings.correction, likeness=settings.likeness, min_side=settings.min_side)
+    return Tracker(hold=settings.hold, upright=settings.upright, **detection(settings))
 
 
 class Source(Protocol):

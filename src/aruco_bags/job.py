@@ -112,7 +112,8 @@ def locked(folder):
             os.makedirs(os.path.join(folder, HIDDEN), exist_ok=True)
             lock = stack.enter_context(open(os.path.join(folder, HIDDEN, LOCK), 'w'))
         except OSError as error:
-            raise InputError('The folder "%s" cannot be written: %s.' % (folder, error.strerror)) from None
+            raise InputError('The folder "%s" cannot be written: %s. Give another --out.'
+                             % (folder, error.strerror)) from None
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -130,7 +131,7 @@ def write_table(folder):
         with drafted(os.path.join(folder, TABLE), hidden) as draft:
             join_tables([os.path.join(each, TABLE) for each in made if _is_whole(each, folder)], draft, COLUMNS)
     except OSError as error:
-        raise InputError('%s cannot be written: %s.' % (TABLE, error.strerror)) from None
+        raise InputError('%s cannot be written: %s. Give another --out.' % (TABLE, error.strerror)) from None
 
 
 def _is_whole(hidden, folder):

@@ -59,7 +59,7 @@ class RemoteParameters:
         try:
             await asyncio.wait_for(asyncio.shield(job), ANSWER_S)
         except asyncio.TimeoutError:
-            raise InputError('%s does not answer.' % self.name) from None
+            raise InputError('%s does not answer. Start it, or look at its log.' % self.name) from None
 
     def _set_wanted(self):
         with self._lock:
@@ -74,7 +74,8 @@ class RemoteParameters:
             taken = values_of(self._service(config).config)
         except rospy.ServiceException as error:
             why = error if self._updates.get_num_connections() else 'it is not running'
-            raise InputError('%s does not answer: %s.' % (self.name, why)) from None
+            raise InputError('%s does not answer: %s. Start it, or look at its log.'
+                             % (self.name, why)) from None
         for name, value in values.items():
             if isinstance(value, str) and taken.get(name) != value:
                 raise InputError('%s refuses "%s". Its log says why.' % (self.name, value))

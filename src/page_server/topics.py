@@ -7,11 +7,10 @@ from contextlib import contextmanager
 
 import cv2
 import rospy
-from aruco_ar.base.errors import InputError
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX
-from aruco_node.ros_internals.master import published_topics
+from aruco_node.ros_internals.master import no_answer, published_topics
 from aruco_node.ros_internals.newest import subscribe_newest
 from aruco_node.ros_internals.tolerant import tolerant
 from rosgraph.names import is_legal_name
@@ -159,7 +158,7 @@ class Topics:
             try:
                 self._published = await asyncio.wait_for(asyncio.shield(self._listing), MASTER_S)
             except asyncio.TimeoutError:  # or the registrar is still busy with another request to it
-                raise InputError('The ROS master does not answer.') from None
+                raise no_answer('within %g s' % MASTER_S) from None
             self._listed = time.monotonic()
         return self._published
 

@@ -152,13 +152,17 @@ def measure(clip, chart=None):
 
 
 def run(folder, chart):
-    """Print the table of all clips in a folder, and draw a chart of each. Raises InputError."""
+    """Print the table of all clips in a folder, and draw a chart of each.
+
+    Returns the paths of the charts. Raises InputError.
+    """
     clips = clips_of(folder)
     print('\nReal clips: tags and area, on one thread. Errors are in pixels. The truth does not depend on the\n'
           'four tags: it comes from the other tags of the plane, or from its texture. wobble: the change of\n'
           'the error from frame to frame. wrong: a corner is off by more than 5 %% of the longer side.\n'
           'turned: the picture jumps by a quarter turn.\n\n%s' % HEAD)
     base, suffix = os.path.splitext(chart)
-    for clip in progress(clips, 'clips'):
-        measure(clip, '%s-%s%s' % (base, os.path.splitext(os.path.basename(clip.path))[0], suffix))
-    print('\nWrote %s-NAME%s' % (base, suffix))
+    charts = ['%s-%s%s' % (base, os.path.splitext(os.path.basename(clip.path))[0], suffix) for clip in clips]
+    for clip, path in progress(list(zip(clips, charts)), 'clips'):
+        measure(clip, path)
+    return charts

@@ -1,1 +1,1 @@
-"""Basics that all other folders use: array types, errors, files, versions."""
+"""Basics: array types, errors, files, progress, dicts of limited size, and the required versions."""

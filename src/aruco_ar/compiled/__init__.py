@@ -63,4 +63,5 @@ def _compile(source: str, built: str) -> None:
                      'in the folder of unit5, or: sudo apt install build-essential'
                      % (COMPILER, source)) from None
     except subprocess.CalledProcessError as error:
-        raise TooOld('The C compiler "%s" cannot build %s: %s' % (COMPILER, source, error.stderr)) from None
+        raise TooOld('The C compiler "%s" cannot build %s. Run script/setup in the folder of unit5. The '
+                     'compiler says: %s' % (COMPILER, source, error.stderr)) from None

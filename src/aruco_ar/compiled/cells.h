@@ -77,7 +77,7 @@ static void expected(const uint8_t *wanted, int cells, int row, int column, int 
             + weights[sample][3] * along[3];
 }
 
-/* Solve the equations, whose matrix is symmetric and positive definite, by Cholesky's method, in sample. */
+/* Solve the equations in place by Cholesky's method. The matrix is symmetric and positive definite. */
 static void solve(double matrix[UNKNOWNS][UNKNOWNS], double vector[UNKNOWNS])
 {
     for (int i = 0; i < UNKNOWNS; i++)

@@ -21,13 +21,10 @@ MAX_TRIED = 12
 # From the middle to the corners: top left, top right, bottom right, bottom left.
 DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
-ZIGZAG = [0, 1, 3, 2]
 
-
-def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
+def order_coordinates(points: Numbers) -> Floats:
     """The four points as top left, top right, bottom right, bottom left.
 
-    With ``zigzag``: top left, top right, bottom left, bottom right.
     ``points``: (4, 2) in any order, x to the right and y down. The result has
     their dtype, and does not depend on their order.
 
@@ -49,7 +46,7 @@ def order_coordinates(points: Numbers, zigzag: bool = False) -> Floats:
     order = [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
     if len(set(order)) < 4:
         order = _clockwise(points)
-    return points[order][ZIGZAG] if zigzag else points[order]
+    return points[order]
 
 
 def _clockwise(points: Floats) -> Integers:

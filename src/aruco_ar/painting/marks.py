@@ -21,7 +21,6 @@ RED = (0, 0, 255)
 BLUE = (255, 0, 0)
 YELLOW = (0, 255, 255)
 BLACK = (0, 0, 0)
-WHITE = (255, 255, 255)
 PURPLE = (255, 0, 150)  # the color that the course uses
 
 # OpenCV's drawing functions take positions as integers, in units of 1 / 2**SHIFT px.

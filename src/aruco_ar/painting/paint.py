@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image, Numbers
-from aruco_ar.base.pixels import blend
 from aruco_ar.compiled import library
 from aruco_ar.geometry.homography import transform
 from aruco_ar.tracking.area import Area
 
 from .fit import fit_picture
+from .pixels import blend
 
 _C = library('painting')
 _C.draw_mask.restype = _C.warp.restype = None

@@ -75,14 +75,18 @@ class Belief:
                                                    zip(*(self._before[key] for key in keys)))
         passed = now - times
         moved = place[:, None] - places[:, :, None]             # (n, before, now, 3)
-        room = spread[:, None] + spreads[:, :, None] + \
+        covariance = spread[:, None] + spreads[:, :, None] + \
             (np.eye(3) * SPEED_M_S**2) * (passed**2 + 1e-6)[:, None, None, None, None]
-        far = np.einsum('...i,...i->...', moved, np.linalg.solve(room, moved[..., None])[..., 0])
-        leads = -(far + np.linalg.slogdet(room)[1]) / 2
-        leads = np.logaddexp(leads - leads.max(axis=(1, 2), keepdims=True), np.log(LEAP))
+        scaled = np.linalg.solve(covariance, moved[..., None])[..., 0]
+        squared_distance = np.einsum('...i,...i->...', moved, scaled)
+        log_likelihood = -(squared_distance + np.linalg.slogdet(covariance)[1]) / 2
+        log_likelihood -= log_likelihood.max(axis=(1, 2), keepdims=True)
+        log_likelihood = np.logaddexp(log_likelihood, np.log(LEAP))
         known = known * np.exp(-passed / MEMORY_S)[:, None]
-        follows = np.argmax(leads[np.arange(len(keys)), believed], axis=1)
-        return weight + np.logaddexp(known[:, 0, None] + leads[:, 0], known[:, 1, None] + leads[:, 1]), follows
+        successor = np.argmax(log_likelihood[np.arange(len(keys)), believed], axis=1)
+        history = np.logaddexp(known[:, 0, None] + log_likelihood[:, 0],
+                               known[:, 1, None] + log_likelihood[:, 1])
+        return weight + history, successor
 
 
 def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:

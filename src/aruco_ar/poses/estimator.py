@@ -9,7 +9,6 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.base.recent import Recent
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
@@ -17,6 +16,7 @@ from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matric
 from aruco_ar.tags.corner_rays import corner_rays
 from aruco_ar.tags.tag import SIDE_M, Tag, square
 from aruco_ar.tracking.area import Area
+from aruco_ar.tracking.frame_clock import FrameClock
 from aruco_ar.walls.wall import Wall
 
 from .area_pose import AreaPose, area_pose

@@ -46,6 +46,7 @@ class WallWatch:
             return 'The tags in sight do not fit the wall of "%s", so the camera\'s pose is unknown. Check ' \
                    'their places and sides in that file; all are in meters.' % self._name
         if lasting:
-            return 'Tag %s is not where "%s" says; the camera\'s pose is computed from the other tags.' % (
-                ', '.join(map(str, sorted(lasting))), self._name)
+            ids = ', '.join(map(str, sorted(lasting)))
+            return 'These tags are not where "%s" says: %s. Correct the file, or move the tags. ' \
+                   "The camera's pose is computed from the other tags." % (self._name, ids)
         return None

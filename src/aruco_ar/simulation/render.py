@@ -8,9 +8,9 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image, Integers, View
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.pixels import blend
 from aruco_ar.geometry.homography import transform
 from aruco_ar.painting.picture import load_picture
+from aruco_ar.painting.pixels import blend
 from aruco_ar.walls.wall import Wall
 
 from .robot import Camera, view_between

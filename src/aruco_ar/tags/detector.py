@@ -15,10 +15,10 @@ from .tag import Tag, get_dictionary, tag_cells
 
 
 # How a frame is searched. ``scale``: the frame is resized by this factor first.
-# ``windows``: the min_perimeter and largest size and the step, pixels, of the windows
-# for adaptive thresholding. ``min_perimeter``: of a tag, relative to the image's
-# longer side. ``rereads``: every quadrilateral is also fitted to its edges, and
-# its cells are read in the frame itself. This finds more tags than OpenCV's own
+# ``windows``: the smallest size, the largest size and the step, pixels, of the
+# windows for adaptive thresholding. ``min_perimeter``: of a tag, relative to the
+# image's longer side. ``rereads``: every quadrilateral is also fitted to its edges,
+# and its cells are read in the frame itself. This finds more tags than OpenCV's own
 # reading, and it mistakes fewer other things for tags.
 class _Preset(NamedTuple):
     scale: float
@@ -120,7 +120,7 @@ class Detector:
         parameters.errorCorrectionRate = float(self._correction)
         parameters.maxErroneousBitsInBorderRate = 0.6
         # From OpenCV 4.14 on, cells that are not clearly dark or light count as wrong, so tags that are blurred
-        # by motion are not found. As before 4.14, a cell shall be what the majority of its 25 pixels is.
+        # by motion are not found. As before 4.14, a cell takes the value of the majority of its 25 pixels.
         if hasattr(parameters, 'validBitIdThreshold'):
             parameters.validBitIdThreshold, parameters.perspectiveRemovePixelPerCell = 0.5, 5
         parameters.adaptiveThreshWinSizeMin = windows[0]

@@ -18,12 +18,11 @@ from aruco_ar.base.arrays import Floats
 from aruco_ar.geometry.homography import homography_to, transform
 
 # How much the speeds change within a second, as standard deviations. The model is a
-# rigid camera that faces a plane, moved by a robot or a hand. Fast motion also
-# changes fast ...
+# rigid camera that faces a plane, moved by a robot or a hand.
 TURN_CHANGE = 0.1      # rad/s: pan, tilt, roll
 SHIFT_CHANGE = 0.05    # distances to the wall per second: sideways, up, forward
-SPEED_FACTOR = 1.0     # this times the current speed is added to both
-# ... and the corners move a little in other ways, since slant and lens are unknown.
+SPEED_FACTOR = 1.0     # fast motion also changes fast: this times the current speed is added to both
+# Since slant and lens are unknown, the corners also move a little in other ways.
 OTHER_CHANGE = 0.005   # widths of the frame per second
 FIRST_SPEED = 1.5      # rad/s and distances per second: the unknown speed of an area just found
 FOCAL = 0.87           # widths of the frame: the focal length that the model assumes

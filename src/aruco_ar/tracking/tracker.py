@@ -7,7 +7,6 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.frame_clock import FrameClock
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
@@ -16,6 +15,7 @@ from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
 from .area import Area
+from .frame_clock import FrameClock
 from .layout import Layout
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
@@ -32,10 +32,11 @@ SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less th
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
 # errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
 UNLIKELY, UNLIKELY_AFTER_JERK = 9.0, 2.0
-# The following limits are relative to the area's longer side. The time of ``hold`` starts after the last
-# frame in which the deviation of the corners was below the first limit ...
+# The next three limits are relative to the area's longer side. The time of ``hold`` starts after the last
+# frame in which the deviation of the corners was below this limit.
 MAX_DEVIATION = 0.029
-# ... and it ends early, if their deviation exceeds the second limit while they may have moved by the third.
+# The time of ``hold`` ends early if the deviation exceeds the first of these limits while the corners may have
+# moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 ROUNDING_S = 1e-6      # of stamps
 # Texture is used if fewer tags than this agree, and if no tag does or a corner's deviation is above the limit

@@ -89,7 +89,7 @@ class CameraNode(FrameNode):
     def prepare(self, settings):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
             raise InputError('The parameter ~picture has no effect: the file that ~areas names gives each area '
-                             'a picture of its own.')
+                             'a picture of its own. Change the picture in that file, and start the node again.')
         stages = [stage.changed(of_area)
                   for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
 

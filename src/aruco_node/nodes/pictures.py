@@ -1,10 +1,9 @@
 """Opens the picture that is painted: a file, or a topic."""
-import os
 import time
 
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.files import package_folder
+from aruco_ar.base.files import in_package
 from aruco_ar.painting.picture import shrink_to_warp
 from aruco_ar.painting.sources import open_source
 from rosgraph.names import is_legal_name
@@ -23,8 +22,7 @@ def open_picture(picture):
     """
     if picture.startswith(TOPIC):
         return TopicPicture(picture[len(TOPIC):])
-    path = os.path.join(package_folder(), os.path.expanduser(picture))
-    return open_source(path, lambda sentence: rospy.logwarn('%s', sentence))
+    return open_source(in_package(picture), lambda sentence: rospy.logwarn('%s', sentence))
 
 
 class TopicPicture:

@@ -77,7 +77,7 @@ class FrameSettings:
         "which topic the frames are read from: raw is the camera's own; compressed is that with /compressed at "
         'the end, for JPEG and PNG', live=False)
     folder: str = text(
-        '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves pictures')
+        '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves images')
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ class _SafeOutput(io.FileIO):
 def make_streams_safe():
     """Have stdout and stderr write line by line and never raise, even if they are closed.
 
-    Without this, a node ends with a traceback at its first line of log if its output goes to a full disk, or
-    into a pipe whose reader has ended, as with ``| head``.
+    Otherwise a node ends with a traceback when it first logs to a full disk. The same happens with a pipe whose
+    reader has ended, as with ``| head``.
     """
     # If one of the numbers 0 to 2 is free, the next socket gets it. Whatever libraries print would go there.
     while os.open(os.devnull, os.O_RDWR) <= 2:

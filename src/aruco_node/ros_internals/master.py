@@ -22,13 +22,19 @@ class _ImpatientTransport(Transport):
         return connection
 
 
+def no_answer(why):
+    """The InputError for a ROS master that does not answer."""
+    return InputError('The ROS master at %s does not answer (%s). Start roscore, or set ROS_MASTER_URI.'
+                      % (rosgraph.get_master_uri(), why), kind='no master')
+
+
 def ask(method, *arguments):
     """(code, value) that the ROS master answers; code 1 is success. Raises InputError if it does not answer."""
     try:
         with ServerProxy(rosgraph.get_master_uri(), transport=_ImpatientTransport()) as master:
             code, _, value = getattr(master, method)(rospy.get_name(), *arguments)
     except Exception as error:  # of the network, of XML, of another server at that port
-        raise InputError('The ROS master does not answer: %s' % error, kind='no master') from None
+        raise no_answer(error) from None
     return code, value
 
 

@@ -44,7 +44,7 @@ class CheckedServer(Server):
             for name, value in self.live_values().items():
                 ask('setParam', rospy.resolve_name('~' + name), value)
         except InputError as error:
-            rospy.logwarn('%s. The node uses the changed parameters all the same.', error)
+            rospy.logwarn('%s The node uses the changed parameters all the same.', error)
 
     def _set_callback(self, request):
         """Answer a request, a Reconfigure, with all values after it. Its groups are ignored: there are none."""

@@ -1,7 +1,7 @@
 """TF frames of other nodes.
 
-Symptom: tf2 ends the process, and every process that listens, where a stamp plus its buffer's length is beyond
-what 32 bits of seconds hold, in the year 2106. It also prints a line for each of the node's own transforms
+Symptom: A stamp may lie, with the buffer's length added, beyond 32 bits of seconds (the year 2106). tf2 then
+ends the process, and every process that listens. It also prints a line for each of the node's own transforms
 while the stamps of a camera stand still or go back.
 Private: ``_connection_header`` of a message, which rospy's documentation names. Without it, the node's own
 transforms are taken in, too.

@@ -10,7 +10,7 @@ HAS_TYPES = os.path.exists(os.path.join(os.path.dirname(importlib.util.find_spec
 
 
 @pytest.mark.parametrize('command', [['ruff', 'check'], ['mypy']], ids=['ruff', 'mypy'])
-def test_it_finds_nothing(command, package):
+def test_the_linter_finds_no_fault(command, package):
     if command == ['mypy'] and sys.version_info < (3, 10):
         pytest.skip('mypy 2 needs Python 3.10')
     if command == ['mypy'] and not HAS_TYPES:

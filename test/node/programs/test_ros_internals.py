@@ -109,12 +109,12 @@ def test_a_node_registers_all_its_topics_and_services(monkeypatch):
 
 
 @pytest.mark.parametrize('name', ['lock', 'get_publications', 'get_subscriptions'])
-def test_a_topic_manager_has(name):
+def test_a_topic_manager_has_the_private_attribute(name):
     assert hasattr(registration.get_topic_manager(), name)
 
 
 @pytest.mark.parametrize('name', ['lock', 'get_services'])
-def test_a_service_manager_has(name):
+def test_a_service_manager_has_the_private_attribute(name):
     assert hasattr(registration.get_service_manager(), name)
 
 

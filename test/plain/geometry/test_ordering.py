@@ -32,7 +32,6 @@ def sorted_rows(points):
 @settings(max_examples=500, deadline=None)
 def test_every_point_is_returned_exactly_once(points):
     assert sorted_rows(order_coordinates(points)) == sorted_rows(points)
-    assert sorted_rows(order_coordinates(points, zigzag=True)) == sorted_rows(points)
 
 
 @given(four_points)
@@ -41,7 +40,6 @@ def test_the_order_agrees_with_the_course_if_that_uses_each_point_once(points):
     order = course_rule(points)
     if len(set(order)) == 4:
         assert np.array_equal(order_coordinates(points), points[order])
-        assert np.array_equal(order_coordinates(points, zigzag=True), points[order][[0, 1, 3, 2]])
 
 
 @given(four_points, st.permutations(range(4)))
@@ -60,11 +58,6 @@ def test_a_rotated_square_starts_at_its_top_left(degrees):
 @pytest.mark.parametrize('degrees', [44.9, 45, 45.0001, 46, 134.9, 135])
 def test_a_square_on_its_corner_remains_a_square(degrees):
     assert is_quadrilateral(order_coordinates(turned_square(degrees)))
-
-
-def test_zigzag_swaps_the_lower_two_points():
-    assert order_coordinates([[9, 9], [0, 0], [0, 9], [9, 0]], zigzag=True).tolist() == \
-        [[0, 0], [9, 0], [0, 9], [9, 9]]
 
 
 def test_fractions_of_a_pixel_are_kept():

@@ -109,7 +109,8 @@ class CameraInfos(NodeTest):
         with open(package_folder() + '/config/wall.yaml') as file:
             fitting = file.read()
         for change, words in ((('side: 0.18', 'side: 0.15'), 'The tags in sight do not fit the wall of "%s"'),
-                              (('x:  0.45, y: 0.25', 'x:  0.35, y: 0.25'), 'Tag 3 is not where "%s" says')):
+                              (('x:  0.45, y: 0.25', 'x:  0.35, y: 0.25'),
+                               'These tags are not where "%s" says: 3.')):
             with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
                 file.write(fitting.replace(*change))
                 file.flush()

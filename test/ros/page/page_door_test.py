@@ -95,7 +95,8 @@ class PageDoor(ServerTest):
                 self.assertRegex(line.recv(65536), b'^HTTP/1.1 413 .*')
         # If no node can paint it, even a good picture is refused with a sentence.
         answered, _, body = ask(self.port, '/picture', cv2.imencode('.png', PICTURE)[1].tobytes())
-        self.assertEqual((answered, body), (422, b'/exercise5_6 does not answer: it is not running.\n'))
+        self.assertEqual((answered, body.decode()), (
+            422, '/exercise5_6 does not answer: it is not running. Start it, or look at its log.\n'))
 
     def test_it_can_only_be_reached_from_this_machine(self):
         with open('/proc/net/tcp') as table:

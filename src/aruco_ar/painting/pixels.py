@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import cv2
 
-from .arrays import Image
+from aruco_ar.base.arrays import Image
 
 
 def blend(frame: Image, picture: Image, cover: Image) -> Image:
