@@ -5,7 +5,8 @@
    other in memory, even if the picture is turned. */
 #define TILE_WIDTH 64
 #define TILE_HEIGHT 32
-#define CLEARLY_PX 16  /* undistorted: a pixel that is farther than this from all sides is not on the rim */
+#define CLEARLY_PX 6   /* undistorted: a pixel that is farther than this from all sides is not on the rim */
+#define RUN 16         /* pixels of a row, of which the first and the last show whether all are in the area */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
 /* right * x + down * y + rest is the distance of a pixel from a side of the area, in pixels inward, plus a half. */
@@ -54,24 +55,6 @@ static Span find_span(const Side sides[4], int y, double least, int width)
     return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
 }
 
-typedef struct { int first, last; } Span;  /* of pixels in a row */
-
-/* The pixels of a row whose cover is at least ``least``, within 0 and width - 1. */
-static Span find_span(const Side sides[4], int y, double least, int width)
-{
-    double from = 0, to = width - 1;
-    for (int side = 0; side < 4; side++) {
-        double right = sides[side].right, rest = sides[side].down * y + sides[side].rest - least;
-        if (right > 1e-9)
-            from = fmax(from, -rest / right);
-        else if (right < -1e-9)
-            to = fmin(to, -rest / right);
-        else if (rest < 0)
-            to = -1;
-    }
-    return (Span){(int)ceil(fmin(from, width)), (int)floor(fmax(to, -1))};
-}
-
 /* The undistorted positions, (x, y), of pixels, with ``row`` bytes from one row to the next; NULL without a lens. */
 typedef struct { const char *first; int64_t row; } Positions;
 
@@ -80,47 +63,65 @@ static const float *position_of(const Positions *positions, int x, int y)
     return (const float *)(positions->first + positions->row * y) + 2 * x;
 }
 
-static float distance_from(const Side *side, const float *position)
+/* a * x + b * y + c is the undistorted distance of a position from a side of the area, inward. */
+typedef struct { float a, b, c; } Line;
+
+static inline float distance_from(Line side, const float *position)
 {
-    return (float)side->right * position[0] + (float)side->down * position[1] + (float)(side->rest - 0.5);
+    return side.a * position[0] + side.b * position[1] + side.c;
 }
 
 /* The part of a pixel that the area covers. ``here``, ``next`` and ``below``: the positions of the pixel and of two
    neighbors. Undistorted distances are divided by how much they grow from one pixel to the next. */
-static float distorted_cover_of(const Side sides[4], const float *here, const float *next, const float *below)
+static float distorted_cover_of(const Line sides[4], const float *here, const float *next, const float *below)
 {
     float cover = 1;
     for (int side = 0; side < 4; side++) {
-        float distance = distance_from(&sides[side], here);
-        float to_next = distance_from(&sides[side], next) - distance;
-        float to_below = distance_from(&sides[side], below) - distance;
-        cover = smaller(cover, 0.5f + distance / larger(hypotf(to_next, to_below), 1e-3f));
+        float distance = distance_from(sides[side], here);
+        if (distance > CLEARLY_PX)
+            continue;
+        if (!(distance > -CLEARLY_PX))  /* so also if the lens does not see anything there */
+            return 0;
+        float to_next = distance_from(sides[side], next) - distance;
+        float to_below = distance_from(sides[side], below) - distance;
+        cover = smaller(cover, 0.5f + distance / larger(length((Point){to_next, to_below}), 1e-3f));
     }
     return larger(cover, 0);
 }
 
-/* Draw an area into a mask of a distorted frame, as draw_mask does. */
-static void draw_distorted_mask(uint8_t *mask, int width, int height, const Side sides[4], const Positions *positions)
+/* Whether a run of pixels in a row is clearly inside of all sides, 1, or outside of one, -1; 0 if that is not sure.
+   ``here``: the positions. The first and the last show it, since the distance hardly bends along a run. */
+static int side_of_run(const Line sides[4], const float *here, int count)
 {
-    for (int y = 0; y < height; y++)
-        for (int left = 0; left < width; left += TILE_WIDTH) {
-            int count = left + TILE_WIDTH < width ? TILE_WIDTH : width - left;
+    int is_inside = 1;
+    for (int side = 0; side < 4; side++) {
+        float first = distance_from(sides[side], here), last = distance_from(sides[side], here + 2 * (count - 1));
+        if (first < -CLEARLY_PX && last < -CLEARLY_PX)
+            return -1;
+        is_inside &= first > CLEARLY_PX && last > CLEARLY_PX;
+    }
+    return is_inside;
+}
+
+/* Draw an area into a mask of a distorted frame, as draw_mask does. */
+static void draw_distorted_mask(uint8_t *mask, int width, int height, const Side corners[4], const Positions *positions)
+{
+    Line sides[4];
+    for (int side = 0; side < 4; side++)
+        sides[side] = (Line){corners[side].right, corners[side].down, corners[side].rest - 0.5};
+    for (int y = 0; y < height; y++, mask += 3 * width)
+        for (int left = 0; left < width; left += RUN) {
+            int count = left + RUN < width ? RUN : width - left;
             const float *here = position_of(positions, left, y);
             const float *below = position_of(positions, left, y + 1 < height ? y + 1 : y - 1);
-            float inside[TILE_WIDTH];
-            for (int x = 0; x < count; x++) {  /* a loop of its own, since compilers can vectorize it */
-                inside[x] = distance_from(&sides[0], here + 2 * x);
-                for (int side = 1; side < 4; side++)
-                    inside[x] = smaller(distance_from(&sides[side], here + 2 * x), inside[x]);
+            int side = side_of_run(sides, here, count);
+            if (side > 0)
+                memset(mask + 3 * left, 255, 3 * count);
+            for (int x = 0; side == 0 && x < count; x++) {
+                int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
+                float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
+                memset(mask + 3 * (left + x), (int)(255 * cover + 0.5f), 3);
             }
-            for (int x = 0; x < count; x++, mask += 3)
-                if (inside[x] > CLEARLY_PX)
-                    memset(mask, 255, 3);
-                else if (inside[x] > -CLEARLY_PX) {  /* false if the lens does not see anything there */
-                    int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
-                    float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
-                    memset(mask, (int)(255 * cover + 0.5f), 3);
-                }
         }
 }
 

@@ -10,11 +10,12 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
-from aruco_ar.geometry.lens import GRID_PX, Lens
+from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
 MIN_AREA_PX = 0.1  # square pixels: a smaller area is not visible
+STEP_PX = 16       # of the grid that shows which part of a distorted frame the area touches
 SIDE_POINTS = 32   # of an outline, along each side
 
 
@@ -93,11 +94,11 @@ class Area:
 
     def _grid_inside(self, positions: Image) -> Floats:
         """(n, 2) pixels of the frame: a margin around all those points of a grid that are in the area."""
-        grid = np.asarray(positions[::GRID_PX, ::GRID_PX], np.float64)
+        grid = np.asarray(positions[::STEP_PX, ::STEP_PX], np.float64)
         places = transform(homography_from(self.undistorted), grid)
         y, x = np.nonzero(((places > 0) & (places < 1)).all(axis=2))
-        inside = GRID_PX * np.column_stack([x, y])
-        return np.concatenate([inside - GRID_PX, inside + GRID_PX])
+        inside = STEP_PX * np.column_stack([x, y])
+        return np.concatenate([inside - STEP_PX, inside + STEP_PX])
 
 
 def find_four_centers(tags: Sequence[Tag]) -> Floats | None:

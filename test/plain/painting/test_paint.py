@@ -5,6 +5,7 @@ import pytest
 from aruco_ar import (
     Area,
     Detector,
+    Lens,
     Tag,
     area_mask,
     fill_polygon,
@@ -206,3 +207,48 @@ def test_tags_are_marked_where_they_are(frame):
 @pytest.mark.parametrize('count', [0, 1, 2])
 def test_fewer_than_three_points_fill_nothing(frame, count):
     np.testing.assert_array_equal(fill_polygon(frame, AREA.corners[:count]), frame)
+
+
+LENS = Lens(640, 480, Camera().matrix, np.array([-0.3, 0.1, 0.001, -0.001, 0.0]))
+BENT_AREAS = {'in view': [[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]],
+              'partly out of view': [[-150.3, -80.8], [470.6, 130.1], [450.2, 380.7], [-170.9, 650.4]],
+              'all around': [[-300, -300], [940, -300], [940, 780], [-300, 780]],
+              'tiny': [[300.3, 200.8], [303.6, 201.1], [303.2, 205.7], [299.9, 204.4]]}
+
+
+@pytest.mark.parametrize('name', BENT_AREAS)
+def test_a_picture_is_bent_as_the_lens_bends_the_wall(earth, name):
+    """The truth is painted without a lens into a larger frame. Then OpenCV distorts that frame."""
+    corners, margin = np.float32(BENT_AREAS[name]), 400
+    wide = np.zeros((480 + 2 * margin, 640 + 2 * margin, 3), np.uint8)
+    smooth = cv2.GaussianBlur(earth, (0, 0), 8)
+    truth = cv2.remap(overlay(wide, smooth, Area(corners + np.float32(margin))),
+                      LENS.undistorted_pixels + np.float32(margin), None, cv2.INTER_LINEAR)
+    painted = overlay(np.zeros((480, 640, 3), np.uint8), smooth, Area.from_undistorted(corners, lens=LENS))
+    rim = cv2.morphologyEx(truth.max(axis=2), cv2.MORPH_GRADIENT, np.ones((5, 5))) > 60
+    assert np.abs(painted.astype(int) - truth)[~rim].max() <= 2 * ROUNDING
+    assert np.abs(painted.astype(int) - truth).mean() < 0.5
+
+
+def test_the_rim_of_a_distorted_area_is_smooth():
+    area = Area.from_undistorted(np.float32(BENT_AREAS['in view']), lens=LENS)
+    mask = area_mask(np.zeros((480, 640, 3), np.uint8), area)[:, :, 0]
+    fine = cv2.fillPoly(np.zeros((480 * 8, 640 * 8), np.uint8), [np.int32(area.outline() * 8 + 3.5)], 255)
+    truth = cv2.resize(fine, (640, 480), interpolation=cv2.INTER_AREA)
+    assert np.abs(mask.astype(int) - truth).max() < 60 and np.abs(mask.astype(int) - truth).mean() < 0.1
+
+
+@pytest.mark.parametrize('fit', ['contain', 'cover'])
+def test_a_picture_fits_into_a_distorted_area(earth, fit):
+    area = Area.from_undistorted(np.float32(BENT_AREAS['in view']), 1.0, LENS)
+    painted = overlay(np.zeros((480, 640, 3), np.uint8), np.full((200, 400, 3), 255, np.uint8), area, fit=fit)
+    covered = np.count_nonzero(painted) / np.count_nonzero(area_mask(painted, area))
+    assert abs(covered - (0.5 if fit == 'contain' else 1)) < 0.02
+
+
+def test_the_sides_of_a_polygon_are_bent_by_the_lens():
+    corners = LENS.distort(BENT_AREAS['in view'])
+    image = fill_polygon(np.zeros((480, 640, 3), np.uint8), corners, (255, 255, 255), LENS)
+    mask = area_mask(image, Area(np.float32(corners), lens=LENS)) > 128
+    around = cv2.dilate(np.uint8(mask), np.ones((5, 5))) > cv2.erode(np.uint8(mask), np.ones((5, 5)))
+    np.testing.assert_array_equal((image > 128)[~around], mask[~around])
