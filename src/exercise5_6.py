@@ -34,8 +34,8 @@ def paint_picture(scene):
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
-    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black. It also
-    # distorts the picture as the lens distorts the wall, if the camera is calibrated.
+    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black, and
+    # with the distortion of the lens, if the camera is calibrated.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask, place.positions)
 

@@ -233,8 +233,7 @@ if __name__ == '__main__':
     keep_memory()
     run_node('tag_poses', lambda: TagPoses().spin(), camera_manual(
         ['image'], PoseSettings, True,
-        [('camera/rgb/camera_info', 'sensor_msgs/CameraInfo', 'the calibration of the camera'),
-         ('/tf', 'tf2_msgs/TFMessage', 'where the camera is mounted on the robot, for ~robot_pose'),
+        [('/tf', 'tf2_msgs/TFMessage', 'where the camera is mounted on the robot, for ~robot_pose'),
          ('/tf_static', 'tf2_msgs/TFMessage', 'the same')],
         [(topic, kind._type, what) for topic, kind, what in TOPICS] +
         [('/tf', 'tf2_msgs/TFMessage', 'the tags, tag_1 and so on, in the frame of the camera')]))

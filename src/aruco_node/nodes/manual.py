@@ -4,6 +4,7 @@ from textwrap import fill
 from typing import Any, List, Tuple
 
 from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_node.parameters.settings import LensSettings
 
 from .frame_node import CAMERA
 
@@ -41,6 +42,7 @@ class Manual:
 CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
     (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'instead, with ~transport compressed: JPEG or PNG')]
+CAMERA_INFO = 'camera/rgb/camera_info'
 FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
 COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'the status of the node, once a second')]
 LIVE = [('~parameter_descriptions', 'dynamic_reconfigure/ConfigDescription', ''),
@@ -53,9 +55,10 @@ def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
     ``topics``: private names of its images. ``settings``: the class of its parameters. ``learns``: whether it
     has the service ~reset. ``subscribes``, ``publishes``: its further rows.
     """
+    info = [(CAMERA_INFO, 'sensor_msgs/CameraInfo', 'the calibration of the camera')]
     reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
     return Manual(
-        CAMERA_TOPICS + list(subscribes),
+        CAMERA_TOPICS + info * issubclass(settings, LensSettings) + list(subscribes),
         image_topics(topics) + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] +
         list(publishes),
         FRAME_SERVICES + reset, settings)
