@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 """Exercise 5.6: paint a picture into the area between the tags.
 
-The picture is warped, so that its corners are at the corners of the area. Then
-it replaces what exercise 5.5 subtracted.
+The picture is warped onto the area, and replaces what exercise 5.5 subtracted.
 """
 import aruco_node
 import cv2
@@ -14,28 +13,28 @@ from aruco_ar.painting.paint import put_in, warp
 
 
 def paint_picture(scene):
-    """Paint the picture into the area of the frame. Without an area, the frame stays as it is."""
+    """Paint the picture into the area. Without an area, the frame stays as it is."""
     # Find the area. The tracker does 5.2, 5.3 and 5.4 in one step: see exercise 5.5.
     tracker, image, settings = scene.tracker, scene.image, scene.settings
     area = tracker.update(scene.frame, scene.stamp)
     if area is None or scene.picture is None:
         return Result([image], tracker.tags, area)
 
-    # The picture and the area may have different proportions. Depending on the setting, the picture
-    # is stretched, its edges are cut off, or a part of the area is left free.
+    # The picture may have another shape than the area. Depending on the setting, it is stretched, its
+    # edges are cut off, or a part of the area is left free.
     picture, place = fit_picture(scene.picture, area, settings.fit)
 
     # The window is the part of the image that the area touches. What we paint into it is in the image.
     window, place = place.window(image)
 
-    # The homography maps each pixel of the picture to its place in the window. It maps the corners
-    # of the picture to the corners of the area, and straight lines to straight lines.
+    # The homography maps the corners of the picture to the corners of the area, and straight lines
+    # to straight lines. So the corners are undistorted: as a lens without distortion would show them.
     height, width = picture.shape[:2]
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
-    # Warp the picture. This is cv2.warpPerspective, but only where the mask of 5.5 is not black, and
-    # with the distortion of the lens, if the camera is calibrated.
+    # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as
+    # the real lens bends lines, if the camera is calibrated.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask, place.positions)
 
