@@ -116,6 +116,8 @@ class Stage:
         if self.tracker is not None:
             self.tracker.hold, self.tracker.lens = self.settings.hold, lens
         picture = None if self.source is None else self.source.at(stamp)
+        if picture is not None:
+            picture.setflags(write=False)  # so what is computed from it once is kept (see levels_of)
         return Scene(frame, image, stamp, self.settings, self.tracker, picture, lens)
 
     def changed(self, settings: Any) -> Stage:

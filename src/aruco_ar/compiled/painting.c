@@ -7,6 +7,9 @@
 #define TILE_HEIGHT 32
 #define CLEARLY_PX 6   /* undistorted: a pixel that is farther than this from all sides is not on the rim */
 #define RUN 16         /* pixels of a row, of which the first and the last show whether all are in the area */
+#define ONE_LEVEL 0.2f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
+#define FILTER_RUN 32  /* pixels of a row that are filtered alike */
+#define MAX_PROBES 4   /* samples along what a pixel covers of a picture on a slanted wall */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
 /* right * x + down * y + rest is the distance of a pixel from a side of the area, in pixels inward, plus a half. */
@@ -182,39 +185,142 @@ static void sample_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsig
     pixel[3] = within(alpha + 0.5f, 255);
 }
 
-/* Warp the pixels of a row from ``begin`` to ``end``, which are at most TILE_WIDTH. ``positions``: of the row, or
-   NULL. */
-static void warp_run(uint8_t *row, const Frame *picture, const float h[9], const float *positions, int y, int begin,
-                     int end)
+/* A position in the picture, u or v, as one in the picture halved ``number`` times, which has ``size`` pixels. */
+static inline unsigned at_level(int position, int number, int size)
 {
-    float u0 = h[1] * y + h[2], v0 = h[4] * y + h[5], w0 = h[7] * y + h[8];
-    float right = picture->width - 1, foot = picture->height - 1;
-    int u[TILE_WIDTH], v[TILE_WIDTH], channels = picture->channels;
+    int at = ((position + STEPS / 2) >> number) - STEPS / 2, last = STEPS * (size - 1);
+    return at < 0 ? 0 : at > last ? last : at;
+}
+
+/* How the picture is filtered for some neighboring pixels: ``probes`` samples along (step_u, step_v), which is what one
+   pixel covers, each a mean of two levels of the pyramid: ``low`` and, with the weight ``part``, the next. */
+typedef struct { int step_u, step_v, probes, low; float part; } Filter;
+
+/* (u, v) moves by (right_u, right_v) to the next pixel and by (down_u, down_v) to the pixel below. If the wall is
+   slanted, one of the two is much longer. Then several probes along it are sharper than one at a higher level. */
+static Filter find_filter(float right_u, float right_v, float down_u, float down_v, int levels)
+{
+    float right = hypotf(right_u, right_v), down = hypotf(down_u, down_v);
+    float longer = larger(right, down), shorter = larger(smaller(right, down), 1);
+    Filter filter = {0, 0, 1, 0, 0};
+    if (!(longer > 1))
+        return filter;
+    shorter = larger(shorter, longer / MAX_PROBES);
+    filter.probes = (int)ceilf(longer / shorter - 0.35f);  /* one, if it is nearly as long as wide */
+    float level = smaller(log2f(shorter), levels - 1);
+    filter.low = level < levels - 1 ? (int)level : levels - 1;
+    /* Near a level, that alone is used, which takes half the time. */
+    filter.part = within((level - filter.low - ONE_LEVEL) / (1 - 2 * ONE_LEVEL), 1);
+    if (filter.part == 1)
+        filter = (Filter){0, 0, filter.probes, filter.low + 1, 0};
+    filter.step_u = (int)(STEPS * (right > down ? right_u : down_u));
+    filter.step_v = (int)(STEPS * (right > down ? right_v : down_v));
+    return filter;
+}
+
+/* Set a pixel to the mean of what it covers of the picture. */
+static inline void sample_filtered(uint8_t *pixel, const Frame *levels, const Filter *filter, int u, int v)
+{
+    int sums[3] = {0, 0, 0}, part = (int)(STEPS * filter->part);
+    for (int probe = 0; probe < filter->probes; probe++) {
+        int along = 2 * probe + 1 - filter->probes, all = 2 * filter->probes;
+        int at_u = u + filter->step_u * along / all, at_v = v + filter->step_v * along / all;
+        for (int next = 0; next <= (part > 0); next++) {
+            const Frame *level = levels + filter->low + next;
+            uint8_t seen[3];
+            sample(seen, level, at_level(at_u, filter->low + next, level->width),
+                   at_level(at_v, filter->low + next, level->height));
+            for (int color = 0; color < 3; color++)
+                sums[color] += (next ? part : STEPS - part) * seen[color];
+        }
+    }
+    for (int color = 0; color < 3; color++)
+        pixel[color] = (sums[color] + filter->probes * STEPS / 2) / (filter->probes * STEPS);
+}
+
+/* The same with alpha. */
+static void sample_filtered_alpha(uint8_t *pixel, const Frame *levels, const Filter *filter, int u, int v)
+{
+    float sums[4] = {0, 0, 0, 0};
+    for (int probe = 0; probe < filter->probes; probe++) {
+        int along = 2 * probe + 1 - filter->probes, all = 2 * filter->probes;
+        int at_u = u + filter->step_u * along / all, at_v = v + filter->step_v * along / all;
+        for (int next = 0; next <= (filter->part > 0); next++) {
+            const Frame *level = levels + filter->low + next;
+            uint8_t seen[4];
+            sample_alpha(seen, level, at_level(at_u, filter->low + next, level->width),
+                         at_level(at_v, filter->low + next, level->height));
+            float weight = (next ? filter->part : 1 - filter->part) * seen[3];
+            sums[3] += weight;
+            for (int color = 0; color < 3; color++)
+                sums[color] += weight * seen[color];
+        }
+    }
+    for (int color = 0; color < 3; color++)
+        pixel[color] = sums[3] > 0 ? within(sums[color] / sums[3] + 0.5f, 255) : 0;
+    pixel[3] = within(sums[3] / filter->probes + 0.5f, 255);
+}
+
+/* The place in the picture of a position, in pixels. */
+static Point place_of(const float h[9], float x, float y)
+{
+    float scale = 1 / (h[6] * x + h[7] * y + h[8]);
+    return (Point){(h[0] * x + h[1] * y + h[2]) * scale, (h[3] * x + h[4] * y + h[5]) * scale};
+}
+
+/* Warp the pixels of row y from ``begin`` to ``end``, which are at most TILE_WIDTH. ``neighbor``: the row below, or
+   above the last row. */
+static void warp_run(uint8_t *row, const Frame *levels, int count, const float h[9], const Positions *positions, int y,
+                     int neighbor, int begin, int end)
+{
+    float right = levels->width - 1, foot = levels->height - 1;
+    int u[TILE_WIDTH], v[TILE_WIDTH], channels = levels->channels;
+    const float *here = positions->first ? position_of(positions, 0, y) : NULL;
+    const float *below = positions->first ? position_of(positions, 0, neighbor) : NULL;
     /* Loops of their own, since compilers can vectorize them. */
-    for (int x = begin; positions && x < end; x++) {
-        float at_x = positions[2 * x], at_y = positions[2 * x + 1];
-        float scale = 1 / (h[6] * at_x + h[7] * at_y + h[8]);
-        u[x - begin] = (int)(STEPS * within((h[0] * at_x + h[1] * at_y + h[2]) * scale, right) + 0.5f);
-        v[x - begin] = (int)(STEPS * within((h[3] * at_x + h[4] * at_y + h[5]) * scale, foot) + 0.5f);
+    for (int x = begin; here && x < end; x++) {
+        Point at = place_of(h, here[2 * x], here[2 * x + 1]);
+        u[x - begin] = (int)(STEPS * within(at.x, right) + 0.5f);
+        v[x - begin] = (int)(STEPS * within(at.y, foot) + 0.5f);
     }
-    for (int x = begin; !positions && x < end; x++) {
-        float scale = 1 / (h[6] * x + w0);
-        u[x - begin] = (int)(STEPS * within((h[0] * x + u0) * scale, right) + 0.5f);
-        v[x - begin] = (int)(STEPS * within((h[3] * x + v0) * scale, foot) + 0.5f);
+    for (int x = begin; !here && x < end; x++) {
+        Point at = place_of(h, x, y);
+        u[x - begin] = (int)(STEPS * within(at.x, right) + 0.5f);
+        v[x - begin] = (int)(STEPS * within(at.y, foot) + 0.5f);
     }
-    for (int x = begin; x < end; x++)
-        (channels == 4 ? sample_alpha : sample)(row + channels * x, picture, u[x - begin], v[x - begin]);
+    for (int first = begin; first < end; first += FILTER_RUN) {
+        int last = first + FILTER_RUN < end ? first + FILTER_RUN - 1 : end - 1, middle = (first + last) / 2;
+        Point from = here ? place_of(h, here[2 * first], here[2 * first + 1]) : place_of(h, first, y);
+        Point to = here ? place_of(h, here[2 * last], here[2 * last + 1]) : place_of(h, last, y);
+        Point at = here ? place_of(h, here[2 * middle], here[2 * middle + 1]) : place_of(h, middle, y);
+        Point next = here ? place_of(h, below[2 * middle], below[2 * middle + 1]) : place_of(h, middle, neighbor);
+        float steps = last > first ? last - first : 1;
+        Filter filter = find_filter((to.x - from.x) / steps, (to.y - from.y) / steps, next.x - at.x, next.y - at.y,
+                                    count);
+        if (filter.probes > 1 || filter.part > 0) {
+            for (int x = first; x <= last; x++)
+                (channels == 4 ? sample_filtered_alpha : sample_filtered)(row + channels * x, levels, &filter,
+                                                                          u[x - begin], v[x - begin]);
+            continue;
+        }
+        const Frame *level = levels + filter.low;
+        for (int x = first - begin; filter.low > 0 && x <= last - begin; x++) {
+            u[x] = at_level(u[x], filter.low, level->width);
+            v[x] = at_level(v[x], filter.low, level->height);
+        }
+        for (int x = first; x <= last; x++)
+            (channels == 4 ? sample_alpha : sample)(row + channels * x, level, u[x - begin], v[x - begin]);
+    }
 }
 
 /* Warp a picture where a mask, (height, width, 3), is not black. ``warped``: (height, width, channels), the result.
-   ``pixels``: the picture, BGR or BGRA, with ``row`` bytes from one row to the next. ``to_picture``: the homography
-   from the mask to the picture. ``positions``: as for draw_mask. Beyond the picture's edges, its edge pixels are
-   repeated. */
-void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uint8_t *pixels, int64_t row,
-          int picture_width, int picture_height, int channels, const double to_picture[9],
-          const char *positions, int64_t positions_row)
+   ``levels``: the picture, BGR or BGRA, and ``count`` - 1 smaller ones, each half the one before. ``to_picture``: the
+   homography from the mask to the picture. ``positions``, ``row``: as for draw_mask. Beyond the picture's edges, its
+   edge pixels are repeated. */
+void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const Frame *levels, int count,
+          const double to_picture[9], const char *positions, int64_t row)
 {
-    Frame picture = {pixels, row, picture_width, picture_height, channels};
+    Positions all = {positions, row};
     float h[9];
     for (int number = 0; number < 9; number++)
         h[number] = to_picture[number];
@@ -227,7 +333,7 @@ void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const uin
                     begin++;
                 while (begin < end && !shown[3 * end - 3])
                     end--;
-                warp_run(warped + (int64_t)channels * width * y, &picture, h,
-                         positions ? (const float *)(positions + positions_row * y) : NULL, y, begin, end);
+                warp_run(warped + (int64_t)levels->channels * width * y, levels, count, h, &all, y,
+                         y + 1 < height ? y + 1 : y > 0 ? y - 1 : y, begin, end);
             }
 }

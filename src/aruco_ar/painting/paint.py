@@ -17,13 +17,23 @@ from aruco_ar.geometry.homography import transform
 from aruco_ar.tracking.area import Area
 
 from .fit import fit_picture
+from .levels import levels_of
 from .pixels import blend
 
 _C = library('painting')
 _C.draw_mask.restype = _C.warp.restype = None
 _C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 2, ctypes.c_int64]
-_C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int64,
-                    *[ctypes.c_int] * 3, *[ctypes.c_void_p] * 2, ctypes.c_int64]
+_C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int,
+                    *[ctypes.c_void_p] * 2, ctypes.c_int64]
+MAX_LEVELS = 12  # a picture is halved at most so often
+
+
+class _Level(ctypes.Structure):
+    """The Frame of frame.h."""
+
+    _fields_ = [('pixels', ctypes.c_void_p), ('row', ctypes.c_int64), ('width', ctypes.c_int),
+                ('height', ctypes.c_int), ('channels', ctypes.c_int)]
+
 
 
 def area_mask(frame: Image, area: Area | None) -> Image:
@@ -73,8 +83,8 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
     """A picture, warped by a homography where the mask is not black; elsewhere black and transparent.
 
     This is cv2.warpPerspective with three differences. It skips the pixels where the mask is black. A picture
-    that is much larger than its place is halved first. Otherwise pixels would be skipped, and fine lines would
-    flicker. And a lens distorts the picture as it distorts the frame.
+    that is larger than its place is filtered: each pixel is a mean of all that it covers. Otherwise fine lines
+    would break and flicker. And a lens distorts the picture as it distorts the frame.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
     undistorted pixels. ``mask``: (h, w, 3) uint8. ``positions``: (h, w, 2) float32, the undistorted position
@@ -83,33 +93,29 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
     """
     homography = np.asarray(homography, np.float64)
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
-    for _ in range(_halvings(picture, homography)):
-        picture = picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2]
-        picture = cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
-        # The middle of a new pixel is between the middles of the two old ones.
-        to_picture = np.array([[0.5, 0, -0.25], [0, 0.5, -0.25], [0, 0, 1]]) @ to_picture
-    picture, mask = np.ascontiguousarray(picture), np.ascontiguousarray(mask)
-    height, width, channels = picture.shape
-    warped = np.zeros((*mask.shape[:2], channels), np.uint8)
-    _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], picture.ctypes.data,
-            picture.strides[0], width, height, channels, to_picture.ctypes.data,
-            *_address_and_row(positions))
+    mask = np.ascontiguousarray(mask)
+    levels = [np.ascontiguousarray(level) for level in levels_of(picture, _levels_needed(picture, homography))]
+    warped = np.zeros((*mask.shape[:2], picture.shape[2]), np.uint8)
+    pyramid = (_Level * len(levels))(*[
+        _Level(level.ctypes.data, level.strides[0], level.shape[1], level.shape[0], level.shape[2])
+        for level in levels])
+    _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], pyramid, len(levels),
+            to_picture.ctypes.data, *_address_and_row(positions))
     return warped
+
+
+def _levels_needed(picture: Image, homography: Floats) -> int:
+    """How often a picture has to be halved to be no larger than it is seen anywhere."""
+    height, width = picture.shape[:2]
+    seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
+    top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
+    shrinks = max(width / max(min(top, foot), 1), height / max(min(left, right), 1))
+    return int(np.ceil(np.log2(np.clip(shrinks, 1, 2**MAX_LEVELS))))
 
 
 def _address_and_row(positions: Image | None) -> tuple[int | None, int]:
     """The address of positions, (h, w, 2) float32, and their bytes from one row to the next."""
     return (None, 0) if positions is None else (positions.ctypes.data, positions.strides[0])
-
-
-def _halvings(picture: Image, homography: Floats) -> int:
-    """How often a picture without alpha can be halved without becoming smaller than it is seen."""
-    if picture.shape[2] == 4:
-        return 0  # a plain mean of colors is wrong if some of them are transparent
-    height, width = picture.shape[:2]
-    seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
-    top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
-    return int(np.log2(max(1, min(width / max(top, foot, 1), height / max(left, right, 1)))))
 
 
 def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
