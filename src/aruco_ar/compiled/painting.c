@@ -7,7 +7,7 @@
 #define TILE_HEIGHT 32
 #define CLEARLY_PX 6   /* undistorted: a pixel that is farther than this from all sides is not on the rim */
 #define RUN 16         /* pixels of a row, of which the first and the last show whether all are in the area */
-#define ONE_LEVEL 0.2f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
+#define ONE_LEVEL 0.4f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
 #define FILTER_RUN 32  /* pixels of a row that are filtered alike */
 #define MAX_PROBES 4   /* samples along what a pixel covers of a picture on a slanted wall */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
