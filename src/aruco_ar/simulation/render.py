@@ -27,6 +27,7 @@ CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # the card that c
 CARD_COLOR = (120, 128, 134)
 FAR_PX = 1e6          # positions farther out are clipped
 ROW_ITERATIONS = 5    # to find the row in which a point is seen: its position depends on it, and it on that
+MAX_BLIND = 0.1       # of the pixels of a frame may see nothing through the lens
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
@@ -274,13 +275,14 @@ def _lens(camera: Camera) -> tuple[Floats, tuple[int, int], Floats | None]:
         return camera.matrix, (camera.width, camera.height), None
     grid = np.stack(np.meshgrid(np.arange(camera.width), np.arange(camera.height)), axis=-1)
     sources = camera.lens.undistort(grid).reshape(-1, 2)
-    low, high = np.floor(np.nanmin(sources, axis=0)) - 1, np.ceil(np.nanmax(sources, axis=0)) + 1
-    if not np.all(high - low < 4 * np.array([camera.width, camera.height])):
+    blind = np.isnan(sources).any(axis=1)  # pixels that see no ray, at the corners of the frame
+    low, high = sources[~blind].min(axis=0, initial=0), sources[~blind].max(axis=0, initial=0)
+    low, high = np.floor(low) - 1, np.ceil(high) + 1
+    if blind.mean() > MAX_BLIND or not np.all(high - low < 4 * np.array([camera.width, camera.height])):
         raise InputError('The distortion %s is too strong to be simulated; give smaller coefficients.'
                          % (list(camera.distortion),))
     matrix = camera.matrix.copy()
     matrix[:2, 2] -= low
     width, height = (int(length) for length in high - low + 1)
-    # Pixels at the corners of the frame may see no ray; they are given any color.
     sources = np.asarray(np.nan_to_num(sources - low), np.float32).reshape(camera.height, camera.width, 2)
     return matrix, (width, height), sources

@@ -10,8 +10,10 @@ import pytest
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
 SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 'search', 'correction',
                'likeness', 'min_side', 'respawn', 'view', 'bag', 'sim'}
-OWN_ARGS = {'exercise5_5.launch': {'hold', 'upright'},
-            'exercise5_6.launch': {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
+LENS_ARGS = {'lens', 'camera_info', 'rectified'}
+OWN_ARGS = {'exercise5_4.launch': LENS_ARGS,
+            'exercise5_5.launch': LENS_ARGS | {'hold', 'upright'},
+            'exercise5_6.launch': LENS_ARGS | {'hold', 'upright', 'picture', 'fit', 'opacity', 'areas'}}
 
 
 def launch_args(package, name):
