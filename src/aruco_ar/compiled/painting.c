@@ -9,6 +9,7 @@
 #define RUN 16         /* pixels of a row, of which the first and the last show whether all are in the area */
 #define ONE_LEVEL 0.4f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
 #define FILTER_RUN 32  /* pixels of a row that are filtered alike */
+#define SHARPER 0.15f  /* levels: so much is taken from the level at which nothing at all would shimmer */
 #define MAX_PROBES 4   /* samples along what a pixel covers of a picture on a slanted wall */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
@@ -207,7 +208,7 @@ static Filter find_filter(float right_u, float right_v, float down_u, float down
         return filter;
     shorter = larger(shorter, longer / MAX_PROBES);
     filter.probes = (int)ceilf(longer / shorter - 0.35f);  /* one, if it is nearly as long as wide */
-    float level = smaller(log2f(shorter), levels - 1);
+    float level = within(log2f(shorter) - SHARPER, levels - 1);
     filter.low = level < levels - 1 ? (int)level : levels - 1;
     /* Near a level, that alone is used, which takes half the time. */
     filter.part = within((level - filter.low - ONE_LEVEL) / (1 - 2 * ONE_LEVEL), 1);
