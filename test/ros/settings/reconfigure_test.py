@@ -22,10 +22,12 @@ RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'likeness': (0, 1), 'min_sid
           'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100), 'jpeg': (0, 100),
           'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
 CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'],
-           'fit': ['stretch', 'contain', 'cover'], 'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
+           'fit': ['stretch', 'contain', 'cover'], 'lens': ['correct', 'ignore'],
+           'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
 SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'folder'}
-AREA = SIGHT | {'hold', 'upright'}
-OFFERED = {'exercise5_5': AREA, 'exercise5_6': AREA | {'picture', 'fit', 'opacity'},
+AREA = SIGHT | {'lens', 'hold', 'upright'}
+OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
+           'exercise5_6': AREA | {'picture', 'fit', 'opacity'},
            'tag_poses': AREA | {'tag_size', 'tag_sizes', 'wall'},
            'wall_camera': {'noise', 'blur', 'light', 'exposure', 'swing', 'hand', 'shutter', 'jpeg'},
            'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'}}
