@@ -53,10 +53,7 @@ class Rostest:
 
 
 class Matrix:
-    """The plain tests with other versions of Python and of libraries.
-
-    They need one processor, and run beside the rostests.
-    """
+    """The plain tests with other versions of Python and of libraries, all at once, beside the rostests."""
 
     name, is_alone = 'matrix', False
 
@@ -64,7 +61,7 @@ class Matrix:
         """Like Rostest.run."""
         begin = time.monotonic()
         with open('%s/matrix.log' % REPORTS, 'w') as file:
-            cases = run_pytest('matrix', '-q', MATRIX, stdout=file)
+            cases = run_pytest('matrix', '-q', '-n', '3', MATRIX, stdout=file)
         return cases, time.monotonic() - begin
 
 

@@ -6,6 +6,7 @@ from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.robot import Pose, wall_to_camera
 from rig.accuracy.poses import PINHOLE, nees, pose_error, tag_at
 
+pytestmark = pytest.mark.long
 SIDE = 0.1  # meters, of the tags
 LARGE = Lens(1920, 1080, np.array([[1200, 0, 959.5], [0, 1200, 539.5], [0, 0, 1.0]]), np.zeros(5))
 BOX = 0.05  # meters
@@ -113,7 +114,6 @@ def test_the_wall_does_not_drift_while_its_first_tag_is_out_of_sight(random):
             assert nees(estimator.camera(), truth) < MAX_NEES
 
 
-@pytest.mark.long
 def test_a_long_wall_is_learned_while_driving_past(random):
     places = {tag_id: (0.25 * tag_id, 0, 0) for tag_id in range(20)}
     estimator = PoseEstimator(SIDE)

@@ -10,6 +10,7 @@ from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
 from benchmark.simulated.drives import LIVELY, WALL, drive
 
+pytestmark = pytest.mark.long
 LENSES = {'k1 = -0.3': {'distortion': [-0.3, 0.0, 0.0, 0.0, 0.0]},
           'barrel': {'distortion': [-0.3, 0.1, 0.001, 0.001, 0.0]},
           'pincushion': {'distortion': [0.2, 0.0, 0.0, 0.0, 0.0]},
