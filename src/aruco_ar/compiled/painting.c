@@ -10,6 +10,7 @@
 #define ONE_LEVEL 0.4f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
 #define FILTER_RUN 32  /* pixels of a row that are filtered alike */
 #define SHARPER 0.15f  /* levels: so much is taken from the level at which nothing at all would shimmer */
+#define MAX_STEP 1e5f   /* from one pixel to the next; no picture is so large */
 #define MAX_PROBES 4   /* samples along what a pixel covers of a picture on a slanted wall */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
@@ -204,7 +205,7 @@ static Filter find_filter(float right_u, float right_v, float down_u, float down
     float right = hypotf(right_u, right_v), down = hypotf(down_u, down_v);
     float longer = larger(right, down), shorter = larger(smaller(right, down), 1);
     Filter filter = {0, 0, 1, 0, 0};
-    if (!(longer > 1))
+    if (!(longer > 1 && longer < MAX_STEP))  /* also if the position is not a number, beyond the wall's horizon */
         return filter;
     shorter = larger(shorter, longer / MAX_PROBES);
     filter.probes = (int)ceilf(longer / shorter - 0.35f);  /* one, if it is nearly as long as wide */

@@ -110,7 +110,7 @@ def _levels_needed(picture: Image, homography: Floats) -> int:
     seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
     top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
     shrinks = max(width / max(min(top, foot), 1), height / max(min(left, right), 1))
-    return int(np.ceil(np.log2(np.clip(shrinks, 1, 2**MAX_LEVELS))))
+    return int(np.ceil(np.log2(min(max(1, shrinks), 2**MAX_LEVELS))))  # also if it is not a number
 
 
 def _address_and_row(positions: Image | None) -> tuple[int | None, int]:

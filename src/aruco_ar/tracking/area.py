@@ -60,8 +60,8 @@ class Area:
     def window(self, frame: Image) -> tuple[Image, Area]:
         """The part of a frame that the area touches, as a view, (h, w, 3), and the Area in its pixels.
 
-        With a lens, undistorted pixels are those of the whole frame still.
-        The part is empty if the area is outside of the frame, or too small to be visible.
+        The undistorted pixels remain those of the whole frame. The part is
+        empty if the area is outside of the frame, or too small to be visible.
         """
         touched = self.corners
         if self.positions is not None:
