@@ -12,7 +12,8 @@ from .tracking.area import Area
 from .tracking.tracker import Tracker
 
 TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
-LENSES = CORRECT, IGNORE = 'correct', 'ignore'  # the distortion of the lens: the parameter ``lens``
+CORRECT = 'correct'  # the distortion of the lens: the parameter ``lens``
+LENSES = CORRECT, 'ignore'
 DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side'  # parameters for a Detector
 # A change of one of these parameters makes a new tracker.
 TRACKER_PARAMETERS = (*DETECTION, 'upright')

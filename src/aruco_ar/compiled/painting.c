@@ -220,13 +220,18 @@ static Filter find_filter(float right_u, float right_v, float down_u, float down
     return filter;
 }
 
+/* Where a probe of a Filter is, u or v, around a position. ``step``: step_u or step_v. */
+static inline int probe_at(int position, int step, int probe, const Filter *filter)
+{
+    return position + step * (2 * probe + 1 - filter->probes) / (2 * filter->probes);
+}
+
 /* Set a pixel to the mean of what it covers of the picture. */
 static inline void sample_filtered(uint8_t *pixel, const Frame *levels, const Filter *filter, int u, int v)
 {
     int sums[3] = {0, 0, 0}, part = (int)(STEPS * filter->part);
     for (int probe = 0; probe < filter->probes; probe++) {
-        int along = 2 * probe + 1 - filter->probes, all = 2 * filter->probes;
-        int at_u = u + filter->step_u * along / all, at_v = v + filter->step_v * along / all;
+        int at_u = probe_at(u, filter->step_u, probe, filter), at_v = probe_at(v, filter->step_v, probe, filter);
         for (int next = 0; next <= (part > 0); next++) {
             const Frame *level = levels + filter->low + next;
             uint8_t seen[3];
@@ -245,8 +250,7 @@ static void sample_filtered_alpha(uint8_t *pixel, const Frame *levels, const Fil
 {
     float sums[4] = {0, 0, 0, 0};
     for (int probe = 0; probe < filter->probes; probe++) {
-        int along = 2 * probe + 1 - filter->probes, all = 2 * filter->probes;
-        int at_u = u + filter->step_u * along / all, at_v = v + filter->step_v * along / all;
+        int at_u = probe_at(u, filter->step_u, probe, filter), at_v = probe_at(v, filter->step_v, probe, filter);
         for (int next = 0; next <= (filter->part > 0); next++) {
             const Frame *level = levels + filter->low + next;
             uint8_t seen[4];
@@ -263,9 +267,10 @@ static void sample_filtered_alpha(uint8_t *pixel, const Frame *levels, const Fil
     pixel[3] = within(sums[3] / filter->probes + 0.5f, 255);
 }
 
-/* The place in the picture of a position, in pixels. */
-static Point place_of(const float h[9], float x, float y)
+/* The place in the picture of a pixel, in a column and a row. ``positions``: of the row, or NULL. */
+static inline Point place_of(const float h[9], const float *positions, int column, int row)
 {
+    float x = positions ? positions[2 * column] : column, y = positions ? positions[2 * column + 1] : row;
     float scale = 1 / (h[6] * x + h[7] * y + h[8]);
     return (Point){(h[0] * x + h[1] * y + h[2]) * scale, (h[3] * x + h[4] * y + h[5]) * scale};
 }
@@ -279,23 +284,15 @@ static void warp_run(uint8_t *row, const Frame *levels, int count, const float h
     int u[TILE_WIDTH], v[TILE_WIDTH], channels = levels->channels;
     const float *here = positions->first ? position_of(positions, 0, y) : NULL;
     const float *below = positions->first ? position_of(positions, 0, neighbor) : NULL;
-    /* Loops of their own, since compilers can vectorize them. */
-    for (int x = begin; here && x < end; x++) {
-        Point at = place_of(h, here[2 * x], here[2 * x + 1]);
-        u[x - begin] = (int)(STEPS * within(at.x, right) + 0.5f);
-        v[x - begin] = (int)(STEPS * within(at.y, foot) + 0.5f);
-    }
-    for (int x = begin; !here && x < end; x++) {
-        Point at = place_of(h, x, y);
+    for (int x = begin; x < end; x++) {  /* a loop of its own, since compilers can vectorize it */
+        Point at = place_of(h, here, x, y);
         u[x - begin] = (int)(STEPS * within(at.x, right) + 0.5f);
         v[x - begin] = (int)(STEPS * within(at.y, foot) + 0.5f);
     }
     for (int first = begin; first < end; first += FILTER_RUN) {
         int last = first + FILTER_RUN < end ? first + FILTER_RUN - 1 : end - 1, middle = (first + last) / 2;
-        Point from = here ? place_of(h, here[2 * first], here[2 * first + 1]) : place_of(h, first, y);
-        Point to = here ? place_of(h, here[2 * last], here[2 * last + 1]) : place_of(h, last, y);
-        Point at = here ? place_of(h, here[2 * middle], here[2 * middle + 1]) : place_of(h, middle, y);
-        Point next = here ? place_of(h, below[2 * middle], below[2 * middle + 1]) : place_of(h, middle, neighbor);
+        Point from = place_of(h, here, first, y), to = place_of(h, here, last, y);
+        Point at = place_of(h, here, middle, y), next = place_of(h, below, middle, neighbor);
         float steps = last > first ? last - first : 1;
         Filter filter = find_filter((to.x - from.x) / steps, (to.y - from.y) / steps, next.x - at.x, next.y - at.y,
                                     count);

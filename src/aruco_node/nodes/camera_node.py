@@ -9,7 +9,7 @@ from unit5.msg import TagArray
 from aruco_node.health.faults import log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
-from aruco_node.parameters.settings import load_areas
+from aruco_node.parameters.settings import LensSettings, load_areas
 
 from .calibration import NO_CAMERA_INFO, Calibration
 from .frame_node import Answer, FrameNode
@@ -33,7 +33,9 @@ class CameraNode(FrameNode):
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
         self._tags = self.advertise('~tags', TagArray)
-        self._calibration = Calibration(self.settings, self.camera) if hasattr(self.settings, 'lens') else None
+        self._calibration = None
+        if isinstance(self.settings, LensSettings):
+            self._calibration = Calibration(self.settings, self.camera)
         self.lens = None  # the Lens of the last frame, or None if the camera's calibration is not known
         self.lens_fault = None  # an InputError that says why not
 
@@ -61,8 +63,9 @@ class CameraNode(FrameNode):
         level, sentence, values = super().report()
         if TRACKER in self._exercise.needs:
             values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
-        if self.lens_fault is not None:
-            values['lens'] = self.explain(self.lens_fault)
+        fault = self.lens_fault  # read once: another thread may change it
+        if fault is not None:
+            values['lens'] = self.explain(fault)
         return level, sentence, values
 
     def decode(self, message):

@@ -9,7 +9,7 @@ from typing import Tuple, Union
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
-from aruco_ar.exercise import LENSES
+from aruco_ar.exercise import CORRECT, LENSES
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
@@ -118,7 +118,7 @@ class LensSettings(Settings):
     """The parameters of every node that takes the distortion of the lens into account."""
 
     lens: str = choice(
-        LENSES[0], LENSES,
+        CORRECT, LENSES,
         'whether the picture is bent as the lens bends the straight lines of the wall: correct does so if the '
         'camera is calibrated; ignore does not')
     camera_info: str = text(
