@@ -28,9 +28,9 @@ def moments(topics, count, seconds=WAIT_S, keep=bool):
     """Wait for moments: messages of all topics with the same stamp, which ``keep`` accepts.
 
     ``topics``: {topic: type}. Returns a list of at least ``count`` moments, {topic: message}, in the order in
-    which they became complete.
+    which they became complete. Those of a bag that is played again come again.
     """
-    parts, whole, changed = {}, {}, threading.Condition()
+    parts, whole, changed = {}, [], threading.Condition()
 
     def listen(topic, kind):
         def take(message):
@@ -38,14 +38,16 @@ def moments(topics, count, seconds=WAIT_S, keep=bool):
             with changed:
                 moment = parts.setdefault(stamp, {})
                 moment[topic] = message
-                if len(moment) == len(topics) and keep(moment):
-                    whole[stamp] = moment
-                    changed.notify_all()
+                if len(moment) == len(topics):
+                    del parts[stamp]
+                    if keep(moment):
+                        whole.append(moment)
+                        changed.notify_all()
         return rospy.Subscriber(topic, kind, take, queue_size=10, buff_size=1 << 26)
     subscribers = [listen(topic, kind) for topic, kind in topics.items()]
     with changed:
         done = changed.wait_for(lambda: len(whole) >= count, seconds)
-        found = list(whole.values())
+        found = list(whole)
     for subscriber in subscribers:
         subscriber.unregister()
     if not done:
