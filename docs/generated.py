@@ -18,14 +18,14 @@ PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # Title, class, and the class whose parameters it has besides.
 SETTINGS = [
     ('Every node that takes frames', settings.FrameSettings, None),
-    ('Every node that looks for tags', settings.Settings, settings.FrameSettings),
+    ('Every node that looks for tags', settings.TagSettings, settings.FrameSettings),
     ('Nodes that track the area: `exercise5_5`, `exercise5_6`, `tag_poses`', settings.AreaSettings,
-     settings.Settings),
+     settings.TagSettings),
     ('`exercise5_6`', settings.PictureSettings, settings.AreaSettings),
     ('`tag_poses`', settings.PoseSettings, settings.AreaSettings),
     ('`camera_relay`', settings.RelaySettings, settings.FrameSettings),
-    ('`wall_camera`', wall_camera.Settings, None),
-    ('`page`', server.Settings, None),
+    ('`wall_camera`', wall_camera.WallCameraSettings, None),
+    ('`page`', server.PageSettings, None),
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'page']

@@ -2,7 +2,7 @@
 """A live page in the browser: the images of all exercises, driving, and the choice of the picture."""
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import run_node
-from page_server.server import Settings, serve
+from page_server.server import PageSettings, serve
 
 if __name__ == '__main__':
     run_node('page', serve, Manual(
@@ -12,4 +12,4 @@ if __name__ == '__main__':
          ('exercise5_6/parameter_updates', 'dynamic_reconfigure/Config', 'the picture that is painted'),
          ('wall_camera/parameter_updates', 'dynamic_reconfigure/Config', 'the settings of the simulation')],
         [('cmd_vel', 'geometry_msgs/Twist', 'commands to the robot, if driving is on'),
-         ('~picture', 'sensor_msgs/Image', 'the picture that was dropped onto the page')], [], Settings))
+         ('~picture', 'sensor_msgs/Image', 'the picture that was dropped onto the page')], [], PageSettings))

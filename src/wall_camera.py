@@ -62,7 +62,7 @@ def coefficients(value):
 
 
 @dataclass(frozen=True)
-class Settings:
+class WallCameraSettings:
     """The parameters. After a change of their defaults or words, run script/launch_args."""
 
     wall: str = text(
@@ -129,7 +129,7 @@ class WallCamera:
     """Publishes the camera's frames, the robot's pose, and the true positions of the tags and of the area."""
 
     def __init__(self):
-        self._settings = read(Settings, parameter)
+        self._settings = read(WallCameraSettings, parameter)
         self._camera = Camera(distortion=list(self._settings.distortion))
         self._wall = load_wall(in_package(self._settings.wall))
         self._renderer = self._make_renderer(self._settings)
@@ -218,4 +218,4 @@ if __name__ == '__main__':
     keep_memory()
     run_node('wall_camera', lambda: WallCamera().spin(), Manual(
         [('cmd_vel', 'geometry_msgs/Twist', 'drives; without a command for half a second the robot stops')],
-        MANUAL_TOPICS, [], Settings))
+        MANUAL_TOPICS, [], WallCameraSettings))

@@ -38,7 +38,7 @@ DIAGNOSTICS_MS = 250
 
 
 @dataclass(frozen=True)
-class Settings:
+class PageSettings:
     """The parameters of the page. After a change of their defaults or words, run script/launch_args."""
 
     address: str = text(
@@ -148,7 +148,7 @@ class Files(BaseHandler, StaticFileHandler):
 
 def serve():
     """Serve the page until ROS shuts down. Raises InputError if it cannot be served."""
-    settings = read(Settings, parameter)
+    settings = read(PageSettings, parameter)
     address, port = settings.address, int(settings.port)
     for name in ('tornado.application', 'asyncio'):  # their errors go where the node's other faults go
         logging.getLogger(name).parent = logging.getLogger('rosout')

@@ -18,14 +18,14 @@ LOWEST = {
 }
 
 
-class TooOld(ImportError):
+class SetupError(ImportError):
     """Its message is a sentence that says what is missing or too old, and what to do."""
 
     is_whole = True  # the message is enough; no traceback is needed
 
 
 def need(module: str) -> None:
-    """Raise TooOld if the module, one of LOWEST, is missing or too old for this package."""
+    """Raise SetupError if the module, one of LOWEST, is missing or too old for this package."""
     name, lowest, package = LOWEST[module]
     if module == 'python':
         found = '.'.join(map(str, sys.version_info[:3]))
@@ -40,7 +40,7 @@ def need(module: str) -> None:
         if package:
             sentence += ' Run script/setup in the folder of unit5 and build it again, or: pip install "%s".' \
                 % package
-        raise TooOld(sentence)
+        raise SetupError(sentence)
 
 
 def _numbers(version: str) -> 'tuple[int, ...]':
@@ -52,5 +52,5 @@ if __name__ == '__main__':  # script/setup checks the system's libraries this wa
     try:
         for each in sys.argv[1:]:
             need(each)
-    except TooOld as error:
+    except SetupError as error:
         sys.exit(str(error))

@@ -13,7 +13,7 @@ import shutil
 import subprocess
 import tempfile
 
-from aruco_ar.base.versions import TooOld
+from aruco_ar.base.versions import SetupError
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 COMPILER = 'cc'
@@ -21,7 +21,7 @@ FLAGS = ['-O3', '-shared', '-fPIC']
 
 
 def library(name: str) -> ctypes.CDLL:
-    """The library of NAME.c in this folder. Raises TooOld if it is not built and there is no compiler.
+    """The library of NAME.c in this folder. Raises SetupError if it is not built and there is no compiler.
 
     catkin builds libunit5_NAME.so, which is found through the workspace's environment. Otherwise, as in a
     wheel, it is compiled once. It is kept in ``__pycache__``, if that is writable.
@@ -59,9 +59,9 @@ def _compile(source: str, built: str) -> None:
         subprocess.run([COMPILER, *FLAGS, '-o', built, source, '-lm'], stdout=subprocess.DEVNULL,
                        stderr=subprocess.PIPE, text=True, check=True)
     except FileNotFoundError:
-        raise TooOld('unit5 is not built, and there is no C compiler "%s" to build %s with. Run script/setup '
-                     'in the folder of unit5, or: sudo apt install build-essential'
-                     % (COMPILER, source)) from None
+        raise SetupError('unit5 is not built, and there is no C compiler "%s" to build %s with. Run '
+                         'script/setup in the folder of unit5, or: sudo apt install build-essential'
+                         % (COMPILER, source)) from None
     except subprocess.CalledProcessError as error:
-        raise TooOld('The C compiler "%s" cannot build %s. Run script/setup in the folder of unit5. The '
-                     'compiler says: %s' % (COMPILER, source, error.stderr)) from None
+        raise SetupError('The C compiler "%s" cannot build %s. Run script/setup in the folder of unit5. The '
+                         'compiler says: %s' % (COMPILER, source, error.stderr)) from None

@@ -35,7 +35,6 @@ class _Level(ctypes.Structure):
                 ('height', ctypes.c_int), ('channels', ctypes.c_int)]
 
 
-
 def area_mask(frame: Image, area: Area | None) -> Image:
     """The mask of an area, of the frame's shape: white in the area, black elsewhere, all black without an area.
 

@@ -17,9 +17,12 @@ from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
 from .area import find_area, ratio_of
+from .motion import AreaMotion
 
 UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 MEAN_OF = 20  # a tag's place is the running mean of about this many measurements
+MIN_SIGHTINGS = 3  # a new tag or arrangement must be seen this many times
+SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, and 1 px
 
 
 def tolerance_of(quads: Floats) -> Floats:
@@ -114,6 +117,36 @@ class Layout:
         if not is_quadrilateral(corners):
             return None, []
         return corners, [tag_id for tag_id, fits in zip(ids, agree(homography)) if fits]
+
+
+class FurtherTags:
+    """The tags besides the four that span the area. Those on its plane become part of the layout."""
+
+    def __init__(self) -> None:
+        self._seen: dict[int, tuple[Floats, int]] = {}  # id -> (place, how often seen there)
+
+    def learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats],
+              agreed: Sequence[int]) -> None:
+        """Improve the places of the tags that agree, and learn further tags on the same plane.
+
+        ``seen``: {id: (4, 2) pixels}. ``agreed``: the ids of those that agree with the layout and the motion.
+        """
+        quads = np.array(list(seen.values()), np.float64)
+        places = dict(zip(seen, transform(homography_from(motion.corners), quads)))
+        if set(agreed) >= set(layout.ids):
+            layout.learn(agreed, [places[tag_id] for tag_id in agreed])
+        known = [self._seen.get(tag_id, (places[tag_id], 0))[0] for tag_id in seen]
+        off = np.abs(motion.project(np.array(known)) - quads).max(axis=(1, 2))
+        for tag_id, is_off in zip(seen, off > SAME_PLACE_SIDES * side_of(quads) + 1):
+            if tag_id in layout.ids:
+                continue
+            place, sightings = self._seen.get(tag_id, (places[tag_id], 0))
+            if is_off:  # It was moved, or it is not on the plane, and so seems to move with the camera.
+                place, sightings = places[tag_id], 0
+                layout.forget(tag_id)
+            self._seen[tag_id] = place, sightings + 1
+            if sightings + 1 >= MIN_SIGHTINGS and tag_id not in layout.places:
+                layout.learn([tag_id], [place])
 
 
 def _homography(points: Floats, quads: Floats, method: int = 0, limit: float = 3.0) -> Floats | None:

@@ -7,16 +7,14 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.tags.detector import Detector
-from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
 from .area import Area
 from .frame_clock import FrameClock
-from .layout import Layout
+from .layout import MIN_SIGHTINGS, FurtherTags, Layout
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
 from .tag_search import TagSearch, expected_places
@@ -27,8 +25,6 @@ UPRIGHT = 'tags', 'image'
 SEARCH_S = 0.45        # the whole frame is searched at least this often, for new tags
 GAP_S = 0.5            # frames that are farther apart say nothing about the motion
 RELEARN_S = 0.5        # a new arrangement of tags must be seen for this long
-MIN_SIGHTINGS = 3      # a new tag or arrangement must be seen this many times
-SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, and 1 px
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
 # errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
 UNLIKELY, UNLIKELY_AFTER_JERK = 9.0, 2.0
@@ -146,8 +142,7 @@ class Tracker:
         self._lost: set[int] = set()  # those of the four that the search in the last frame did not find
         self._new_layout: Layout | None = None  # the arrangement of displaced tags
         self._new_since, self._new_sightings = 0.0, 0
-        # Tags besides the four: id -> (place, how often seen there).
-        self._further: dict[int, tuple[Floats, int]] = {}
+        self._further = FurtherTags()
         # The times when the whole frame was searched, when tags or texture located the area, when tags did, and
         # when the area was located well enough.
         self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
@@ -211,7 +206,7 @@ class Tracker:
             if search_all:
                 self._consider_new_layout(tags)
         elif search_all and self._motion is not None and len(agreed) >= 3:
-            self._learn(layout, self._motion, seen, agreed)
+            self._further.learn(layout, self._motion, seen, agreed)
 
     def _take_in(self, layout: Layout, seen: Mapping[int, Floats]) -> tuple[list[int], bool]:
         """Take in the known tags of a frame, {id: corners}.
@@ -263,25 +258,6 @@ class Tracker:
                 return
         self._new_layout = self._layout_of(tags)
         self._new_since, self._new_sightings = self._clock.now, 1
-
-    def _learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats], agreed: list[int]) -> None:
-        """Improve the places of the tags that agree, and learn further tags on the same plane."""
-        quads = np.array(list(seen.values()), np.float64)
-        places = dict(zip(seen, transform(homography_from(motion.corners), quads)))
-        if set(agreed) >= set(layout.ids):
-            layout.learn(agreed, [places[tag_id] for tag_id in agreed])
-        known = [self._further.get(tag_id, (places[tag_id], 0))[0] for tag_id in seen]
-        off = np.abs(motion.project(np.array(known)) - quads).max(axis=(1, 2))
-        for tag_id, is_off in zip(seen, off > SAME_PLACE_SIDES * side_of(quads) + 1):
-            if tag_id in layout.ids:
-                continue
-            place, sightings = self._further.get(tag_id, (places[tag_id], 0))
-            if is_off:  # It was moved, or it is not on the plane, and so seems to move with the camera.
-                place, sightings = places[tag_id], 0
-                layout.forget(tag_id)
-            self._further[tag_id] = place, sightings + 1
-            if sightings + 1 >= MIN_SIGHTINGS and tag_id not in layout.places:
-                layout.learn([tag_id], [place])
 
     def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
         """Learn the wall's texture while all four tags agree; correct the motion by it while too few agree."""

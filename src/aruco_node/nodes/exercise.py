@@ -1,7 +1,7 @@
 """Runs an exercise as a node."""
 from aruco_ar.exercise import LENS, PICTURE, TRACKER
 
-from aruco_node.parameters.settings import TOPIC, AreaSettings, LensSettings, PictureSettings, Settings
+from aruco_node.parameters.settings import TOPIC, AreaSettings, LensSettings, PictureSettings, TagSettings
 from aruco_node.process.memory import keep_memory
 
 from .camera_node import CameraNode
@@ -18,7 +18,7 @@ def run(exercise):
     keep_memory()
     needs = exercise.needs
     kinds = {PICTURE: PictureSettings, TRACKER: AreaSettings, LENS: LensSettings}
-    kind = next((kinds[need] for need in kinds if need in needs), Settings)
+    kind = next((kinds[need] for need in kinds if need in needs), TagSettings)
     screen = [('TOPIC', 'sensor_msgs/Image', 'with ~picture %sTOPIC' % TOPIC)] if PICTURE in needs else []
     run_node(exercise.name, lambda: CameraNode(exercise, kind).spin(),
              camera_manual(exercise.topics, kind, TRACKER in needs, screen))

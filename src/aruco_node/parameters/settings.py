@@ -89,7 +89,7 @@ class RelaySettings(FrameSettings):
 
 
 @dataclass(frozen=True)
-class Settings(FrameSettings):
+class TagSettings(FrameSettings):
     """The parameters of every node that looks for tags. ``ids``: four, or empty for any."""
 
     dictionary: str = choice(
@@ -114,7 +114,7 @@ class Settings(FrameSettings):
 
 
 @dataclass(frozen=True)
-class LensSettings(Settings):
+class LensSettings(TagSettings):
     """The parameters of every node that takes the distortion of the lens into account."""
 
     lens: str = choice(

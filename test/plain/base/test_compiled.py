@@ -40,5 +40,5 @@ def test_it_is_compiled_only_once(copied, tmp_path):
 def test_without_a_compiler_one_sentence_says_what_to_do(copied):
     code, output = copied('')
     assert code == 1
-    assert 'TooOld: unit5 is not built, and there is no C compiler "cc"' in output.splitlines()[-1]
+    assert 'SetupError: unit5 is not built, and there is no C compiler "cc"' in output.splitlines()[-1]
     assert 'sudo apt install build-essential' in output

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from aruco_ar.base.files import package_folder
-from aruco_ar.base.versions import LOWEST, TooOld, need
+from aruco_ar.base.versions import LOWEST, SetupError, need
 
 PACKAGE = package_folder()
 PROGRAMS = sorted(name for name in os.listdir(os.path.join(PACKAGE, 'src')) if name.endswith('.py'))
@@ -48,7 +48,7 @@ def test_the_version_of_each_requirement_is_checked(module, version, sentence, t
 def test_importing_aruco_ar_raises_the_same_sentence(tmp_path):
     create_stand_in(tmp_path, 'cv2', '4.2.0')
     assert output_of_failure(tmp_path, '-c', 'import aruco_ar').splitlines()[-1].startswith(
-        'aruco_ar.base.versions.TooOld: unit5 needs OpenCV 4.9 or later')
+        'aruco_ar.base.versions.SetupError: unit5 needs OpenCV 4.9 or later')
 
 
 CHANGES = '''
@@ -88,7 +88,7 @@ def test_versions_are_compared_as_numbers(version, good, tmp_path, monkeypatch):
     if good:
         need('tornado')
     else:
-        with pytest.raises(TooOld, match='needs Tornado 6.4.2 or later, but .* has ' + version):
+        with pytest.raises(SetupError, match='needs Tornado 6.4.2 or later, but .* has ' + version):
             need('tornado')
 
 

@@ -10,7 +10,7 @@ import yaml
 from aruco_ar import InputError
 from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.reconfigure import Reconfigurer
-from aruco_node.parameters.settings import Settings
+from aruco_node.parameters.settings import TagSettings
 from dynamic_reconfigure.srv import Reconfigure
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from hostile.parameters import validation, values
@@ -86,7 +86,7 @@ class HostileParameters(NodeTest):
         def fail(settings):
             calls.append(settings)
             raise ZeroDivisionError('nobody thought of that')
-        Reconfigurer(Settings(), fail)
+        Reconfigurer(TagSettings(), fail)
         before = change(rospy.get_name())
         self.assertEqual(change(rospy.get_name(), scale=0.5), before)
         self.assertEqual(change(rospy.get_name(), scale=1.0), before)
