@@ -20,12 +20,10 @@ def paint_picture(scene):
     if area is None or scene.picture is None:
         return Result([image], tracker.tags, area)
 
-    # The picture may have another shape than the area. Depending on the setting, it is stretched, its
-    # edges are cut off, or a part of the area is left free.
-    picture, place = fit_picture(scene.picture, area, settings.fit)
-
     # The window is the part of the image that the area touches. What we paint into it is in the image.
-    window, place = place.window(image)
+    # A picture of another shape than the area is stretched, cut off, or leaves a part of the area free.
+    window, part = area.window(image)
+    picture, place = fit_picture(scene.picture, part, settings.fit)
 
     # The homography maps the corners of the picture to the corners of the area, and straight lines
     # to straight lines. So the corners are undistorted: as a lens without distortion would show them.
@@ -34,9 +32,11 @@ def paint_picture(scene):
     homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
     # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as
-    # the real lens bends lines, if the camera is calibrated.
+    # the real lens bends lines, if the camera is calibrated. If the settings ask for it, the picture
+    # takes the wall's light, and is transparent where something stands before the wall.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask, place.positions)
+    warped = scene.on_wall(warped, mask, area, part)
 
     # Subtract the mask from the window, as in 5.5, and add the picture where the window is now black:
     # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). A transparent picture is mixed in.

@@ -79,7 +79,7 @@ class WallCameraSettings:
         list, live=False)
     noise: float = number(2.0, 0, 100, 'standard deviation of the noise, in gray levels')
     blur: float = number(0.0, 0, 20, 'standard deviation of the blur, in pixels')
-    light: float = number(
+    falloff: float = number(
         0.3, 0, 1, 'how much darker the right end of the wall is than its left end; 0: not at all')
     exposure: float = number(
         1.0, 0, 20, 'factor on the brightness of the whole frame; above 1, what is too light turns white')
@@ -149,7 +149,7 @@ class WallCamera:
 
     def _make_renderer(self, settings):
         return WallRenderer(self._wall, self._camera, noise=settings.noise, blur=settings.blur,
-                            light=settings.light, seed=int(settings.seed), quality=int(settings.jpeg))
+                            light=settings.falloff, seed=int(settings.seed), quality=int(settings.jpeg))
 
     def _reconfigure(self, settings):
         self._renderer, self._settings = self._make_renderer(settings), settings

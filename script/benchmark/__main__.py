@@ -7,6 +7,7 @@ from contextlib import nullcontext
 import aruco_program  # noqa: F401  before NumPy and OpenCV
 from aruco_ar import InputError
 
+from .looks import looks
 from .real_clips import clips, video
 from .report import chart
 from .report.record import recorded
@@ -14,8 +15,8 @@ from .ros import bags, master, network, nodes, page
 from .simulated import accuracy, poses, search, speed
 
 PARTS = {'sticking': accuracy.run, 'speed': speed.run, 'search': search.run, 'poses': poses.run,
-         'nodes': nodes.run_load, 'memory': nodes.run_memory, 'page': page.run, 'network': network.run,
-         'bags': bags.run}
+         'looks': looks.run, 'nodes': nodes.run_load, 'memory': nodes.run_memory, 'page': page.run,
+         'network': network.run, 'bags': bags.run}
 WITH_MASTER = 'nodes', 'memory', 'page'
 
 

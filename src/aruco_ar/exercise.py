@@ -6,6 +6,7 @@ from typing import Any, Callable, Protocol, Sequence
 
 from .base.arrays import Image
 from .geometry.lens import Lens
+from .looks.look import FULL, PAINT, Look
 from .tags.detector import Detector
 from .tags.tag import Tag
 from .tracking.area import Area
@@ -28,7 +29,7 @@ class Scene:
     time, seconds. ``settings``: the node's parameters. ``tracker``: the Tracker of the area. ``picture``:
     (h, w, 3) BGR or (h, w, 4) BGRA uint8; it is None until the first picture has arrived. The tracker and the
     picture are None for an exercise that does not need them. ``lens``: the Lens, if the camera is calibrated
-    and its lens bends straight lines, else None.
+    and its lens bends straight lines, else None. ``look``: the Look of the picture on its wall, or None.
     """
 
     frame: Image
@@ -38,6 +39,19 @@ class Scene:
     tracker: Any = None
     picture: Image | None = None
     lens: Lens | None = None
+    look: Look | None = None
+
+    def on_wall(self, picture: Image, mask: Image, area: Area, part: Area) -> Image:
+        """A warped picture as it looks on the wall, if the settings ``foreground`` and ``light`` ask for it.
+
+        ``area``: the Area in the frame. ``part``: the same, in the pixels of ``picture`` and ``mask``. For
+        these and the result, see Look.apply.
+        """
+        settings = self.settings
+        if self.look is None or (settings.foreground == PAINT and settings.light == FULL):
+            return picture
+        self.look.update(self.frame, self.stamp, area, self.tracker.tags, settings.settle, self.tracker.located)
+        return self.look.apply(picture, mask, part, settings.foreground, settings.light)
 
 
 @dataclass(frozen=True)
@@ -100,12 +114,14 @@ class Stage:
         self._needs, self._open_source = needs, open_source
         self.tracker: Tracker | None = None
         self.source: Source | None = None
+        self.look: Look | None = None
         if TRACKER in needs:
             self.tracker = previous.tracker if previous and self._has_same(previous, TRACKER_PARAMETERS) else \
                 new_tracker(settings)
         if PICTURE in needs:
             self.source = previous.source if previous and self._has_same(previous, [PICTURE]) else \
                 open_source(settings.picture)
+            self.look = previous.look if previous and previous.tracker is self.tracker else Look()
 
     def _has_same(self, other: Stage, parameters: Sequence[str]) -> bool:
         return all(getattr(self.settings, name) == getattr(other.settings, name) for name in parameters)
@@ -119,13 +135,14 @@ class Stage:
         picture = None if self.source is None else self.source.at(stamp)
         if picture is not None:
             picture.setflags(write=False)  # so what is computed from it once is kept (see levels_of)
-        return Scene(frame, image, stamp, self.settings, self.tracker, picture, lens)
+        return Scene(frame, image, stamp, self.settings, self.tracker, picture, lens, self.look)
 
     def changed(self, settings: Any) -> Stage:
         """A new Stage with changed settings. Raises InputError; this Stage is unchanged in either case."""
         return Stage(self._needs, settings, self._open_source, self)
 
     def reset(self) -> None:
-        """Forget all that the tracker has learned from frames."""
-        if self.tracker is not None:
-            self.tracker.reset()
+        """Forget all that was learned from frames."""
+        for learned in self.tracker, self.look:
+            if learned is not None:
+                learned.reset()

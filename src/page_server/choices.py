@@ -21,7 +21,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 PAINTER, SIMULATION = 'exercise5_6', 'wall_camera'
-SLIDERS = 'noise', 'light'
+SLIDERS = 'noise', 'falloff'
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024

@@ -70,8 +70,8 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
         np.copyto(out, frame)
     if area is None or picture is None:
         return out
-    picture, area = fit_picture(picture, area, fit)
-    window, area = area.window(out)
+    window, part = area.window(out)
+    picture, area = fit_picture(picture, part, fit)
     mask = area_mask(window, area)
     warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask, area.positions)
     put_in(window, warped, mask, opacity)

@@ -60,18 +60,20 @@ class WallRenderer:
     pixels. ``smear``: pixels, the length of a horizontal motion blur.
     ``light``: how much darker the wall's right end is than its left, 0 to 1.
     ``quality``: of the JPEG compression of each frame, 1 to 100; 0 for no
-    compression. ``seed`` makes the noise repeatable. Raises InputError for a
-    poster that cannot be read.
+    compression. ``seed`` makes the noise repeatable. ``printed``: a picture,
+    (h, w, 3) BGR, which is printed on the wall's area, over the tags, with their
+    ink on their paper. Raises InputError for a poster that cannot be read.
     """
 
     def __init__(self, wall: Wall, camera: Camera, noise: float = 0.0, blur: float = 0.0, light: float = 0.0,
-                 seed: int = 0, smear: int = 1, quality: int = 0) -> None:
+                 seed: int = 0, smear: int = 1, quality: int = 0, printed: Image | None = None) -> None:
         self._wall, self._camera = wall, camera
         self._blur, self._smear, self._light, self._quality = blur, smear, light, quality
         self._random = np.random.RandomState(seed)
         self._background = self._paint_wall()
         self._posters = [(poster.corners, self._paint_poster(load_picture(poster.image), poster.corners))
                          for poster in wall.posters]
+        self._printed = None if printed is None else self._paint_poster(_as_printed(printed), wall.area_corners)
         papers = [wall.paper(tag) for tag in wall.tags]
         self._tags = [(tag, corners, self._paint_tag(cells, corners))
                       for tag, (cells, corners) in zip(wall.tags, papers)]
@@ -106,6 +108,9 @@ class WallRenderer:
                 card = self._outline(tag.on_wall(*CARD), rotation, translation)
                 if card is not None:
                     cv2.fillPoly(frame, [card], CARD_COLOR, cv2.LINE_AA, 4)
+        if self._printed is not None:
+            self._draw_flat(frame, self._wall.area_corners, self._printed, POSTER_SAMPLES, to_image, rotation,
+                            translation)
         sources = lens if last is None else self._sources_by_row((rotation, translation), last)
         if sources is not None:
             frame = cv2.remap(frame, sources, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -162,11 +167,10 @@ class WallRenderer:
         place = (np.arange(len(texture)) + 0.5) / len(texture)
         left, right, _, foot = paper[:, 0]
         x = left + (right - left) * place + (foot - left) * place[:, None]
-        # Paper is not perfectly white, and ink not perfectly black.
-        lit = ((20 + texture * (225 / 255)) * self._light_at(x)).astype(np.uint8)
+        lit = (_as_printed(texture) * self._light_at(x)).astype(np.uint8)
         return _pyramid(lit, 2 * len(cells) / self._wall.paper_scale)  # down to two texels per cell
 
-    def _paint_poster(self, picture: Image, corners: Floats) -> list[Image]:
+    def _paint_poster(self, picture: Image | Floats, corners: Floats) -> list[Image]:
         """The pyramid of a picture, (h, w, 3 or 4) BGR, of images (h, w, 3). ``corners``: on the wall."""
         (left, right), width = corners[:2, 0], picture.shape[1]
         x = left + (right - left) * (np.arange(width) + 0.5) / width
@@ -237,6 +241,11 @@ class WallRenderer:
             return pixels if pixels.ndim == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR)
         part = frame[low[1]:high[1], low[0]:high[0]]
         part[:] = blend(part, mean(seen), mean(cover))
+
+
+def _as_printed(picture: Image) -> Floats:
+    """What a picture, uint8, looks like on paper: paper is not perfectly white, and ink not perfectly black."""
+    return 20 + picture * (225 / 255)
 
 
 def _pyramid(texture: Image, least: float) -> list[Image]:

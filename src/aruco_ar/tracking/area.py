@@ -55,7 +55,12 @@ class Area:
 
     def part(self, corners: Floats) -> Area:
         """The part of the area with these corners, (4, 2). The whole is from (0, 0) to (1, 1)."""
-        return Area.from_undistorted(transform(homography_to(self.undistorted), corners), lens=self.lens)
+        undistorted = np.asarray(transform(homography_to(self.undistorted), corners), np.float32)
+        if self.lens is None:
+            return Area(undistorted)
+        seen = self.lens.distort(np.concatenate([undistorted, self.undistorted[:1]]))
+        in_window = np.asarray(seen[:4] + (self.corners[0] - seen[4]), np.float32)
+        return replace(self, corners=in_window, ratio=None, undistorted=undistorted)
 
     def window(self, frame: Image) -> tuple[Image, Area]:
         """The part of a frame that the area touches, as a view, (h, w, 3), and the Area in its pixels.

@@ -98,6 +98,11 @@ class Tracker:
             return 'None of its tags has been in sight for %g s.' % TEXTURE_S
         return "Neither its tags nor the wall's texture show where it is."
 
+    @property
+    def located(self) -> bool:
+        """Whether tags or the wall's texture showed in the last frame where the area is."""
+        return self._located_at == self._clock.now
+
     def reset(self) -> None:
         """Forget everything seen so far."""
         self._clock = FrameClock()

@@ -10,6 +10,7 @@ from typing import Tuple, Union
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
 from aruco_ar.exercise import CORRECT, LENSES
+from aruco_ar.looks.look import FOREGROUNDS, FULL, LIGHTS, PAINT
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
@@ -158,6 +159,16 @@ class PictureSettings(AreaSettings):
         'leaves a part of the area free; cover fills the area and cuts off what is too much')
     opacity: float = number(
         1.0, 0, 1, 'how opaque the picture is: with 0 only the frame is seen, with 1 only the picture')
+    foreground: str = choice(
+        PAINT, FOREGROUNDS,
+        'what happens to things that stand before the wall: paint paints over them; keep leaves them in front '
+        'of the picture')
+    light: str = choice(
+        FULL, LIGHTS,
+        'the light in which the picture is painted: full shows its own colors; match shows them in the light '
+        'that is on the wall, with its shadows')
+    settle: float = number(
+        30.0, 0.5, 3600, 'seconds after which a thing that does not move becomes a part of the wall')
     areas: str = text(
         'none', 'none, or the full path of a YAML file',
         'file that describes several areas, as config/areas.yaml does; none: a single area', live=False)

@@ -88,12 +88,12 @@ class WallCamera(unittest.TestCase):
             frame = frame_from_image(message).astype(float)
             return frame[100:300, 600:].mean(), np.abs(np.diff(frame[400:, :], axis=1)).mean()
         light, noise = brightness()
-        client.update_configuration({'light': 0.9, 'noise': 20.0})
+        client.update_configuration({'falloff': 0.9, 'noise': 20.0})
         darker, noisier = brightness()
         self.assertLess(darker, 0.8 * light)
         self.assertGreater(noisier, 4 * noise)
-        self.assertEqual(client.update_configuration({'light': float('nan')})['light'], 0.9)
-        client.update_configuration({'light': 0.3, 'noise': 2.0})
+        self.assertEqual(client.update_configuration({'falloff': float('nan')})['falloff'], 0.9)
+        client.update_configuration({'falloff': 0.3, 'noise': 2.0})
         np.testing.assert_allclose(brightness(), (light, noise), rtol=0.05)
 
     def test_it_drives_by_cmd_vel_and_stops_without(self):

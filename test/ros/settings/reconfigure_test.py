@@ -18,18 +18,18 @@ from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 
 RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'likeness': (0, 1), 'min_side': (0, 10000), 'hold': (0, 60),
-          'opacity': (0, 1), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20), 'light': (0, 1),
-          'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100), 'jpeg': (0, 100),
-          'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
+          'opacity': (0, 1), 'settle': (0.5, 3600), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20),
+          'falloff': (0, 1), 'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100),
+          'jpeg': (0, 100), 'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
 CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'],
-           'fit': ['stretch', 'contain', 'cover'], 'lens': ['correct', 'ignore'],
-           'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
+           'fit': ['stretch', 'contain', 'cover'], 'foreground': ['paint', 'keep'], 'light': ['full', 'match'],
+           'lens': ['correct', 'ignore'], 'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
 SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'folder'}
 AREA = SIGHT | {'lens', 'hold', 'upright'}
 OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
-           'exercise5_6': AREA | {'picture', 'fit', 'opacity'},
+           'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'settle'},
            'tag_poses': AREA | {'tag_size', 'tag_sizes', 'wall'},
-           'wall_camera': {'noise', 'blur', 'light', 'exposure', 'swing', 'hand', 'shutter', 'jpeg'},
+           'wall_camera': {'noise', 'blur', 'falloff', 'exposure', 'swing', 'hand', 'shutter', 'jpeg'},
            'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'}}
 RED, BLUE = (0, 0, 255), (255, 0, 0)
 LEFT, RIGHT, TOP, BOTTOM = ((slice(None), slice(0, 40)), (slice(None), slice(-40, None)),
@@ -217,7 +217,7 @@ class DynamicReconfigure(NodeTest):
             self.assertFalse(any('Traceback' in line for line in node.lines), node.lines)
 
     def test_noise_light_and_blur_of_the_simulated_camera_can_be_changed(self):
-        self.start('wall_camera.py', '_noise:=0', '_light:=0')
+        self.start('wall_camera.py', '_noise:=0', '_falloff:=0')
         camera = self.listen('/camera/rgb/image_raw')
 
         def next_frame():
@@ -230,10 +230,10 @@ class DynamicReconfigure(NodeTest):
         np.testing.assert_array_equal(next_frame(), clean)
         change('/wall_camera', noise=10.0)
         self.assertAlmostEqual(np.std(next_frame() - clean), 10, delta=1)
-        change('/wall_camera', noise=0.0, light=0.8)
+        change('/wall_camera', noise=0.0, falloff=0.8)
         part = next_frame()[200:280, [5, -5]].mean(axis=(0, 2)) / clean[200:280, [5, -5]].mean(axis=(0, 2))
         self.assertLess(part[1], part[0] - 0.1)
-        change('/wall_camera', light=0.0, blur=2.0)
+        change('/wall_camera', falloff=0.0, blur=2.0)
         blurred = next_frame()
         self.assertLess(np.abs(np.diff(blurred)).max(), np.abs(np.diff(clean)).max() + 1)
         self.assertLess(np.abs(np.diff(blurred, axis=1)).max(), 0.5 * np.abs(np.diff(clean, axis=1)).max())

@@ -1,0 +1,1 @@
+"""How the painted frame looks, compared with a wall on which the picture is really printed."""

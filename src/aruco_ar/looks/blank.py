@@ -1,0 +1,78 @@
+"""A blank wall: one color in a light that changes smoothly. It can be known even where something hides it."""
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Floats
+
+from .parts import grown, parts_of
+
+STEP_PX = 6           # every sixth pixel is enough for the surface
+ROUNDS = 12           # of the fit
+DEVIATION = 0.05      # of a blank wall's pixels from the surface, as a share of the brightness
+HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall
+BLANK_SHARE = 0.6     # of a blank wall, at least so much follows the surface
+MAX_OTHER_SHARE = 0.2  # of a blank wall, so much may be something else that hangs there
+RIM_PX = 7             # so near to what hides the wall, pixels may be mixtures with it
+MAX_HIDING = 3        # more things that reach over the rim of the area are a pattern
+
+
+def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None:
+    """The blank wall behind all that hides it, and where it is hidden; None if the wall is not blank.
+
+    ``seen``: (h, w, 3) float32, the rectified area. ``usable``: (h, w), where the frame shows it, without tags.
+    Returns (h, w, 3) float32 and (h, w). Only what reaches over the rim of the area hides the wall, as a hand
+    or a person does; what lies within hangs on it.
+    """
+    surface = _surface(seen, usable)
+    if surface is None:
+        return None
+    limit = HIDDEN_LEVELS + 3 * DEVIATION * surface.mean(axis=2)
+    labels, _ = parts_of(usable & (np.abs(seen - surface).max(axis=2) > limit))
+    over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+    over_rim = over_rim[over_rim > 0]
+    hidden = np.isin(labels, over_rim)
+    other = np.count_nonzero((labels > 0) & ~hidden)
+    if len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
+        return None
+    return surface, grown(hidden, RIM_PX)
+
+
+def _surface(seen: Floats, usable: Booleans) -> Floats | None:
+    """(h, w, 3) float32: a smooth surface that most pixels follow, or None.
+
+    It is a polynomial of the second order for the logarithm, fitted by iteratively reweighted least squares,
+    with the squares of Cauchy's weights, so that what differs has hardly any influence.
+    """
+    height, width = seen.shape[:2]
+    chosen = usable[::STEP_PX, ::STEP_PX]
+    if np.count_nonzero(chosen) < 40:
+        return None
+    rows, columns = np.nonzero(chosen)
+    terms = _terms(columns * STEP_PX / width, rows * STEP_PX / height)
+    values = np.log(np.maximum(seen[::STEP_PX, ::STEP_PX][chosen], 1))
+    # The start is the brightness that occurs most often.
+    gray = values.mean(axis=1)
+    counts, edges = np.histogram(gray, 24, (gray.min() - 1e-3, gray.max() + 1e-3))
+    often = np.argmax(np.convolve(counts, [1, 1, 1], 'same'))
+    weights = 1 / (1 + ((gray - edges[often:often + 2].mean()) / 0.2)**2)
+    off = np.zeros(len(gray))
+    found = np.zeros((6, 3))
+    for _ in range(ROUNDS):
+        root = np.sqrt(weights)[:, None]
+        found = np.linalg.lstsq(terms * root, values * root, rcond=None)[0]
+        off = np.abs(values - terms @ found).max(axis=1)
+        weights = 1 / (1 + (off / DEVIATION)**2)**2
+    if np.mean(off < 2 * DEVIATION) < BLANK_SHARE:
+        return None
+    x, y = np.meshgrid(np.arange(0, width, STEP_PX) / width, np.arange(0, height, STEP_PX) / height)
+    coarse = np.exp(np.clip(_terms(x, y) @ found, 0, 6)).astype(np.float32)
+    fine = cv2.resize(coarse, None, fx=STEP_PX, fy=STEP_PX, interpolation=cv2.INTER_LINEAR)
+    return np.asarray(fine, np.float32)[:height, :width]
+
+
+def _terms(x: Floats, y: Floats) -> Floats:
+    """(..., 6): the terms of the polynomial at places from 0 to 1."""
+    x, y = 2 * x - 1, 2 * y - 1
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)

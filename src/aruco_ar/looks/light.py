@@ -1,0 +1,84 @@
+"""The light on the wall: how bright, and of which color, white paper would be at each place."""
+from __future__ import annotations
+
+from typing import Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.geometry.homography import homography_to
+from aruco_ar.geometry.lens import Lens, rectify
+from aruco_ar.tags.tag import Tag
+
+from .wall_model import WallModel
+
+COARSE = 4            # the light is measured on an image that is smaller by this factor
+TAG_PX = 24           # of the rectified image of a tag
+TAG_SCALE = 1.2       # of it, relative to the tag: it shows some of the white rim
+WHITE_PERCENTILE, BLACK_PERCENTILE = 92, 8
+MIN_WHITE = 20.0      # gray levels: in less light a tag shows nothing
+MIN_WEIGHT = 0.02     # of the wall in sight in a window, to say what light there is
+WINDOWS_PX = 3, 9, 31, 121  # the smallest window that shows enough of the wall is taken
+
+
+def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tuple[Floats, Floats]:
+    """The levels of the paper and of the ink of tags: two (n, 3) float64, BGR.
+
+    ``frame``: (h, w, 3) BGR uint8, in which the tags are. ``lens``: its Lens, or None.
+    """
+    scale = np.array([[TAG_SCALE, 0, 0.5 - TAG_SCALE / 2], [0, TAG_SCALE, 0.5 - TAG_SCALE / 2], [0, 0, 1]])
+    levels = []
+    for tag in tags:
+        corners = tag.corners if lens is None else lens.undistort(tag.corners)
+        to_frame = homography_to(corners) @ scale @ np.diag([1 / TAG_PX, 1 / TAG_PX, 1])
+        patch = rectify(frame, to_frame, (TAG_PX, TAG_PX), lens).reshape(-1, 3)
+        levels.append(np.percentile(patch, (WHITE_PERCENTILE, BLACK_PERCENTILE), axis=0))
+    white, black = np.array(levels).reshape(-1, 2, 3).transpose(1, 0, 2)
+    return white, black
+
+
+class WallLight:
+    """The light on a wall that a WallModel knows.
+
+    ``black``: the level of ink as a share of that of paper, which a printed picture would have, too.
+    """
+
+    def __init__(self, places: Floats, white: Floats, black: Floats, shape: tuple[int, int]) -> None:
+        """Begin with levels in the light in which the model has seen the wall first.
+
+        ``places``: (n, 2), the tags' centers in the area, which is the unit square. ``white``, ``black``: see
+        white_and_black. ``shape``: (h, w), of the model.
+        """
+        height, width = (max(1, length // COARSE) for length in shape)
+        self._size = width, height
+        x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
+        away = (x[..., None] - places[:, 0])**2 + (y[..., None] - places[:, 1])**2
+        share = 1 / (away + 0.01)
+        share /= share.sum(axis=2, keepdims=True)
+        self._first = np.asarray(share @ np.maximum(white, MIN_WHITE), np.float32)  # (h, w, 3)
+        self.black = float(np.clip((black / np.maximum(white, MIN_WHITE)).mean(), 0, 0.8))
+
+    def update(self, image: Image, model: WallModel) -> Image:
+        """(h, w, 3) uint8: the level of white paper at each place of a frame.
+
+        ``image``: (h, w, 3) BGR uint8, the rectified frame, which the model has taken in.
+        """
+        color = self._coarse(model.look) / self._first  # of the wall, as a share of white
+        if model.plain is not None:  # What looks like a color that varies over a blank wall is light.
+            plain = self._coarse(model.plain.astype(np.float32))[..., None]
+            mean = (color * plain).sum(axis=(0, 1)) / max(plain.sum(), 1e-3)
+            color += plain * (mean - color)
+        free = self._coarse(model.free.astype(np.float32))[..., None]
+        seen = cv2.resize(image, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
+        both = np.concatenate([seen * free, color * free, free], axis=2)
+        light = np.zeros_like(seen)
+        for window in reversed(WINDOWS_PX):
+            sums = np.dstack([cv2.blur(part, (window, window), borderType=cv2.BORDER_CONSTANT)
+                              for part in (both[..., :3], both[..., 3:6], both[..., 6:])])
+            weight = np.clip(sums[..., 6:] / (4 * MIN_WEIGHT), 0, 1) if light.any() else 1
+            light += weight * (sums[..., :3] / np.maximum(sums[..., 3:6], 1e-4) - light)
+        return np.clip(light, 0, 255).astype(np.uint8)
+
+    def _coarse(self, image: Floats) -> Floats:
+        return np.asarray(cv2.resize(image, self._size, interpolation=cv2.INTER_AREA), np.float32)

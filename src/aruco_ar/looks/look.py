@@ -1,0 +1,133 @@
+"""The look of the picture on its wall: what of it is visible, and in which light."""
+from __future__ import annotations
+
+from typing import Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.geometry.homography import homography_from, transform
+from aruco_ar.geometry.lens import rectify
+from aruco_ar.painting.paint import warp
+from aruco_ar.tags.tag import Tag
+from aruco_ar.tracking.area import Area
+
+from .light import WallLight, white_and_black
+from .wall_model import WallModel
+
+MAX_STEP_S = 0.5        # a longer time between frames counts as this
+PIXELS = 40_000         # of the rectified area
+SHAPES = 0.1, 10        # limits of its width divided by its height
+MARGIN_PX = 2           # along the frame's rim, where rectified pixels are mixtures with what is outside
+TAG_SCALE = 1.5         # of what belongs to a tag: it and its white rim
+PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
+FULL, MATCH = LIGHTS = 'full', 'match'
+
+
+class Look:
+    """Learns how the wall of an area looks, so that a picture on it looks as if it hung there.
+
+    The wall is learned from frame to frame. It is learned anew if the time jumps.
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the wall."""
+        self._model = WallModel()
+        self._light: WallLight | None = None
+        self._stamp: float | None = None
+        self._size = 0, 0
+        self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
+
+    def update(self, frame: Image, stamp: float, area: Area, tags: Sequence[Tag], settle: float,
+               sure: bool = True) -> None:
+        """Take in a frame.
+
+        ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``stamp``: its time, seconds. ``area``: the Area
+        in it. ``tags``: those in sight. ``settle``: see WallModel.update. ``sure``: whether the frame shows
+        where the area is. If not, nothing is learned from it, and what was in front before is so still.
+        """
+        if self._stamp is not None and stamp < self._stamp:
+            self.reset()
+        passed = 0.0 if self._stamp is None else min(stamp - self._stamp, MAX_STEP_S)
+        self._stamp = stamp
+        if not sure:
+            return
+        if not self._model.look.size:
+            shape = np.clip(area.ratio or 1.0, *SHAPES)
+            self._size = round(np.sqrt(PIXELS * shape)), round(np.sqrt(PIXELS / shape))
+        image = self._rectified(frame, area)
+        begun = self._model.begun
+        self._model.update(image, self._in_frame(frame, area), self._of_tags(area, tags), passed, settle)
+        if self._model.begun != begun:
+            self._light = None
+        if self._light is None and tags:
+            centers = np.array([tag.center for tag in tags], np.float64)
+            centers = transform(homography_from(area.undistorted),
+                                centers if area.lens is None else area.lens.undistort(centers))
+            white, black = white_and_black(frame, tags, area.lens)
+            self._light = WallLight(centers, white / self._model.light, black / self._model.light,
+                                    self._size[::-1])
+        self._image = image
+
+    def apply(self, picture: Image, mask: Image, part: Area, foreground: str, light: str) -> Image:
+        """The picture as it looks on the wall of the last frame: (h, w, 3) BGR, or (h, w, 4) BGRA.
+
+        ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, warped onto the area. ``mask``: (h, w, 3), the area's.
+        ``part``: the Area, in the pixels of both. ``foreground``: ``keep`` makes the picture transparent where
+        something stands before the wall. ``light``: ``match`` shows it in the wall's light.
+        """
+        if light == MATCH and self._light is not None:
+            white = self._warped(self._light.update(self._image, self._model), mask, part)
+            black = self._light.black
+            printed = cv2.convertScaleAbs(picture[:, :, :3], alpha=1 - black, beta=255 * black)
+            lit = cv2.multiply(printed, white, scale=1 / 255)
+            picture = lit if picture.shape[2] == 3 else np.dstack([lit, picture[:, :, 3]])
+        if foreground == KEEP and self._model.front.any():
+            free = np.round(255 * (1 - self._model.front)).astype(np.uint8)
+            alpha = self._warped(np.dstack([free] * 3), mask, part)[:, :, 0]
+            if picture.shape[2] == 4:
+                alpha = cv2.multiply(alpha, picture[:, :, 3], scale=1 / 255)
+            picture = np.dstack([picture[:, :, :3], alpha])
+        return picture
+
+    def _to_frame(self, area: Area) -> Floats:
+        return area.homography(*self._size)
+
+    def _rectified(self, frame: Image, area: Area) -> Image:
+        """(h, w, 3): the area, straight from the front."""
+        larger = int(np.linalg.norm(area.undistorted[1] - area.undistorted[0]) / self._size[0])
+        if larger < 2 or area.lens is not None:
+            return rectify(frame, self._to_frame(area), self._size, area.lens)
+        window, part = area.window(frame)
+        window = cv2.resize(window, (window.shape[1] // larger, window.shape[0] // larger),
+                            interpolation=cv2.INTER_AREA)
+        shrink = np.array([[1 / larger, 0, 0.5 / larger - 0.5], [0, 1 / larger, 0.5 / larger - 0.5], [0, 0, 1]])
+        return rectify(window, shrink @ self._to_frame(part), self._size)
+
+    def _in_frame(self, frame: Image, area: Area) -> Booleans:
+        """(h, w): where the frame shows the area."""
+        width, height = self._size
+        limits = np.array(frame.shape[1::-1]) - 1 - MARGIN_PX
+        if np.all(area.corners >= MARGIN_PX) and np.all(area.corners <= limits):
+            return np.ones((height, width), bool)
+        inner = np.zeros(frame.shape[:2], np.uint8)
+        inner[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX] = 255
+        return rectify(inner, self._to_frame(area), self._size, area.lens) == 255
+
+    def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
+        """(h, w): where tags and their white rims are."""
+        image = np.zeros(self._size[::-1], np.uint8)
+        from_frame = np.diag([*self._size, 1.0]) @ homography_from(area.undistorted)
+        for tag in tags:
+            corners = tag.corners if area.lens is None else area.lens.undistort(tag.corners)
+            corners = transform(from_frame, np.asarray(corners, np.float64))
+            middle = corners.mean(axis=0)
+            cv2.fillConvexPoly(image, np.round(middle + TAG_SCALE * (corners - middle)).astype(np.int32), (1,))
+        return image > 0
+
+    def _warped(self, image: Image, mask: Image, part: Area) -> Image:
+        return warp(image, part.homography(image.shape[1], image.shape[0]), mask, part.positions)

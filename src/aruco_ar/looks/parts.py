@@ -1,0 +1,65 @@
+"""Masks and their connected parts. A mask is (h, w) bool."""
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Integers
+
+GAP_PX = 5          # smaller gaps in a part are closed
+MIN_PART_PX = 40    # smaller parts are noise
+MAX_HOLE_PX = 500   # smaller holes are filled: what stands in front may have spots of the wall's color
+
+
+def grown(mask: Booleans, px: int) -> Booleans:
+    """The mask, grown by px // 2 pixels in all directions."""
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), np.ones((px, px), np.uint8))) > 0
+
+
+def shrunk(mask: Booleans, px: int) -> Booleans:
+    """The mask, shrunk by px // 2 pixels, but not at the rim of the image."""
+    return np.asarray(cv2.erode(mask.astype(np.uint8), np.ones((px, px), np.uint8))) > 0
+
+
+def closed(mask: Booleans, px: int) -> Booleans:
+    """The mask with smaller gaps than that filled, but not gaps between a part and the rim of the image."""
+    margin = px // 2 + 1
+    wide = cv2.copyMakeBorder(mask.astype(np.uint8), margin, margin, margin, margin, cv2.BORDER_REPLICATE)
+    wide = cv2.morphologyEx(wide, cv2.MORPH_CLOSE, np.ones((px, px), np.uint8))
+    return np.asarray(wide)[margin:-margin, margin:-margin] > 0
+
+
+def parts_of(mask: Booleans) -> tuple[Integers, int]:
+    """The connected parts, as (h, w) labels from 1 on, 0 elsewhere, and their number.
+
+    Small gaps and holes are filled first, and small parts are left out.
+    """
+    mask = closed(mask, GAP_PX)
+    mask |= _parts_of_size(~mask, 1, MAX_HOLE_PX)
+    mask = _parts_of_size(mask, MIN_PART_PX, mask.size)
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    return np.asarray(labels, np.int32), count - 1
+
+
+def still_parts(labels: Integers, count: int, before: Booleans, share: float) -> Booleans:
+    """The parts whose outlines have hardly moved: by more than a pixel at less than that share of their pixels.
+
+    ``labels``, ``count``: see parts_of. ``before``: (h, w), where parts were in the frame before.
+    """
+    now = labels > 0
+    changed = (now & ~grown(before, 3)) | (before & ~grown(now, 3))
+    near = np.asarray(cv2.dilate(labels.astype(np.float32), np.ones((5, 5), np.uint8)), np.int32)
+    moved = np.bincount(near[changed], minlength=count + 1)
+    outline = np.bincount(labels[~shrunk(now, 3)], minlength=count + 1)
+    still = moved <= share * outline
+    still[0] = False
+    return np.asarray(still[labels])
+
+
+def _parts_of_size(mask: Booleans, least: int, most: int) -> Booleans:
+    """The connected parts with so many pixels."""
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    pixels = stats[:, cv2.CC_STAT_AREA]
+    wanted = (pixels >= least) & (pixels <= most)
+    wanted[0] = False
+    return np.asarray(wanted[np.asarray(labels)])

@@ -1,0 +1,150 @@
+"""What the wall itself looks like, learned from frames in which other things stand before it.
+
+All images here show the area rectified, straight from the front. There the
+wall stands still, though the camera moves.
+"""
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
+
+from .blank import blank_wall
+from .difference import Difference, difference, largest_difference, soft_rim
+from .parts import grown, parts_of, still_parts
+
+MEAN_OF = 30                    # frames: the wall's look is a running mean
+KNOWN_S = 0.25                  # a look that was seen for a shorter time may be that of anything
+GUESS_S = 3.0                   # a blank wall behind a thing counts as if it was seen for so long
+SAME_LEVELS = 16.0              # colors that differ less are the same
+MOVED_SHARE = 0.1               # of a thing's outline has moved if the thing moves
+VARIANCE = 4.0                  # of the noise, until it is known
+VARIANCE_RATE = 0.03
+LIGHT_CHANGE = 0.1              # the look is learned where the light differs less from that on the whole wall
+# If so much of the wall is in front at once, after so little was before, it is another wall, or another light.
+ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
+SAMPLE_PX = 8                   # every eighth pixel shows the light on the whole wall
+MIN_SAMPLE = 0.05               # if so much of them is free
+MIN_LIGHT = 0.02
+NEAR_PX = 5                     # so near to things in front, a pixel may be a mixture with them
+
+
+class WallModel:
+    """The wall's look: at each pixel, the color that was seen there for the longest time.
+
+    ``look``: (h, w, 3) float32, BGR, in the light in which the wall was first seen; empty before that.
+    ``light``: (3,) float32, the light on the whole wall in the last frame, as factors of ``look``.
+    ``front``: (h, w) float32, 0 to 1: how much things before the wall cover. ``free``: (h, w), where the last
+    frame shows the wall for sure. ``plain``: (h, w), where the wall has
+    its one color; None if it is not blank. ``begun``: how often a wall was learned anew.
+    """
+
+    def __init__(self) -> None:
+        self.begun = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the wall."""
+        self.look: Floats = np.zeros((0, 0, 3), np.float32)
+        self.front: Floats = np.zeros((0, 0), np.float32)
+        self.light = np.ones(3, np.float32)
+        self.free: Booleans = np.zeros((0, 0), bool)
+        self.plain: Booleans | None = None
+        self._front_share = 1.0
+
+    def update(self, image: Image, valid: Booleans, tags: Booleans, passed: float, settle: float) -> None:
+        """Take in a frame.
+
+        ``image``: (h, w, 3) BGR uint8. ``valid``: (h, w), where the frame shows the area. ``tags``: the same,
+        where the tags are. ``passed``: seconds since the frame before. ``settle``: seconds after which a thing
+        that does not move becomes a part of the wall.
+        """
+        seen = np.asarray(cv2.blur(image, (3, 3)), np.float32)
+        if not self.look.size:
+            self._begin(seen, valid, tags)
+        found, lit = self._compare(seen, valid)
+        known = self._known & valid & (self._seen_s >= KNOWN_S)
+        share = np.count_nonzero(found.front & known) / max(np.count_nonzero(known), 1)
+        if share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE:
+            self._begin(seen, valid, tags)
+            found, lit = self._compare(seen, valid)
+        self._front_share = share
+        labels, count = parts_of(found.front) if found.front.any() else (np.zeros(valid.shape, np.int32), 0)
+        front = labels > 0
+        self.free = valid & self._known & ~grown(front, NEAR_PX)
+        self._learn_wall(seen, found, valid & ~front, passed, settle)
+        self.front = np.zeros(valid.shape, np.float32)
+        if count:
+            self._learn_front(seen, labels, count, passed)
+            front &= self._seen_s >= KNOWN_S
+            self.front = soft_rim(np.asarray(image, np.float32), lit, front)
+        self._before = labels > 0
+
+    def _begin(self, seen: Floats, valid: Booleans, tags: Booleans) -> None:
+        self.reset()
+        self.begun += 1
+        self.look = seen.copy()
+        shape = seen.shape[:2]
+        self._known = valid.copy()                  # where the look is known
+        self._seen_s = np.zeros(shape, np.float32)  # for how long it was seen
+        self._other = seen.copy()                   # another look, which was seen for a shorter time
+        self._other_s = np.zeros(shape, np.float32)
+        self._variance = np.full(shape, VARIANCE, np.float32)
+        self._before = np.zeros(shape, bool)        # where something was in front in the frame before
+        self._count = 0
+        found = blank_wall(seen, valid & ~tags)
+        if found is not None:
+            surface, hidden = found
+            self.plain = np.abs(seen - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
+            self.plain |= hidden
+            self.look[hidden] = surface[hidden]
+            self._seen_s[self.plain] = KNOWN_S  # a blank wall is known at once
+            self._seen_s[hidden] = GUESS_S
+
+    def _compare(self, seen: Floats, valid: Booleans) -> tuple[Difference, Floats]:
+        """The Difference from the wall, and the wall, (h, w, 3), in the light of this frame."""
+        usable = self._known & valid
+        sample = (usable & ~self._before)[::SAMPLE_PX, ::SAMPLE_PX]
+        if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
+            colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
+            ratio = np.median((colors / np.maximum(looks, 1))[sample], axis=0)
+            self.light = np.asarray(np.maximum(ratio, MIN_LIGHT), np.float32)
+        lit = _times(self.look, self.light)
+        return difference(seen, lit, self._variance, usable), lit
+
+    def _learn_wall(self, seen: Floats, found: Difference, wall: Booleans, passed: float,
+                    settle: float) -> None:
+        """Learn the wall's look where nothing is in front."""
+        self._seen_s += np.float32(passed) * wall
+        np.minimum(self._seen_s, settle, out=self._seen_s)
+        unlit = _times(seen, 1 / self.light)
+        new = wall & ~self._known
+        if new.any():
+            self.look[new] = unlit[new]
+            self._known |= new
+        self._count = min(self._count + 1, MEAN_OF)
+        usual = self.free & (np.abs(found.light - 1) < LIGHT_CHANGE)
+        cv2.accumulateWeighted(unlit, self.look, 1 / self._count, usual.astype(np.uint8))
+        cv2.accumulateWeighted(found.error * found.error, self._variance, VARIANCE_RATE,
+                               self.free.astype(np.uint8))
+
+    def _learn_front(self, seen: Floats, labels: Integers, count: int, passed: float) -> None:
+        """Learn what stays in front: it becomes the wall once it was seen for a longer time than the wall."""
+        front = labels > 0
+        unlit = _times(seen, 1 / self.light)
+        same = front & (largest_difference(unlit, self._other) < SAME_LEVELS)
+        still = still_parts(labels, count, self._before, MOVED_SHARE)
+        self._other_s += np.float32(passed) * (same & still)
+        changed = front & ~same
+        self._other[changed], self._other_s[changed] = unlit[changed], 0
+        wins = front & (self._other_s > self._seen_s)
+        if wins.any():
+            self.look[wins], self._other[wins] = self._other[wins], self.look[wins]
+            self._seen_s[wins], self._other_s[wins] = self._other_s[wins], self._seen_s[wins]
+            self._variance[wins] = VARIANCE
+
+
+def _times(image: Floats, factors: Floats) -> Floats:
+    """(h, w, 3) float32: an image with its channels multiplied by three factors."""
+    return np.asarray(cv2.multiply(image, np.array([*factors, 0.0])), np.float32)
