@@ -18,8 +18,8 @@ TAG_PX = 24           # of the rectified image of a tag
 TAG_SCALE = 1.2       # of it, relative to the tag: it shows some of the white rim
 WHITE_PERCENTILE, BLACK_PERCENTILE = 92, 8
 MIN_WHITE = 20.0      # gray levels: in less light a tag shows nothing
-MIN_WEIGHT = 0.02     # of the wall in sight in a window, to say what light there is
-WINDOWS_PX = 3, 9, 31, 121  # the smallest window that shows enough of the wall is taken
+WINDOWS_PX = 121, 25, 3  # the smallest window in which enough of the wall is free shows the light
+ENOUGH = 0.08         # this share
 
 
 def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tuple[Floats, Floats]:
@@ -71,13 +71,12 @@ class WallLight:
             color += plain * (mean - color)
         free = self._coarse(model.free.astype(np.float32))[..., None]
         seen = cv2.resize(image, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
-        both = np.concatenate([seen * free, color * free, free], axis=2)
         light = np.zeros_like(seen)
-        for window in reversed(WINDOWS_PX):
-            sums = np.dstack([cv2.blur(part, (window, window), borderType=cv2.BORDER_CONSTANT)
-                              for part in (both[..., :3], both[..., 3:6], both[..., 6:])])
-            weight = np.clip(sums[..., 6:] / (4 * MIN_WEIGHT), 0, 1) if light.any() else 1
-            light += weight * (sums[..., :3] / np.maximum(sums[..., 3:6], 1e-4) - light)
+        for window in WINDOWS_PX if free.min() < 1 else WINDOWS_PX[-1:]:
+            bright, share, weight = (cv2.blur(image, (window, window), borderType=cv2.BORDER_CONSTANT)
+                                     for image in (seen * free, color * free, free))
+            part = np.minimum(weight / ENOUGH, 1)[..., None] if light.any() else 1
+            light += part * (bright / np.maximum(share, 1e-4) - light)
         return np.clip(light, 0, 255).astype(np.uint8)
 
     def _coarse(self, image: Floats) -> Floats:

@@ -61,7 +61,8 @@ class Look:
             self._size = round(np.sqrt(PIXELS * shape)), round(np.sqrt(PIXELS / shape))
         image = self._rectified(frame, area)
         begun = self._model.begun
-        self._model.update(image, self._in_frame(frame, area), self._of_tags(area, tags), passed, settle)
+        self._model.update(image, self._in_frame(frame, area), lambda: self._of_tags(area, tags), passed,
+                           settle)
         if self._model.begun != begun:
             self._light = None
         if self._light is None and tags:

@@ -5,6 +5,8 @@ wall stands still, though the camera moves.
 """
 from __future__ import annotations
 
+from typing import Callable
+
 import cv2
 import numpy as np
 
@@ -53,12 +55,13 @@ class WallModel:
         self.plain: Booleans | None = None
         self._front_share = 1.0
 
-    def update(self, image: Image, valid: Booleans, tags: Booleans, passed: float, settle: float) -> None:
+    def update(self, image: Image, valid: Booleans, tags: Callable[[], Booleans], passed: float,
+               settle: float) -> None:
         """Take in a frame.
 
-        ``image``: (h, w, 3) BGR uint8. ``valid``: (h, w), where the frame shows the area. ``tags``: the same,
-        where the tags are. ``passed``: seconds since the frame before. ``settle``: seconds after which a thing
-        that does not move becomes a part of the wall.
+        ``image``: (h, w, 3) BGR uint8. ``valid``: (h, w), where the frame shows the area. ``tags``: a function
+        that says where the tags are, (h, w); it is called when a wall is seen first. ``passed``: seconds since
+        the frame before. ``settle``: seconds after which a thing that does not move becomes a part of the wall.
         """
         seen = np.asarray(cv2.blur(image, (3, 3)), np.float32)
         if not self.look.size:
@@ -81,7 +84,7 @@ class WallModel:
             self.front = soft_rim(np.asarray(image, np.float32), lit, front)
         self._before = labels > 0
 
-    def _begin(self, seen: Floats, valid: Booleans, tags: Booleans) -> None:
+    def _begin(self, seen: Floats, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
         self.begun += 1
         self.look = seen.copy()
@@ -93,7 +96,7 @@ class WallModel:
         self._variance = np.full(shape, VARIANCE, np.float32)
         self._before = np.zeros(shape, bool)        # where something was in front in the frame before
         self._count = 0
-        found = blank_wall(seen, valid & ~tags)
+        found = blank_wall(seen, valid & ~tags())
         if found is not None:
             surface, hidden = found
             self.plain = np.abs(seen - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
