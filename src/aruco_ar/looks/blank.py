@@ -6,13 +6,14 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats
 
-from .parts import grown, parts_of
+from .parts import grown, parts_of, shrunk
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
 ROUNDS = 12           # of the fit
 DEVIATION = 0.05      # of a blank wall's pixels from the surface, as a share of the brightness
 HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall
-BLANK_SHARE = 0.6     # of a blank wall, at least so much follows the surface
+BLANK_SHARE = 0.4     # of a blank wall, at least so much follows the surface
+MAX_OUTLINE = 10      # of things that hide the wall, relative to the root of their size; patterns have more
 MAX_OTHER_SHARE = 0.2  # of a blank wall, so much may be something else that hangs there
 RIM_PX = 7             # so near to what hides the wall, pixels may be mixtures with it
 MAX_HIDING = 3        # more things that reach over the rim of the area are a pattern
@@ -33,6 +34,9 @@ def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None
     over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
     over_rim = over_rim[over_rim > 0]
     hidden = np.isin(labels, over_rim)
+    outline = np.count_nonzero(hidden & ~shrunk(hidden, 3))
+    if outline > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(hidden), 1)):
+        return None
     other = np.count_nonzero((labels > 0) & ~hidden)
     if len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
         return None

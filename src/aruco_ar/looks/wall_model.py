@@ -18,9 +18,11 @@ from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # frames: the wall's look is a running mean
 KNOWN_S = 0.25                  # a look that was seen for a shorter time may be that of anything
-GUESS_S = 3.0                   # a blank wall behind a thing counts as if it was seen for so long
+GUESS_S = 10.0                  # a blank wall counts as if it was seen for so long before, also behind things
+SURE_S = 2.0                    # a look that was seen for a shorter time gives way to any that stays
 SAME_LEVELS = 16.0              # colors that differ less are the same
-MOVED_SHARE = 0.1               # of a thing's outline has moved if the thing moves
+STILL_S = 1.0                   # a thing is still if its outline is where it was so long ago, and longer,
+MOVED_SHARE = 0.03              # but for this share
 VARIANCE = 4.0                  # of the noise, until it is known
 VARIANCE_RATE = 0.03
 LIGHT_CHANGE = 0.1              # the look is learned where the light differs less from that on the whole wall
@@ -54,6 +56,8 @@ class WallModel:
         self.free: Booleans = np.zeros((0, 0), bool)
         self.plain: Booleans | None = None
         self._front_share = 1.0
+        self._age = 0.0
+        self._earlier: list[Booleans] = []
 
     def update(self, image: Image, valid: Booleans, tags: Callable[[], Booleans], passed: float,
                settle: float) -> None:
@@ -83,6 +87,9 @@ class WallModel:
             front &= self._seen_s >= KNOWN_S
             self.front = soft_rim(np.asarray(image, np.float32), lit, front)
         self._before = labels > 0
+        self._age += passed
+        if self._age >= STILL_S:
+            self._earlier, self._age = [self._earlier[1], self._before], 0.0
 
     def _begin(self, seen: Floats, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
@@ -93,8 +100,11 @@ class WallModel:
         self._seen_s = np.zeros(shape, np.float32)  # for how long it was seen
         self._other = seen.copy()                   # another look, which was seen for a shorter time
         self._other_s = np.zeros(shape, np.float32)
+        self._was_wall = np.zeros(shape, bool)      # whether that was the wall once
         self._variance = np.full(shape, VARIANCE, np.float32)
         self._before = np.zeros(shape, bool)        # where something was in front in the frame before
+        self._earlier = [self._before] * 2          # the same, earlier
+        self._age = 0.0                             # seconds since the later of them
         self._count = 0
         found = blank_wall(seen, valid & ~tags())
         if found is not None:
@@ -102,8 +112,7 @@ class WallModel:
             self.plain = np.abs(seen - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
             self.plain |= hidden
             self.look[hidden] = surface[hidden]
-            self._seen_s[self.plain] = KNOWN_S  # a blank wall is known at once
-            self._seen_s[hidden] = GUESS_S
+            self._seen_s[self.plain] = GUESS_S
 
     def _compare(self, seen: Floats, valid: Booleans) -> tuple[Difference, Floats]:
         """The Difference from the wall, and the wall, (h, w, 3), in the light of this frame."""
@@ -137,14 +146,16 @@ class WallModel:
         front = labels > 0
         unlit = _times(seen, 1 / self.light)
         same = front & (largest_difference(unlit, self._other) < SAME_LEVELS)
-        still = still_parts(labels, count, self._before, MOVED_SHARE)
-        self._other_s += np.float32(passed) * (same & still)
-        changed = front & ~same
-        self._other[changed], self._other_s[changed] = unlit[changed], 0
-        wins = front & (self._other_s > self._seen_s)
+        stays = same & (still_parts(labels, count, self._earlier[0], MOVED_SHARE) | (self._seen_s < SURE_S))
+        self._other_s += np.float32(passed) * stays
+        other = front & ~same
+        self._other[other], self._other_s[other], self._was_wall[other] = unlit[other], 0, False
+        self._other_s[same & ~stays & ~self._was_wall] = 0
+        wins = (same & self._was_wall) | (front & (self._other_s > self._seen_s))
         if wins.any():
             self.look[wins], self._other[wins] = self._other[wins], self.look[wins]
             self._seen_s[wins], self._other_s[wins] = self._other_s[wins], self._seen_s[wins]
+            self._was_wall[wins] = True
             self._variance[wins] = VARIANCE
 
 
