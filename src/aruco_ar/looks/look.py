@@ -20,6 +20,7 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # of the rectified area
 SHAPES = 0.1, 10        # limits of its width divided by its height
 MARGIN_PX = 2           # along the frame's rim, where rectified pixels are mixtures with what is outside
+MAX_SHRINK = 16         # of frames in which the area is larger than it is rectified
 TAG_SCALE = 1.5         # of what belongs to a tag: it and its white rim
 PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
 FULL, MATCH = LIGHTS = 'full', 'match'
@@ -81,6 +82,8 @@ class Look:
         ``part``: the Area, in the pixels of both. ``foreground``: ``keep`` makes the picture transparent where
         something stands before the wall. ``light``: ``match`` shows it in the wall's light.
         """
+        if not mask.size:
+            return picture
         if light == MATCH and self._light is not None:
             white = self._warped(self._light.update(self._image, self._model), mask, part)
             black = self._light.black
@@ -100,12 +103,12 @@ class Look:
 
     def _rectified(self, frame: Image, area: Area) -> Image:
         """(h, w, 3): the area, straight from the front."""
-        larger = int(np.linalg.norm(area.undistorted[1] - area.undistorted[0]) / self._size[0])
-        if larger < 2 or area.lens is not None:
-            return rectify(frame, self._to_frame(area), self._size, area.lens)
+        larger = min(int(np.linalg.norm(area.undistorted[1] - area.undistorted[0]) / self._size[0]), MAX_SHRINK)
         window, part = area.window(frame)
-        window = cv2.resize(window, (window.shape[1] // larger, window.shape[0] // larger),
-                            interpolation=cv2.INTER_AREA)
+        if larger < 2 or area.lens is not None or not window.size:
+            return rectify(frame, self._to_frame(area), self._size, area.lens)
+        width, height = (max(length // larger, 1) for length in window.shape[1::-1])
+        window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)
         shrink = np.array([[1 / larger, 0, 0.5 / larger - 0.5], [0, 1 / larger, 0.5 / larger - 0.5], [0, 0, 1]])
         return rectify(window, shrink @ self._to_frame(part), self._size)
 

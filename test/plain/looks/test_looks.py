@@ -255,6 +255,22 @@ def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
     assert scene.look.apply(picture, area_mask(frame, area), area, 'keep', 'match') is picture
 
 
+@pytest.mark.parametrize('corners', [
+    [[-900, -900], [-700, -900], [-700, -800], [-900, -800]],             # out of view
+    [[300.2, 200.1], [300.3, 200.1], [300.3, 200.2], [300.2, 200.2]],     # tiny
+    [[-1e6, -1e6], [1e6, -1e6], [1e6, 1e6], [-1e6, 1e6]],                 # all around
+    [[0, 0], [4000, 10], [640, 480], [10, 3000]],
+])
+def test_areas_of_any_size_and_place_are_no_harm(frame, corners):
+    look, area = Look(), Area(np.float32(corners))
+    for number in range(3):
+        look.update(frame, float(number), area, [], 30.0)
+        window, part = area.window(frame)
+        picture = np.full_like(window, GREEN)
+        looked = look.apply(picture, area_mask(window, part), part, 'keep', 'match')
+        assert looked.shape[:2] == window.shape[:2]
+
+
 def test_a_lens_and_an_area_partly_out_of_view_are_no_harm(wall):
     """The picture is painted on whatever of the area is in view."""
     lens = Lens(640, 480, STRAIGHT.matrix, np.array([-0.25, 0.08, 0, 0, 0.0]))
