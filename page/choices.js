@@ -9,13 +9,17 @@ export function choices(send, say) {
   const simulation = document.getElementById('simulation');
   let shownNames = '';
 
-  function show({ pictures, picture, sliders }) {
+  function show({ pictures, picture, sliders, switches }) {
     section.hidden = picture === null;
     if (pictures.join('/') !== shownNames) {
       shownNames = pictures.join('/');
       group.replaceChildren(...pictures.map(choice));
     }
     for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
+    for (const label of section.querySelectorAll('[data-switch]')) {
+      label.hidden = !(label.dataset.switch in switches);
+      label.querySelector('input').checked = switches[label.dataset.switch];
+    }
     simulation.hidden = !Object.keys(sliders).length;
     for (const label of simulation.querySelectorAll('[data-slider]')) {
       const value = sliders[label.dataset.slider];
@@ -61,6 +65,10 @@ export function choices(send, say) {
 
   function writeValue(label) {
     label.querySelector('.value').textContent = label.querySelector('input').value;
+  }
+
+  for (const label of section.querySelectorAll('[data-switch]')) {
+    label.addEventListener('change', ({ target }) => send({ switch: [label.dataset.switch, target.checked] }));
   }
 
   // Between a change of a slider and the answer, older values arrive. They would move the slider back.

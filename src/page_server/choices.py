@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
+from aruco_ar.looks.look import FOREGROUNDS, LIGHTS
 from aruco_ar.painting.picture import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
 from aruco_node.health.faults import fault_barrier
@@ -22,6 +23,7 @@ from std_msgs.msg import Header
 
 PAINTER, SIMULATION = 'exercise5_6', 'wall_camera'
 SLIDERS = 'noise', 'falloff'
+SWITCHES = {'foreground': FOREGROUNDS, 'light': LIGHTS}  # the values for off and on
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
@@ -105,10 +107,13 @@ class Choices:
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
-        picture = self._painter.values.get('picture')
+        painter = self._painter.values
+        picture = painter.get('picture')
         simulation = self._simulation.values
         return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
-                'sliders': {name: simulation[name] for name in SLIDERS if name in simulation}}
+                'sliders': {name: simulation[name] for name in SLIDERS if name in simulation},
+                'switches': {name: painter[name] == on for name, (_, on) in SWITCHES.items()
+                             if name in painter}}
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last."""
@@ -146,6 +151,11 @@ class Choices:
         """
         if name in SLIDERS and isinstance(value, (int, float)) and abs(value) < 1e6:
             await self._simulation.set(**{name: value})
+
+    async def switch(self, name, on):
+        """Turn one of SWITCHES on or off. Other names are ignored. Raises InputError if nothing is painted."""
+        if isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
+            await self._painter.set(**{name: SWITCHES[name][on]})
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""

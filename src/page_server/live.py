@@ -6,6 +6,7 @@ The browser sends JSON objects:
   {"drive": [forward, left]}   each from -1 to 1
   {"picture": name}            the picture to paint
   {"slide": [name, value]}     a slider of the simulation
+  {"switch": [name, on]}       a switch for the look of the picture
 
 The server sends JSON objects:
   {"state": ...}                           what can be chosen, and what is chosen
@@ -110,6 +111,9 @@ class Live(BaseHandler, WebSocketHandler):
             elif 'slide' in request:
                 name, value = request['slide']
                 self._start(self._choose(self.parts.choices.slide, name, value))
+            elif 'switch' in request:
+                name, on = request['switch']
+                self._start(self._choose(self.parts.choices.switch, name, on))
         except (ValueError, TypeError, OverflowError, RecursionError):
             self.close(1003, 'not a message of this page')
 

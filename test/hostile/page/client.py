@@ -43,7 +43,8 @@ SAYINGS = [
     '{"drive": [1, 2, 3]}', '{"picture": 5}', '{"picture": ["x"]}', '{"picture": {"a": 1}}',
     '{"picture": "\\n%s"}' % FORGED, '{"picture": "../package.xml"}', '{"slide": [1, 2, 3]}',
     '{"slide": ["noise", NaN]}', '{"slide": ["noise", 1e308]}', '{"slide": [["noise"], 1]}',
-    '{"slide": ["falloff", "1"]}', '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00',
+    '{"slide": ["falloff", "1"]}', '{"switch": ["light"]}', '{"switch": ["light", 1]}',
+    '{"switch": [[], true]}', '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00',
     '{"look": ["/%s"]}' % ('x' * 60000)]
 
 

@@ -134,6 +134,15 @@ class Page(BrowserTest):
         self.page.get_by_text('earth', exact=True).click()
         self.wait_for_chosen('earth.jpg')
 
+    def test_switches_change_how_the_picture_looks(self):
+        for label, name, off, on in (('People stay in front', 'foreground', 'paint', 'keep'),
+                                     ("It takes the wall's light", 'light', 'full', 'match')):
+            switch = self.page.get_by_label(label)
+            self.assertFalse(switch.is_checked())
+            for value, turn in (on, switch.check), (off, switch.uncheck):
+                turn()
+                until(lambda: rospy.get_param('/exercise5_6/' + name) == value)
+
     def test_on_a_phone_nothing_is_wider_than_the_screen(self):
         self.page.set_viewport_size({'width': 360, 'height': 740})
         self.assertEqual(self.page.evaluate('document.documentElement.scrollWidth'), 360)
