@@ -26,6 +26,7 @@ from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
 SIMULATED = '/simulated/image_raw'
+NEWEST = 20  # images that wait to be looked at; within minutes, all of them would fill the memory
 OUTPUTS = {'wall_camera': SIMULATED}  # the topic to watch, if it is not ~image
 
 
@@ -43,7 +44,7 @@ class Live:
             self._nodes[node] = Started(sys.executable, os.path.join(package_folder(), 'src', node + '.py'),
                                         *arguments.get(node, []))
         self._camera = rospy.Publisher(CAMERA, Image, queue_size=1)
-        self._inboxes = {node: Inbox(OUTPUTS.get(node, '/%s/image' % node), Image)
+        self._inboxes = {node: Inbox(OUTPUTS.get(node, '/%s/image' % node), Image, NEWEST)
                          for node in self._kinds if node != 'page'}
         self._services = {}
         for node in self._kinds:

@@ -40,8 +40,8 @@ class WallModel:
     ``look``: (h, w, 3) float32, BGR, in the light in which the wall was first seen; empty before that.
     ``light``: (3,) float32, the light on the whole wall in the last frame, as factors of ``look``.
     ``front``: (h, w) float32, 0 to 1: how much things before the wall cover. ``free``: (h, w), where the last
-    frame shows the wall for sure. ``plain``: (h, w), where the wall has
-    its one color; None if it is not blank. ``begun``: how often a wall was learned anew.
+    frame shows the wall for sure. ``plain``: (h, w), where the wall has its one color; None if it is not blank.
+    ``begun``: how often a wall was learned anew.
     """
 
     def __init__(self) -> None:

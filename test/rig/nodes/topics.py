@@ -3,6 +3,7 @@ import queue
 import re
 import threading
 import time
+from contextlib import suppress
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -13,11 +14,17 @@ LEFT_OUT = re.compile(r'\d+ of \d+ frames (were dropped|did not arrive)')
 
 
 class Inbox(queue.Queue):
-    """A queue of a topic's messages."""
+    """A queue of a topic's messages. ``newest``: how many of them it holds at most, 0: all."""
 
-    def __init__(self, topic, kind):
-        super().__init__()
-        self.subscriber = rospy.Subscriber(topic, kind, self.put, queue_size=10, buff_size=1 << 25)
+    def __init__(self, topic, kind, newest=0):
+        super().__init__(newest)
+        self.subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=10, buff_size=1 << 25)
+
+    def _take(self, message):
+        with suppress(queue.Empty):
+            while self.full():
+                self.get_nowait()
+        self.put(message)
 
     def next(self):
         """Wait for the next message."""
