@@ -1,17 +1,17 @@
 """What stands before the wall stays in front of the picture, and the picture takes the wall's light."""
 from dataclasses import replace
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 from aruco_ar import Area, Lens, area_mask
-from aruco_ar.exercise import Stage
+from aruco_ar.exercise import CORRECT, PICTURE, TRACKER, Stage
 from aruco_ar.looks.look import Look
+from aruco_ar.painting.paint import put_in, warp
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
-from aruco_node.parameters.settings import PictureSettings
-from exercise5_6 import EXERCISE
 
 GREEN, SKIN = (40, 160, 60), (118, 150, 200)
 FRAMES_PER_S = 15
@@ -27,13 +27,24 @@ class Still:
         return self._picture
 
 
-def stage(color=GREEN, **settings):
+def stage(color=GREEN, foreground='paint', light='full', settle=30.0):
+    settings = SimpleNamespace(
+        dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0, likeness=0.8, min_side=0.0,
+        hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light, settle=settle)
     picture = np.full((60, 90, 3), color, np.uint8)
-    return Stage(EXERCISE.needs, PictureSettings(**settings), lambda _: Still(picture))
+    return Stage([TRACKER, PICTURE], settings, lambda _: Still(picture))
 
 
 def painted(stage, frame, number, lens=None):
-    return EXERCISE.step(stage.scene(frame, frame.copy(), number / FRAMES_PER_S, lens)).images[0]
+    """The steps of exercise 5.6, which itself needs ROS."""
+    scene = stage.scene(frame, frame.copy(), number / FRAMES_PER_S, lens)
+    area = scene.tracker.update(frame, scene.stamp)
+    if area is not None:
+        window, part = area.window(scene.image)
+        mask = area_mask(window, part)
+        warped = warp(scene.picture, part.homography(90, 60), mask, part.positions)
+        put_in(window, scene.on_wall(warped, mask, area, part), mask)
+    return scene.image
 
 
 class Drive:
@@ -248,11 +259,10 @@ def test_a_frame_that_does_not_show_where_the_area_is_teaches_nothing(wall):
 def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
     drive, plain = Drive(wall), stage()
     frame, _ = drive.frame(0)
-    scene = plain.scene(frame, frame.copy(), 0.0)
-    EXERCISE.step(scene)
+    painted(plain, frame, 0)
     picture = np.full_like(frame, GREEN)
-    area = scene.tracker.update(frame, 0.1)
-    assert scene.look.apply(picture, area_mask(frame, area), area, 'keep', 'match') is picture
+    area = plain.tracker.update(frame, 0.1)
+    assert plain.look.apply(picture, area_mask(frame, area), area, 'keep', 'match') is picture
 
 
 @pytest.mark.parametrize('corners', [

@@ -7,7 +7,6 @@ from aruco_ar import (
     Detector,
     Lens,
     Tag,
-    Tracker,
     area_mask,
     fill_polygon,
     find_area,
@@ -17,12 +16,9 @@ from aruco_ar import (
     overlay,
     subtract,
 )
-from aruco_ar.exercise import Scene
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
-from aruco_node.parameters.settings import PictureSettings
 from benchmark.course import Course
-from exercise5_6 import paint_picture
 
 AREA = Area(np.float32([[150.3, 100.8], [470.6, 130.1], [450.2, 380.7], [170.9, 350.4]]))
 LENS = Lens(640, 480, Camera().matrix, np.array([-0.3, 0.1, 0.001, -0.001, 0.0]))
@@ -107,18 +103,6 @@ def test_painting_equals_the_course_except_at_the_rim(frame, earth):
     unlike = np.abs(ours[inside].astype(int) - course[inside])
     assert unlike.max() <= ROUNDING and unlike.mean() < 0.05
     np.testing.assert_array_equal(ours[outside], frame[outside])
-
-
-@pytest.mark.parametrize('fit', ['stretch', 'contain', 'cover'])
-@pytest.mark.parametrize('lens', [None, LENS])
-def test_the_function_paints_what_exercise_5_6_paints(frame, earth, fit, lens):
-    settings = PictureSettings(fit=fit, opacity=0.7)
-    tracker = Tracker()
-    tracker.lens = lens
-    result = paint_picture(Scene(frame, frame.copy(), 0.0, settings, tracker, earth, lens))
-    assert not np.array_equal(result.images[0], frame)
-    np.testing.assert_array_equal(
-        result.images[0], overlay(frame, earth, result.area, fit=fit, opacity=settings.opacity))
 
 
 @pytest.mark.parametrize('width, height', [(1200, 800), (1199, 803)])

@@ -1,0 +1,57 @@
+"""Exercise 5.6 itself, without ROS: what it paints."""
+import os
+
+import numpy as np
+import pytest
+from aruco_ar import Lens, Tracker, load_picture, overlay
+from aruco_ar.exercise import Scene, Stage
+from aruco_ar.simulation.robot import Camera
+from aruco_node.parameters.settings import PictureSettings
+from exercise5_6 import EXERCISE, paint_picture
+
+LENS = Lens(640, 480, Camera().matrix, np.array([-0.3, 0.1, 0.001, -0.001, 0.0]))
+
+
+@pytest.fixture
+def earth(package):
+    return load_picture(os.path.join(package, 'images', 'earth.jpg'))
+
+
+@pytest.mark.parametrize('fit', ['stretch', 'contain', 'cover'])
+@pytest.mark.parametrize('lens', [None, LENS])
+def test_the_function_paints_what_exercise_5_6_paints(frame, earth, fit, lens):
+    settings = PictureSettings(fit=fit, opacity=0.7)
+    tracker = Tracker()
+    tracker.lens = lens
+    result = paint_picture(Scene(frame, frame.copy(), 0.0, settings, tracker, earth, lens))
+    assert not np.array_equal(result.images[0], frame)
+    np.testing.assert_array_equal(
+        result.images[0], overlay(frame, earth, result.area, fit=fit, opacity=settings.opacity))
+
+
+class Still:
+    """The Source of one picture."""
+
+    def __init__(self, picture):
+        self._picture = picture
+
+    def at(self, stamp):
+        return self._picture
+
+
+def test_what_comes_before_the_wall_stays_in_front_in_the_walls_light(frame):
+    """The same steps in detail: test/plain/looks."""
+    white = np.full((40, 60, 3), 255, np.uint8)
+    stage = Stage(EXERCISE.needs, PictureSettings(foreground='keep', light='match'), lambda _: Still(white))
+    for number in range(20):
+        seen = frame.copy()
+        if number >= 10:
+            seen[:, 250:330] = (40, 40, 200)
+        result = paint_picture(stage.scene(seen, seen.copy(), number / 15))
+        image = result.images[0].astype(int)
+        area = np.int32(result.area.corners)
+    y = area[:, 1].mean().astype(int)
+    assert area[0, 0] < 240 and area[1, 0] > 340  # the red thing covers the middle, and not all
+    np.testing.assert_allclose(image[y, 290], (40, 40, 200), atol=8)
+    for column in (area[0, 0] + 30, area[1, 0] - 30):
+        assert image[y, column].min() > 200 and np.any(image[y, column] != frame[y, column])
