@@ -128,6 +128,6 @@ def _shows_pattern(gray: Floats, wall: Floats) -> Booleans:
     def mean(image: Floats) -> Floats:
         return np.asarray(cv2.boxFilter(image, -1, (PATTERN_PX, PATTERN_PX)))
     gray, wall = gray - mean(gray), wall - mean(wall)
-    own, known = mean(gray * gray), mean(wall * wall)
+    own, known = (np.maximum(mean(image * image), 0) for image in (gray, wall))  # rounding can make it negative
     return np.asarray((mean(gray * wall) > LIKE * np.sqrt(own * known)) & (known > PATTERN_LEVELS**2)
                       & (own > PATTERN_LEVELS**2 / 16))
