@@ -27,7 +27,8 @@ def parse():
     parser.add_argument('--real', metavar='FOLDER', nargs='?', const=clips.CLIPS,
                         help='compare both methods with the truth on real clips instead: the videos in a '
                         'folder. A NAME.yaml beside each of them gives its dictionary and ids (default: '
-                        'the clips shared beside the package). With --only nodes, both run as nodes.')
+                        'the clips shared beside the package). With --only nodes, both run as nodes; '
+                        'with --only looks, it is what foreground:=keep leaves free.')
     parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
@@ -47,6 +48,10 @@ def main():
     if args.real and args.only == 'nodes':
         with master.Master(), recorded('real_nodes', args.record):
             nodes.run_clips(clips.clips_of(args.real))
+        return
+    if args.real and args.only == 'looks':
+        with recorded('real_looks', args.record):
+            looks.run_clips(clips.clips_of(args.real))
         return
     if args.real:
         with recorded('real', args.record):

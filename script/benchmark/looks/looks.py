@@ -9,6 +9,7 @@ import numpy as np
 from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.exercise import Stage
+from aruco_ar.looks.look import FOREGROUNDS
 from aruco_node.parameters.settings import PictureSettings
 from exercise5_6 import EXERCISE
 
@@ -102,6 +103,28 @@ def run_scene(scene, picture):
         images = moment.bare, results['course'], results['+ both'], moment.printed
         sights.append((scores['+ both'][-1][2], np.hstack([image[SIGHT] for image in images])))
     return scores, sums, times, sights
+
+
+def run_clips(clips):
+    """Print how much of the area keep leaves free on real clips (see clips.Clip)."""
+    tell('foreground:=keep on real clips: the share of the area that is not painted\n\n'
+         '%-14s %8s %8s %8s %8s' % ('clip', 'frames', 'mean', 'median', '90 %'))
+    for clip in clips:
+        frames, rate = clip.frames()
+        settings = PictureSettings(dictionary=clip.dictionary, ids=clip.ids)
+        stages = [Stage(EXERCISE.needs, replace(settings, foreground=foreground),
+                        lambda _: Still(load_picture(PICTURE))) for foreground in FOREGROUNDS]
+        shares = []
+        for number, frame in enumerate(frames):
+            results = [EXERCISE.step(stage.scene(frame, frame.copy(), number / rate)) for stage in stages]
+            if results[0].area is not None:
+                (painted,), (kept_image,) = (result.images for result in results)
+                share, clear = kept(frame, painted, kept_image)
+                clear &= area_mask(frame, results[0].area)[..., 0] == 255
+                shares.append(share[clear].mean() if clear.any() else 0)
+        tell('%-14s %8d %6.1f %% %6.1f %% %6.1f %%' % (
+            os.path.basename(clip.path), len(shares), *(100 * np.array([
+                np.mean(shares), np.median(shares), np.percentile(shares, 90)]))))
 
 
 def run(chart='unit5-bench-looks.png'):
