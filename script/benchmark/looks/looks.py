@@ -10,6 +10,7 @@ from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.exercise import Stage
 from aruco_ar.looks.look import FOREGROUNDS
+from aruco_ar.painting.sources import Still
 from aruco_node.parameters.settings import PictureSettings
 from exercise5_6 import EXERCISE
 
@@ -26,16 +27,6 @@ SURE_LEVELS = 30  # where picture and frame differ by so much, a pixel shows how
 PICTURE = os.path.join(PACKAGE, 'images', 'earth.jpg')
 METHODS = {'course': None, 'ours': {}, '+ keep': {'foreground': 'keep'}, '+ match': {'light': 'match'},
            '+ both': {'foreground': 'keep', 'light': 'match'}}
-
-
-class Still:
-    """The Source of one picture."""
-
-    def __init__(self, picture):
-        self._picture = picture
-
-    def at(self, stamp):
-        return self._picture
 
 
 def library():
@@ -74,7 +65,7 @@ def kept(bare, painted, kept_image):
 def run_scene(scene, picture):
     """({method: [likeness of each judged frame]}, foreground's sums, {method: ms of each frame}, sights).
 
-    ``foreground``: the sums for the intersection, the union, what is painted over, the front, what is left
+    The sums are those for the intersection, the union, what is painted over, the front, what is left
     unpainted, the wall. ``sights``: [(color difference with both, frames side by side)].
     """
     course = Course('DICT_6X6_250', picture)
@@ -146,7 +137,7 @@ def run(chart='unit5-bench-looks.png'):
         for each, values in times.items():
             ms[each] += values
         sights.sort(key=lambda sight: sight[0])
-        rows += [np.hstack([sights[len(sights) // 2][1], sights[-1][1]])]
+        rows.append(np.hstack([sights[len(sights) // 2][1], sights[-1][1]]))
     tell('\nforeground:=keep           IoU    painted over   wall left free\n' + '\n'.join(fronts))
     tell('\nmilliseconds a frame on one thread, the tracker included (median, 99 %)')
     for each, values in ms.items():

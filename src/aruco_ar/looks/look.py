@@ -104,8 +104,9 @@ class Look:
     def _rectified(self, frame: Image, area: Area) -> Image:
         """(h, w, 3): the area, straight from the front."""
         larger = min(int(np.linalg.norm(area.undistorted[1] - area.undistorted[0]) / self._size[0]), MAX_SHRINK)
-        window, part = area.window(frame)
-        if larger < 2 or area.lens is not None or not window.size:
+        shrinks = larger >= 2 and area.lens is None
+        window, part = area.window(frame) if shrinks else (frame, area)
+        if not shrinks or not window.size:
             return rectify(frame, self._to_frame(area), self._size, area.lens)
         width, height = (max(length // larger, 1) for length in window.shape[1::-1])
         window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from aruco_ar import Lens, Tracker, load_picture, overlay
 from aruco_ar.exercise import Scene, Stage
+from aruco_ar.painting.sources import Still
 from aruco_ar.simulation.robot import Camera
 from aruco_node.parameters.settings import PictureSettings
 from exercise5_6 import EXERCISE, paint_picture
@@ -27,16 +28,6 @@ def test_the_function_paints_what_exercise_5_6_paints(frame, earth, fit, lens):
     assert not np.array_equal(result.images[0], frame)
     np.testing.assert_array_equal(
         result.images[0], overlay(frame, earth, result.area, fit=fit, opacity=settings.opacity))
-
-
-class Still:
-    """The Source of one picture."""
-
-    def __init__(self, picture):
-        self._picture = picture
-
-    def at(self, stamp):
-        return self._picture
 
 
 def test_what_comes_before_the_wall_stays_in_front_in_the_walls_light(frame):

@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Lens, Tag, area_mask
+from aruco_ar import Area, Lens, area_mask
 from aruco_ar.exercise import CORRECT, PICTURE, TRACKER, Stage
 from aruco_ar.looks.look import Look
 from aruco_ar.painting.paint import put_in, warp
+from aruco_ar.painting.sources import Still
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
@@ -17,14 +18,6 @@ GREEN, SKIN = (40, 160, 60), (118, 150, 200)
 FRAMES_PER_S = 15
 BENT = Camera(distortion=[-0.25, 0.08, 0, 0, 0])
 STRAIGHT = Camera()
-
-
-class Still:
-    def __init__(self, picture):
-        self._picture = picture
-
-    def at(self, stamp):
-        return self._picture
 
 
 def stage(color=GREEN, foreground='paint', light='full', settle=30.0):
@@ -263,42 +256,6 @@ def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
     picture = np.full_like(frame, GREEN)
     area = plain.tracker.update(frame, 0.1)
     assert plain.look.apply(picture, area_mask(frame, area), area, 'keep', 'match') is picture
-
-
-@pytest.mark.parametrize('corners', [
-    [[-900, -900], [-700, -900], [-700, -800], [-900, -800]],             # out of view
-    [[300.2, 200.1], [300.3, 200.1], [300.3, 200.2], [300.2, 200.2]],     # tiny
-    [[-1e6, -1e6], [1e6, -1e6], [1e6, 1e6], [-1e6, 1e6]],                 # all around
-    [[0, 0], [4000, 10], [640, 480], [10, 3000]],
-])
-def test_areas_of_any_size_and_place_are_no_harm(frame, corners):
-    look, area = Look(), Area(np.float32(corners))
-    for number in range(3):
-        look.update(frame, float(number), area, [], 30.0)
-        window, part = area.window(frame)
-        picture = np.full_like(window, GREEN)
-        looked = look.apply(picture, area_mask(window, part), part, 'keep', 'match')
-        assert looked.shape[:2] == window.shape[:2]
-
-
-def test_random_frames_areas_and_tags_are_no_harm(random):
-    look = Look()
-    for number in range(60):
-        height, width = [(480, 640), (1, 1), (7, 900), (60, 80)][random.randint(4)]
-        frame = random.randint(0, 256, (height, width, 3)).astype(np.uint8)
-        frame[:] = [frame, 0, 255, random.randint(256)][random.randint(4)]
-        side = 10**random.uniform(0, 4)
-        corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * side + random.normal(0, side / 8, (4, 2))
-        corners += random.uniform(-side, 640, 2)
-        area = Area(np.float32(corners), [None, 1.5, 0.01, 50.0][random.randint(4)])
-        tags = [Tag(tag_id, np.float32(corners / 9 + 8 / 9 * corner))
-                for tag_id, corner in enumerate(corners[:random.randint(5)])]
-        look.update(frame, number / 15, area, tags, 30.0, bool(random.rand() < 0.9))
-        window, part = area.window(frame)
-        picture = random.randint(0, 256, (*window.shape[:2], 3 + number % 2)).astype(np.uint8)
-        with np.errstate(all='raise'):
-            looked = look.apply(picture, area_mask(window, part), part, 'keep', 'match')
-        assert looked.shape[:2] == window.shape[:2] and looked.dtype == np.uint8
 
 
 def test_a_lens_and_an_area_partly_out_of_view_are_no_harm(wall):
