@@ -8,15 +8,17 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
-from aruco_ar.geometry.lens import Lens
+from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
 MIN_AREA_PX = 0.1  # square pixels: a smaller area is not visible
 STEP_PX = 16       # of the grid that shows which part of a distorted frame the area touches
 SIDE_POINTS = 32   # of an outline, along each side
+MAX_SHRINK = 16    # of frames in which the area is larger than its rectified view
+MARGIN_PX = 2      # along the frame's rim, where rectified pixels are mixtures with what is outside
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +98,27 @@ class Area:
         picture = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
         found = cv2.getPerspectiveTransform(picture, np.asarray(self.undistorted, np.float32))
         return np.asarray(found, np.float64)
+
+    def rectified(self, frame: Image, size: tuple[int, int]) -> Image:
+        """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h)."""
+        larger = min(int(np.linalg.norm(self.undistorted[1] - self.undistorted[0]) / size[0]), MAX_SHRINK)
+        shrinks = larger >= 2 and self.lens is None
+        window, part = self.window(frame) if shrinks else (frame, self)
+        if not shrinks or not window.size:
+            return rectify(frame, self.homography(*size), size, self.lens)
+        width, height = (max(length // larger, 1) for length in window.shape[1::-1])
+        window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)
+        shrink = np.array([[1 / larger, 0, 0.5 / larger - 0.5], [0, 1 / larger, 0.5 / larger - 0.5], [0, 0, 1]])
+        return rectify(window, shrink @ part.homography(*size), size)
+
+    def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
+        """(h, w): which pixels of the area, rectified, a frame shows. ``frame``, ``size``: see rectified."""
+        limits = np.array(frame.shape[1::-1]) - 1 - MARGIN_PX
+        if np.all(self.corners >= MARGIN_PX) and np.all(self.corners <= limits):
+            return np.ones(size[::-1], bool)
+        inner = np.zeros(frame.shape[:2], np.uint8)
+        inner[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX] = 255
+        return rectify(inner, self.homography(*size), size, self.lens) == 255
 
     def _grid_inside(self, positions: Image) -> Floats:
         """(n, 2) pixels of the frame: a margin around all those points of a grid that are in the area."""
