@@ -33,10 +33,11 @@ def paint_picture(scene):
 
     # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as
     # the real lens bends lines, if the camera is calibrated. If the settings ask for it, the picture
-    # takes the wall's light, and is transparent where something stands before the wall.
+    # takes the wall's light, is transparent where something stands before the wall, and the tags vanish.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask, place.positions)
-    warped = scene.on_wall(warped, mask, area, part)
+    warped, mask = scene.on_wall(warped, mask, area, part)
+    scene.hide_tags(area)
 
     # Subtract the mask from the window, as in 5.5, and add the picture where the window is now black:
     # cv2.add(cv2.subtract(window, mask), cv2.min(warped, mask)). A transparent picture is mixed in.

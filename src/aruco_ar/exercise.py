@@ -6,7 +6,7 @@ from typing import Any, Callable, Protocol, Sequence
 
 from .base.arrays import Image
 from .geometry.lens import Lens
-from .looks.look import FULL, PAINT, Look
+from .looks.look import Look, asks_for_look
 from .tags.detector import Detector
 from .tags.tag import Tag
 from .tracking.area import Area
@@ -41,17 +41,22 @@ class Scene:
     lens: Lens | None = None
     look: Look | None = None
 
-    def on_wall(self, picture: Image, mask: Image, area: Area, part: Area) -> Image:
-        """A warped picture as it looks on the wall, if the settings ``foreground`` and ``light`` ask for it.
+    def on_wall(self, picture: Image, mask: Image, area: Area, part: Area) -> tuple[Image, Image]:
+        """A warped picture as it looks on the wall, as far as the settings ask for it, and its mask.
 
         ``area``: the Area in the frame. ``part``: the same, in the pixels of ``picture`` and ``mask``. For
         these and the result, see Look.apply.
         """
-        settings = self.settings
-        if self.look is None or (settings.foreground == PAINT and settings.light == FULL):
-            return picture
-        self.look.update(self.frame, self.stamp, area, self.tracker.tags, settings.settle, self.tracker.located)
-        return self.look.apply(picture, mask, part, settings.foreground, settings.light)
+        if self.look is None or not asks_for_look(self.settings):
+            return picture, mask
+        self.look.update(self.frame, self.stamp, area, self.tracker.tags, self.settings, self.tracker.located)
+        return self.look.apply(picture, mask, part, self.settings)
+
+    def hide_tags(self, area: Area) -> None:
+        """Cover the wall's tags in the image, if the settings ask for it. This comes after ``on_wall``."""
+        if self.look is not None and asks_for_look(self.settings):
+            self.look.hide_tags(self.frame, self.image, area, self.tracker.tags, self.settings,
+                                self.tracker.located)
 
 
 @dataclass(frozen=True)

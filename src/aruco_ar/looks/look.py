@@ -1,35 +1,44 @@
 """The look of the picture on its wall: what of it is visible, and in which light."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Any, Sequence
 
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.arrays import Booleans, Image
 from aruco_ar.geometry.homography import homography_from, transform
-from aruco_ar.geometry.lens import rectify
 from aruco_ar.painting.paint import warp
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
+from .grain import Grain
+from .hidden_tags import HiddenTags
 from .light import WallLight, white_and_black
 from .wall_model import WallModel
 
 MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # of the rectified area
 SHAPES = 0.1, 10        # limits of its width divided by its height
-MARGIN_PX = 2           # along the frame's rim, where rectified pixels are mixtures with what is outside
-MAX_SHRINK = 16         # of frames in which the area is larger than it is rectified
 TAG_SCALE = 1.5         # of what belongs to a tag: it and its white rim
 PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
 FULL, MATCH = LIGHTS = 'full', 'match'
+CLEAN, MATCH = GRAINS = 'clean', 'match'
+SHOW, HIDE = TAGS = 'show', 'hide'
+AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
+
+
+def asks_for_look(settings: Any) -> bool:
+    """Whether settings ask for more than the course does; for these, see Look."""
+    return (settings.foreground, settings.light, settings.grain, settings.tags) != AS_IN_COURSE
 
 
 class Look:
     """Learns how the wall of an area looks, so that a picture on it looks as if it hung there.
 
-    The wall is learned from frame to frame. It is learned anew if the time jumps.
+    The wall is learned from frame to frame. It is learned anew if the time jumps. What the settings ask for
+    tells what is learned and done: ``foreground``, ``light``, ``grain`` and ``tags``, each one of the values
+    above, and ``settle`` (see WallModel.update).
     """
 
     def __init__(self) -> None:
@@ -39,16 +48,17 @@ class Look:
         """Forget the wall."""
         self._model = WallModel()
         self._light: WallLight | None = None
+        self._grain, self._hidden_tags = Grain(), HiddenTags()
         self._stamp: float | None = None
         self._size = 0, 0
         self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
 
-    def update(self, frame: Image, stamp: float, area: Area, tags: Sequence[Tag], settle: float,
+    def update(self, frame: Image, stamp: float, area: Area, tags: Sequence[Tag], settings: Any,
                sure: bool = True) -> None:
         """Take in a frame.
 
         ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``stamp``: its time, seconds. ``area``: the Area
-        in it. ``tags``: those in sight. ``settle``: see WallModel.update. ``sure``: whether the frame shows
+        in it. ``tags``: those in sight. ``settings``: see above. ``sure``: whether the frame shows
         where the area is. If not, nothing is learned from it, and what was in front before is so still.
         """
         if self._stamp is not None and stamp < self._stamp:
@@ -57,12 +67,18 @@ class Look:
         self._stamp = stamp
         if not sure:
             return
+        if settings.foreground == KEEP or settings.light == MATCH:
+            self._learn_wall(frame, area, tags, passed, settings.settle)
+        if settings.grain == MATCH:
+            self._grain.measure(frame, area.window(frame)[0], tags)
+
+    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float, settle: float) -> None:
         if not self._model.look.size:
             shape = np.clip(area.ratio or 1.0, *SHAPES)
             self._size = round(np.sqrt(PIXELS * shape)), round(np.sqrt(PIXELS / shape))
-        image = self._rectified(frame, area)
+        image = area.rectified(frame, self._size)
         begun = self._model.begun
-        self._model.update(image, self._in_frame(frame, area), lambda: self._of_tags(area, tags), passed,
+        self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags), passed,
                            settle)
         if self._model.begun != begun:
             self._light = None
@@ -75,53 +91,41 @@ class Look:
                                     self._size[::-1])
         self._image = image
 
-    def apply(self, picture: Image, mask: Image, part: Area, foreground: str, light: str) -> Image:
-        """The picture as it looks on the wall of the last frame: (h, w, 3) BGR, or (h, w, 4) BGRA.
+    def apply(self, picture: Image, mask: Image, part: Area, settings: Any) -> tuple[Image, Image]:
+        """The picture as it looks on the wall of the last frame, (h, w, 3) BGR or (h, w, 4) BGRA, and its mask.
 
         ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, warped onto the area. ``mask``: (h, w, 3), the area's.
-        ``part``: the Area, in the pixels of both. ``foreground``: ``keep`` makes the picture transparent where
-        something stands before the wall. ``light``: ``match`` shows it in the wall's light.
+        ``part``: the Area, in the pixels of both. ``settings``: see above.
         """
         if not mask.size:
-            return picture
-        if light == MATCH and self._light is not None:
+            return picture, mask
+        area_mask = mask
+        if settings.light == MATCH and self._light is not None:
             white = self._warped(self._light.update(self._image, self._model), mask, part)
             black = self._light.black
             printed = cv2.convertScaleAbs(picture[:, :, :3], alpha=1 - black, beta=255 * black)
             lit = cv2.multiply(printed, white, scale=1 / 255)
             picture = lit if picture.shape[2] == 3 else np.dstack([lit, picture[:, :, 3]])
-        if foreground == KEEP and self._model.front.any():
+        if settings.grain == MATCH:
+            picture, mask = self._grain.apply(picture, mask)
+        if settings.foreground == KEEP and self._model.front.any():
             free = np.round(255 * (1 - self._model.front)).astype(np.uint8)
-            alpha = self._warped(np.dstack([free] * 3), mask, part)[:, :, 0]
+            alpha = self._warped(np.dstack([free] * 3), area_mask, part)[:, :, 0]
             if picture.shape[2] == 4:
                 alpha = cv2.multiply(alpha, picture[:, :, 3], scale=1 / 255)
             picture = np.dstack([picture[:, :, :3], alpha])
-        return picture
+        return picture, mask
 
-    def _to_frame(self, area: Area) -> Floats:
-        return area.homography(*self._size)
+    def hide_tags(self, frame: Image, image: Image, area: Area, tags: Sequence[Tag], settings: Any,
+                  sure: bool = True) -> None:
+        """Cover the tags in an image with what the wall around them looks like. This changes the image.
 
-    def _rectified(self, frame: Image, area: Area) -> Image:
-        """(h, w, 3): the area, straight from the front."""
-        larger = min(int(np.linalg.norm(area.undistorted[1] - area.undistorted[0]) / self._size[0]), MAX_SHRINK)
-        shrinks = larger >= 2 and area.lens is None
-        window, part = area.window(frame) if shrinks else (frame, area)
-        if not shrinks or not window.size:
-            return rectify(frame, self._to_frame(area), self._size, area.lens)
-        width, height = (max(length // larger, 1) for length in window.shape[1::-1])
-        window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)
-        shrink = np.array([[1 / larger, 0, 0.5 / larger - 0.5], [0, 1 / larger, 0.5 / larger - 0.5], [0, 0, 1]])
-        return rectify(window, shrink @ self._to_frame(part), self._size)
-
-    def _in_frame(self, frame: Image, area: Area) -> Booleans:
-        """(h, w): where the frame shows the area."""
-        width, height = self._size
-        limits = np.array(frame.shape[1::-1]) - 1 - MARGIN_PX
-        if np.all(area.corners >= MARGIN_PX) and np.all(area.corners <= limits):
-            return np.ones((height, width), bool)
-        inner = np.zeros(frame.shape[:2], np.uint8)
-        inner[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX] = 255
-        return rectify(inner, self._to_frame(area), self._size, area.lens) == 255
+        ``image``: what to paint on, of the size of ``frame``; it may be the frame itself. The others are those
+        of ``update``, which comes first.
+        """
+        if settings.tags == HIDE:
+            self._hidden_tags.hide(frame, image, area, tags, sure, settings.foreground == KEEP,
+                                   self._grain.noisy if settings.grain == MATCH else None)
 
     def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
         """(h, w): where tags and their white rims are."""

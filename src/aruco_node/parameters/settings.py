@@ -10,7 +10,7 @@ from typing import Tuple, Union
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
 from aruco_ar.exercise import CORRECT, LENSES
-from aruco_ar.looks.look import FOREGROUNDS, FULL, LIGHTS, PAINT
+from aruco_ar.looks.look import CLEAN, FOREGROUNDS, FULL, GRAINS, LIGHTS, PAINT, SHOW, TAGS
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
@@ -167,6 +167,14 @@ class PictureSettings(AreaSettings):
         FULL, LIGHTS,
         'the light in which the picture is painted: full shows its own colors; match shows them in the light '
         'that is on the wall, with its shadows')
+    grain: str = choice(
+        CLEAN, GRAINS,
+        "the sharpness and the noise of the picture: clean shows it as it is; match gives it those of the "
+        "camera's image")
+    tags: str = choice(
+        SHOW, TAGS,
+        'whether the tags are seen: show leaves them as they are; hide covers each of them with what the wall '
+        'around it looks like')
     settle: float = number(
         30.0, 0.5, 3600, 'seconds after which a thing that does not move becomes a part of the wall')
     areas: str = text(

@@ -14,7 +14,7 @@ LENS_ARGS = {'lens', 'camera_info', 'rectified'}
 OWN_ARGS = {'exercise5_4.launch': LENS_ARGS,
             'exercise5_5.launch': LENS_ARGS | {'hold', 'upright'},
             'exercise5_6.launch': LENS_ARGS | {'hold', 'upright', 'picture', 'fit', 'opacity',
-                                                 'foreground', 'light', 'settle', 'areas'}}
+                                                 'foreground', 'light', 'grain', 'tags', 'settle', 'areas'}}
 
 
 def launch_args(package, name):

@@ -1,8 +1,12 @@
 """Areas, frames and tags of any kind are no harm to the look of the picture."""
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from aruco_ar import Area, Tag, area_mask
 from aruco_ar.looks.look import Look
+
+ALL = SimpleNamespace(foreground='keep', light='match', grain='match', tags='hide', settle=30.0)
 
 
 @pytest.mark.parametrize('corners', [
@@ -14,11 +18,11 @@ from aruco_ar.looks.look import Look
 def test_areas_of_any_size_and_place_are_no_harm(frame, corners):
     look, area = Look(), Area(np.float32(corners))
     for number in range(3):
-        look.update(frame, float(number), area, [], 30.0)
+        look.update(frame, float(number), area, [], ALL)
         window, part = area.window(frame)
         picture = np.full_like(window, 128)
-        looked = look.apply(picture, area_mask(window, part), part, 'keep', 'match')
-        assert looked.shape[:2] == window.shape[:2]
+        looked, mask = look.apply(picture, area_mask(window, part), part, ALL)
+        assert looked.shape[:2] == mask.shape[:2] == window.shape[:2]
 
 
 def test_random_frames_areas_and_tags_are_no_harm(random):
@@ -33,9 +37,12 @@ def test_random_frames_areas_and_tags_are_no_harm(random):
         area = Area(np.float32(corners), [None, 1.5, 0.01, 50.0][random.randint(4)])
         tags = [Tag(tag_id, np.float32(corners / 9 + 8 / 9 * corner))
                 for tag_id, corner in enumerate(corners[:random.randint(5)])]
-        look.update(frame, number / 15, area, tags, 30.0, bool(random.rand() < 0.9))
+        sure = bool(random.rand() < 0.9)
+        look.update(frame, number / 15, area, tags, ALL, sure)
         window, part = area.window(frame)
         picture = random.randint(0, 256, (*window.shape[:2], 3 + number % 2)).astype(np.uint8)
         with np.errstate(all='raise'):
-            looked = look.apply(picture, area_mask(window, part), part, 'keep', 'match')
-        assert looked.shape[:2] == window.shape[:2] and looked.dtype == np.uint8
+            looked, mask = look.apply(picture, area_mask(window, part), part, ALL)
+            look.hide_tags(frame, frame, area, tags, ALL, sure)
+        assert looked.shape[:2] == mask.shape[:2] == window.shape[:2]
+        assert looked.dtype == mask.dtype == np.uint8

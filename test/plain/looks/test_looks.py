@@ -20,11 +20,12 @@ BENT = Camera(distortion=[-0.25, 0.08, 0, 0, 0])
 STRAIGHT = Camera()
 
 
-def stage(color=GREEN, foreground='paint', light='full', settle=30.0):
+def stage(color=GREEN, foreground='paint', light='full', grain='clean', tags='show', settle=30.0):
     settings = SimpleNamespace(
         dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0, likeness=0.8, min_side=0.0,
-        hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light, settle=settle)
-    picture = np.full((60, 90, 3), color, np.uint8)
+        hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light,
+        grain=grain, tags=tags, settle=settle)
+    picture = np.full((60, 90, len(color)), color, np.uint8) if isinstance(color, tuple) else color
     return Stage([TRACKER, PICTURE], settings, lambda _: Still(picture))
 
 
@@ -35,17 +36,19 @@ def painted(stage, frame, number, lens=None):
     if area is not None:
         window, part = area.window(scene.image)
         mask = area_mask(window, part)
-        warped = warp(scene.picture, part.homography(90, 60), mask, part.positions)
-        put_in(window, scene.on_wall(warped, mask, area, part), mask)
+        warped = warp(scene.picture, part.homography(*scene.picture.shape[1::-1]), mask, part.positions)
+        warped, mask = scene.on_wall(warped, mask, area, part)
+        scene.hide_tags(area)
+        put_in(window, warped, mask)
     return scene.image
 
 
 class Drive:
     """Frames of a wall from a camera that moves a little, and where the area is in them."""
 
-    def __init__(self, wall, camera=STRAIGHT, noise=2.0):
+    def __init__(self, wall, camera=STRAIGHT, noise=2.0, **look):
         self._wall, self._camera = wall, camera
-        self._renderer = WallRenderer(wall, camera, noise=noise)
+        self._renderer = WallRenderer(wall, camera, noise=noise, **look)
 
     def frame(self, number):
         """(the frame, (h, w) bool: the inside of the area)."""
@@ -243,10 +246,11 @@ def test_a_frame_that_does_not_show_where_the_area_is_teaches_nothing(wall):
     area = Area(np.float32(project(wall.area_corners, *view, STRAIGHT)[0]), 1.5)
     mask = area_mask(frame, area)
     picture = np.full_like(frame, GREEN)
+    settings = stage(foreground='keep').settings
     for number in range(20):
-        look.update(frame, number / FRAMES_PER_S, area, [], 30.0)
-    look.update(np.zeros_like(frame), 1.4, area, [], 30.0, sure=False)
-    assert look.apply(picture, mask, area, 'keep', 'full') is picture
+        look.update(frame, number / FRAMES_PER_S, area, [], settings)
+    look.update(np.zeros_like(frame), 1.4, area, [], settings, sure=False)
+    assert look.apply(picture, mask, area, settings)[0] is picture
 
 
 def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
@@ -255,7 +259,9 @@ def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
     painted(plain, frame, 0)
     picture = np.full_like(frame, GREEN)
     area = plain.tracker.update(frame, 0.1)
-    assert plain.look.apply(picture, area_mask(frame, area), area, 'keep', 'match') is picture
+    asking = stage(foreground='keep', light='match', grain='match').settings
+    applied, _ = plain.look.apply(picture, area_mask(frame, area), area, asking)
+    assert applied[..., :3].tolist() == picture.tolist()
 
 
 def test_a_lens_and_an_area_partly_out_of_view_are_no_harm(wall):

@@ -1,0 +1,190 @@
+"""The grain of a camera's image: how soft its edges are, and how noisy it is."""
+from __future__ import annotations
+
+from typing import Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.tags.tag import Tag
+
+# Edges. The black border of a tag is one cell wide, and so is the white rim around it, at least about.
+CELLS = 8                  # of the side of a tag, about: the reach of a profile is a share of one
+REACH = 0.75               # of a cell, to both sides of an edge
+STEPS = 24                 # places along a profile
+ALONG = np.linspace(0.2, 0.8, 6)  # of a side: where its profiles are
+MIN_CONTRAST = 40.0        # gray levels between paper and ink
+MIN_CELL_PX = 2.5          # the edges of smaller cells run into each other
+MAX_SIDES = 12             # of the largest tags
+# Painted and filtered as it is (see painting.warp), a picture has edges of this variance, in square pixels,
+# as they are measured here. So the wall's edges are softer by what they have more.
+OWN_VARIANCE = 0.30
+MIN_VARIANCE = 0.05        # less is not worth a filter
+SAME = 0.005               # of the weight of what is measured: that blur is alike across and down
+RATE = 0.3                 # of the running mean from frame to frame: motion blur changes quickly
+
+# Noise. The kernel takes constant and linear brightness away: J. Immerkaer, Fast noise variance estimation,
+# 1996. The norm of its weights is 6. A share of all that is left comes from edges and patterns, so the
+# smaller part of it counts: this share of a normal distribution is within so many standard deviations.
+KERNEL = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
+SHARE, WITHIN = 40, 0.5244
+PATCHES, PATCH_PX = 4, 32  # along each direction of what is looked at, in every few frames
+EVERY = 5
+CLIPPED = 8.0              # gray levels from black and from white, where noise is clipped
+NOISE_RATE = 0.3
+GRAY = np.array([0.114, 0.587, 0.299])  # the weights of the colors in OpenCV's gray
+UNIT = 32.0                # the standard deviation of stored noise, gray levels
+MIDDLE = 128
+SHIFTS = 61                # pixels by which the stored noise is moved from frame to frame, at most
+BLOCK_PX = 128             # it is made in sizes that are multiples of this
+
+
+class Grain:
+    """Measures the grain of frames, and gives it to the picture.
+
+    ``softness``: (2,), the variance of the edges across and down, square pixels, beyond a painted picture's.
+    ``noise``: the standard deviations of the noise of a color and of gray, in gray levels.
+    """
+
+    def __init__(self) -> None:
+        self._random = np.random.RandomState(0)
+        self._stored: list[Image] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was measured."""
+        self.softness: Floats | None = None
+        self.noise: Floats | None = None
+        self._count = 0
+
+    def measure(self, frame: Image, window: Image, tags: Sequence[Tag]) -> None:
+        """Take in a frame, (h, w, 3) BGR uint8. ``window``: its part with the wall. ``tags``: those in it."""
+        self.softness = _mean(self.softness, edge_variance(frame, tags), RATE, OWN_VARIANCE)
+        if self._count % EVERY == 0:
+            self.noise = _mean(self.noise, noise_of(window), NOISE_RATE)
+        self._count += 1
+
+    def apply(self, picture: Image, mask: Image) -> tuple[Image, Image]:
+        """A warped picture with the grain of the camera, and its mask, both as soft and noisy as the frame.
+
+        ``picture``: (h, w, 3) or (h, w, 4), uint8. ``mask``: (h, w, 3). The result is BGRA, so that it is mixed
+        in softly. Its alpha is white; that of the picture is in the mask.
+        """
+        colors, alpha = picture[:, :, :3], np.full(picture.shape[:2], 255, np.uint8)
+        if picture.shape[2] == 4:
+            mask = cv2.multiply(mask, cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+        if self.softness is not None and self.softness.max() > MIN_VARIANCE:
+            across, down = np.sqrt(np.maximum(self.softness, 1e-4))
+            inside, mask = (cv2.GaussianBlur(image, (0, 0), sigmaX=across, sigmaY=down)
+                            for image in (cv2.multiply(colors, mask, scale=1 / 255), mask))
+            colors = cv2.divide(inside, mask, scale=255)
+        return np.dstack([self.noisy(colors), alpha]), mask
+
+    def noisy(self, picture: Image) -> Image:
+        """A picture, (h, w, 3) uint8, with the camera's noise."""
+        if self.noise is None or not picture.size:
+            return picture
+        color, gray = self.noise**2
+        # The noise of a color is that of its own and a common one, and gray is the weighted sum of the colors.
+        own = np.clip((color - gray) / (1 - (GRAY**2).sum()), 0, color)
+        for stored, deviation in zip(self._noise_for(picture), np.sqrt([own, color - own])):
+            if deviation > 0.1:
+                picture = cv2.addWeighted(picture, 1, stored, deviation / UNIT, -MIDDLE * deviation / UNIT)
+        return picture
+
+    def _noise_for(self, picture: Image) -> list[Image]:
+        """Noise of each color's own, and noise that is common to the colors, for a picture."""
+        height, width = picture.shape[:2]
+        if not self._stored or self._stored[0].shape[0] < height + SHIFTS or \
+                self._stored[0].shape[1] < width + SHIFTS:
+            rows, columns = (-(-length // BLOCK_PX) * BLOCK_PX + SHIFTS for length in (height, width))
+            self._stored = [_normal(self._random, rows, columns, 3),
+                            cv2.cvtColor(_normal(self._random, rows, columns, 1), cv2.COLOR_GRAY2BGR)]
+        y, x = self._random.randint(0, SHIFTS, 2)
+        return [stored[y:y + height, x:x + width] for stored in self._stored]
+
+
+def edge_variance(frame: Image, tags: Sequence[Tag]) -> Floats | None:
+    """(2,) square pixels: the variance of the blur across and down, as the edges of tags show it, or None.
+
+    ``frame``: (h, w, 3) BGR uint8. If p goes from 0 to 1 across an edge that is blurred by a normal
+    distribution, the integral of p(1 - p) is its standard deviation divided by the root of pi. It hardly
+    depends on noise, nor on where exactly the edge is.
+    """
+    sides = [(begin, end) for tag in tags for begin, end in zip(tag.corners, np.roll(tag.corners, -1, axis=0))]
+    begin, end = np.array(sides, np.float64).reshape(-1, 2, 2).transpose(1, 0, 2)
+    lengths = np.linalg.norm(end - begin, axis=1)
+    largest = np.argsort(-lengths)[:MAX_SIDES]
+    largest = largest[lengths[largest] > MIN_CELL_PX * CELLS]
+    if not len(largest):
+        return None
+    begin, end, lengths = begin[largest], end[largest], lengths[largest]
+    along = (end - begin) / lengths[:, None]
+    outward = np.stack([along[:, 1], -along[:, 0]], axis=1)  # corners are clockwise in the frame
+    reach = REACH * lengths / CELLS
+    offsets = np.linspace(-1, 1, STEPS)
+    on_side = begin[:, None] + ALONG[:, None] * (end - begin)[:, None]                    # (n, m, 2)
+    places = on_side[:, :, None] + (reach[:, None] * offsets)[:, None, :, None] * outward[:, None, None]
+    seen = cv2.remap(frame, places.reshape(-1, STEPS, 2).astype(np.float32), NO_ARRAY, cv2.INTER_LINEAR)
+    profiles = (seen @ GRAY).reshape(len(lengths), len(ALONG), STEPS)
+    few = STEPS // 6
+    black, white = profiles[..., :few].mean(axis=2), profiles[..., -few:].mean(axis=2)
+    contrast = white - black
+    part = (profiles - black[..., None]) / np.maximum(contrast, 1)[..., None]
+    width = (part * (1 - part)).sum(axis=2) * (offsets[1] - offsets[0]) * reach[:, None]
+    width[contrast < MIN_CONTRAST] = np.inf
+    count = np.isfinite(width).sum(axis=1)
+    known = count >= len(ALONG) // 2
+    if not known.any():
+        return None
+    medians = np.sort(width, axis=1)[known, count[known] // 2]  # of the finite ones
+    return _across_and_down(outward[known]**2, np.pi * np.maximum(medians, 0)**2, lengths[known])
+
+
+def _across_and_down(shares: Floats, variances: Floats, weights: Floats) -> Floats:
+    """(2,): the variances across and down that explain those along (n, 2) directions, whose squares are given.
+
+    Where the directions do not tell the two apart, they are the same.
+    """
+    matrix = (shares * weights[:, None]).T @ shares
+    matrix += SAME * np.trace(matrix) * np.array([[1, -1], [-1, 1]])
+    return np.maximum(np.linalg.solve(matrix, (shares * weights[:, None]).T @ variances), 0)
+
+
+def noise_of(window: Image) -> Floats | None:
+    """(2,): the standard deviations of the noise of a color and of gray, or None where nothing shows it.
+
+    ``window``: (h, w, 3) BGR uint8.
+    """
+    height, width = window.shape[:2]
+    if min(height, width) < PATCH_PX:
+        return None
+    rows, columns = ((np.linspace(0, length - PATCH_PX, PATCHES).astype(int)[:, None]
+                      + np.arange(PATCH_PX)).ravel() for length in (height, width))
+    patches = window[rows[:, None], columns].astype(np.float32)
+    rest = cv2.filter2D(patches, -1, KERNEL)
+    rest = np.abs(np.dstack([rest, rest @ np.float32(GRAY)]))
+    means, rest = (image.reshape(PATCHES, PATCH_PX, PATCHES, PATCH_PX, -1).swapaxes(1, 2)
+                   .reshape(PATCHES**2, PATCH_PX, PATCH_PX, -1) for image in (patches, rest))
+    means = means.mean(axis=(1, 2, 3))
+    shown = (means > CLIPPED) & (means < 255 - CLIPPED)
+    if not shown.any():
+        return None
+    rest = rest[shown][:, 1:-1, 1:-1].reshape(np.count_nonzero(shown), -1, 4)  # not where two patches meet
+    few = rest.shape[1] * SHARE // 100
+    deviations = np.median(np.partition(rest, few, axis=1)[:, few], axis=0) / WITHIN
+    return np.array([deviations[:3].mean(), deviations[3]])
+
+
+def _mean(before: Floats | None, now: Floats | None, rate: float, less: float = 0.0) -> Floats | None:
+    """The running mean with a new value, or as before without one."""
+    if now is None:
+        return before
+    now = now - less
+    return now if before is None else before + rate * (now - before)
+
+
+def _normal(random: np.random.RandomState, rows: int, columns: int, channels: int) -> Image:
+    values = random.normal(MIDDLE, UNIT, (rows, columns, channels))
+    return np.clip(np.round(values), 0, 255).astype(np.uint8)

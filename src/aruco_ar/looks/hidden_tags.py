@@ -1,0 +1,224 @@
+"""The tags hidden: each is covered with what the wall around it looks like."""
+from __future__ import annotations
+
+from typing import Callable, Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.geometry.homography import homography_from, homography_to, transform
+from aruco_ar.painting.paint import area_mask, put_in, warp
+from aruco_ar.tags.tag import Tag
+from aruco_ar.tracking.area import Area
+
+from .difference import DARKEST, LIGHTEST, difference, soft_rim
+from .parts import grown, parts_of
+
+SIZE = 64, 64          # pixels of a patch, which shows the wall straight from the front
+SCALE = 2.5            # of a patch, in sides of its tag
+SAME_PLACE = 0.1       # of a tag's side: what moves farther on the wall does not hang on it
+PLACE_OF = 30          # frames: a tag's place is a running mean
+MEAN_OF = 100          # frames: the wall's look is the mean of so many
+INPAINT_AFTER = 1, 4, 16, 64  # frames of that mean
+INPAINT_PX = 3
+SMOOTHINGS, SMOOTH_PX = 20, 15
+PAPER_SCALE = 1.15     # around the tag, this ring shows the color of its paper,
+PAPER_LEVELS = 0.1     # which differs by less than this share of it
+REACH_PX = 4           # paper that reaches so near to the patch's rim has no end in sight
+MARGIN_PX = 7          # of what is filled in around the paper, for its blurred rim: half of it on each side
+BARE_SCALE = 1.25      # of what is filled in around a tag without a paper of its own, in sides of the tag
+SOFT_PX = 5            # of the rim of what is filled in
+CELLS = 8              # along each side of a patch: for each of them, the light is measured
+MIN_COVER = 0.1        # of a cell, if it shows the wall around the tag
+SAME_COLOR = 0.15      # light changes a color by less than this share of its brightness
+ENOUGH = 0.1           # of the wall around a tag shows the light
+ANOTHER_AFTER = 15     # frames without enough of them: this is another wall
+VARIANCE = 4.0         # of the noise
+
+SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+PATCH = (SQUARE - 0.5) * SCALE + 0.5  # (4, 2): the corners of a patch; those of its tag are the unit square
+
+
+class HiddenTags:
+    """Covers the tags of a wall. What it looks like without them is inpainted once, from around them."""
+
+    def __init__(self) -> None:
+        self._patches: dict[int, _Patch] = {}
+
+    def reset(self) -> None:
+        """Forget the wall."""
+        self._patches.clear()
+
+    def hide(self, frame: Image, image: Image, area: Area, tags: Sequence[Tag], sure: bool, keep: bool,
+             noisy: Callable[[Image], Image] | None = None) -> None:
+        """Cover the tags in an image. This changes it.
+
+        ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to paint on, of the same size; it
+        may be the frame itself. ``area``: the Area in the frame. ``tags``: those in sight. ``sure``: whether
+        the frame shows where the area is. If not, nothing is learned from it. ``keep``: whether things that
+        stand before the wall stay in front. ``noisy``: adds the camera's noise to an image, if given.
+        """
+        if sure:
+            self._find(area, tags)
+        seen = {tag.id for tag in tags} if sure else set()
+        squares = [patch.place for patch in self._patches.values()]
+        covers, from_area = [], homography_to(area.undistorted)
+        for tag_id, patch in self._patches.items():
+            to_frame = from_area @ homography_to(patch.place)
+            place = Area.from_undistorted(transform(to_frame, PATCH), lens=area.lens)
+            if place.window(frame)[0].size:
+                cover, corners = patch.update(place.rectified(frame, SIZE), place.in_frame(frame, SIZE),
+                                              squares, tag_id in seen, keep)
+                covers.append((cover, Area.from_undistorted(transform(to_frame, corners), lens=area.lens)))
+        for cover, place in covers:
+            window, part = place.window(image)
+            mask = area_mask(window, part)
+            warped = warp(cover, part.homography(*cover.shape[1::-1]), mask, part.positions)
+            if noisy is not None:
+                warped = np.dstack([noisy(warped[:, :, :3]), warped[:, :, 3]])
+            put_in(window, warped, mask)
+
+    def _find(self, area: Area, tags: Sequence[Tag]) -> None:
+        """Take in where the tags are in the area, which is the unit square."""
+        from_frame = homography_from(area.undistorted)
+        for tag in tags:
+            corners = tag.corners if area.lens is None else area.lens.undistort(tag.corners)
+            place = transform(from_frame, np.asarray(corners, np.float64))
+            patch = self._patches.get(tag.id)
+            if patch is None or not patch.is_at(place):
+                self._patches[tag.id] = _Patch(place)
+
+
+class _Patch:
+    """A tag and the wall around it. ``place``: (4, 2) float64, the tag's corners in the area."""
+
+    def __init__(self, place: Floats) -> None:
+        self.place = place
+        self._places = 1
+        self._begin()
+
+    def is_at(self, place: Floats) -> bool:
+        """Whether the tag is still where it was. Its place is a running mean."""
+        side = np.linalg.norm(self.place[1] - self.place[0])
+        if np.abs(place - self.place).max() > SAME_PLACE * side:
+            return False
+        self._places = min(self._places + 1, PLACE_OF)
+        self.place = self.place + (place - self.place) / self._places
+        return True
+
+    def _begin(self) -> None:
+        self._look: Floats = np.zeros((*SIZE, 3), np.float32)  # in the light in which it was first seen
+        self._known = np.zeros(SIZE, bool)
+        self._light: Floats = np.ones((*SIZE, 3), np.float32)
+        self._count = self._unlike = 0
+
+    def update(self, image: Image, valid: Booleans, squares: Sequence[Floats], seen: bool,
+               keep: bool) -> tuple[Image, Floats]:
+        """Take in a frame. Returns what to cover the tag with, (h, w, 4) BGRA uint8, and its corners, (4, 2).
+
+        The corners of the tag are those of the unit square.
+
+        ``image``: (h, w, 3) BGR uint8, the rectified frame. ``valid``: (h, w), where it shows the wall.
+        ``squares``: the places of all tags. ``seen``: whether the tag is. ``keep``: see HiddenTags.hide.
+        """
+        colors = np.asarray(image, np.float32)
+        new = valid & ~self._known
+        if self._count:
+            self._measure_light(colors, valid)
+        if seen and (self._count < MEAN_OF or new.any()):
+            self._look[new] = (colors / self._light)[new]
+            self._known |= new
+            self._count += 1
+            cv2.accumulateWeighted(colors / self._light, self._look, 1 / self._count,
+                                   valid.astype(np.uint8))
+            if self._count in INPAINT_AFTER or (new.any() and self._count > 1):
+                self._inpaint(squares)
+        if not self._count:
+            return np.zeros((1, 1, 4), np.uint8), SQUARE
+        rows, columns = self._rows, self._columns
+        cover, light = self._cover[rows, columns], self._light[rows, columns]
+        if keep:
+            seen_colors, lit = np.asarray(cv2.blur(colors, (3, 3)), np.float32), self._look * self._light
+            front = difference(seen_colors, lit, np.full(SIZE, VARIANCE, np.float32), valid & self._known).front
+            labels, count = parts_of(front) if front.any() else (front, 0)
+            if count:
+                cover = cover * (1 - soft_rim(colors, lit, labels > 0)[rows, columns])
+        fill = cv2.convertScaleAbs(cv2.multiply(self._fill[rows, columns], light))
+        return np.dstack([fill, cv2.convertScaleAbs(cover, alpha=255)]), self._corners
+
+    def _measure_light(self, colors: Floats, valid: Booleans) -> None:
+        """The light on the wall around the tag, and from there under it: factors of that in ``look``."""
+        shown = self._around * (valid & self._known)
+        cover = _cells(shown)
+        ratio = _cells(colors * shown[..., None]) / np.maximum(_cells(self._look * shown[..., None]), 0.1)
+        usable = cover > MIN_COVER
+        usual = np.maximum(np.median(ratio[usable], axis=0), 0.01) if usable.any() else np.ones(3)
+        change = ratio / usual
+        bright = change.mean(axis=1)
+        usable &= (bright > DARKEST) & (bright < LIGHTEST)
+        usable &= np.abs(change - bright[:, None]).max(axis=1) < SAME_COLOR * bright
+        if cover[usable].sum() <= ENOUGH * cover.sum():
+            self._unlike += cover.sum() > 0
+            if self._unlike >= ANOTHER_AFTER:
+                self._begin()
+            return
+        self._unlike = 0
+        weights = NEARNESS * (cover * usable)
+        light = (weights @ ratio / weights.sum(axis=1)[:, None]).astype(np.float32)
+        self._light = cv2.resize(light.reshape(CELLS, CELLS, 3), SIZE, interpolation=cv2.INTER_LINEAR)
+
+    def _inpaint(self, squares: Sequence[Floats]) -> None:
+        look = np.clip(np.round(self._look), 0, 255).astype(np.uint8)
+        to_patch = np.diag([*SIZE, 1.0]) @ homography_from(PATCH) @ homography_from(self.place)
+        tags = np.zeros(SIZE, np.uint8)  # also those nearby
+        for square in squares:
+            corners = transform(to_patch @ homography_to(square), (SQUARE - 0.5) * BARE_SCALE + 0.5)
+            cv2.fillConvexPoly(tags, np.round(corners).astype(np.int32), (1,))
+        own = _paper(look) | _square(BARE_SCALE)
+        own = grown(own, MARGIN_PX)
+        self._around = (~own & (tags == 0)).astype(np.float32)
+        hole = own | (tags > 0) | ~self._known
+        fill = cv2.inpaint(look, hole.astype(np.uint8), INPAINT_PX, cv2.INPAINT_TELEA).astype(np.float32)
+        for _ in range(SMOOTHINGS):  # inpainting leaves streaks
+            fill[hole] = cv2.blur(fill, (SMOOTH_PX, SMOOTH_PX))[hole]
+        self._fill: Floats = fill
+        cover = np.asarray(cv2.blur(grown(own, SOFT_PX).astype(np.float32), (SOFT_PX, SOFT_PX)))
+        cover[[0, -1]] = cover[:, [0, -1]] = 0
+        self._cover = cover
+        x, y, width, height = cv2.boundingRect((cover > 0).astype(np.uint8))
+        self._rows, self._columns = slice(y, y + height), slice(x, x + width)
+        box = SQUARE * (width, height) + (x, y)
+        self._corners = (box / SIZE - 0.5) * SCALE + 0.5
+
+
+def _square(scale: float) -> Booleans:
+    """(h, w): the middle of a patch, in sides of its tag."""
+    places = np.abs((np.arange(SIZE[0]) + 0.5) / SIZE[0] - 0.5) * SCALE < scale / 2
+    return places & places[:, None]
+
+
+def _paper(look: Image) -> Booleans:
+    """(h, w): the paper around a tag in its patch; empty where it has no end in sight."""
+    ring = _square(PAPER_SCALE) & ~_square(1.02)
+    color = np.maximum(np.median(look[ring], axis=0), 1)
+    like = np.abs(look / color - 1).max(axis=2) < PAPER_LEVELS
+    _, labels = cv2.connectedComponents((like | _square(1.0)).astype(np.uint8), connectivity=4)
+    paper = np.asarray(labels) == labels[SIZE[0] // 2, SIZE[1] // 2]
+    inner = paper[REACH_PX:-REACH_PX, REACH_PX:-REACH_PX]
+    return paper if np.count_nonzero(inner) == np.count_nonzero(paper) else np.zeros(SIZE, bool)
+
+
+def _cells(image: Floats) -> Floats:
+    """(CELLS**2, channels): the means in the cells of an image; (CELLS**2,) for a mask."""
+    cells = np.asarray(cv2.resize(image, (CELLS, CELLS), interpolation=cv2.INTER_AREA), np.float32)
+    return cells.reshape(-1, 3) if cells.ndim == 3 else cells.reshape(-1)
+
+
+def _nearness() -> Floats:
+    """(CELLS**2, CELLS**2): how much each cell counts for each."""
+    y, x = np.divmod(np.arange(CELLS**2), CELLS)
+    return 1 / ((x[:, None] - x)**2 + (y[:, None] - y)**2 + 0.5)**1.5
+
+
+NEARNESS = _nearness()
