@@ -11,6 +11,7 @@ import numpy as np
 import rospy
 import tf2_ros
 from aruco_ar.base.files import in_package
+from aruco_ar.simulation.figures import NOBODY, VISITORS
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import (
     MAX_ANGULAR,
@@ -30,7 +31,7 @@ from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_t
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import parameter, run_node
-from aruco_node.parameters.parameters import Number, number, parsed, read, text
+from aruco_node.parameters.parameters import Number, choice, number, parsed, read, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.tolerant import tolerant
@@ -88,6 +89,8 @@ class WallCameraSettings:
         0.0, 0, 10, 'how much the camera shakes, as if held by hand; 1 is usual; TF does not show it')
     shutter: float = number(
         0.0, 0, 100, 'milliseconds within which the rows of a frame are read, one after the other')
+    visitor: str = choice(
+        NOBODY, VISITORS, 'who moves before the wall: nobody; a person who walks past; a hand that writes')
     jpeg: float = number(0.0, 0, 100, 'quality of the JPEG compression that each frame goes through; 0: none')
 
 
@@ -210,7 +213,8 @@ class WallCamera:
             self._subscribed_since = self._subscribed_since or time.monotonic()
             exposure = settings.exposure * 2**(settings.swing * np.sin(2 * np.pi * seconds / SWING_S))
             self._image.publish(self._renderer.render(*first, exposure=exposure,
-                                                      last=last if settings.shutter else None), header)
+                                                      last=last if settings.shutter else None,
+                                                      visitor=settings.visitor, seconds=seconds), header)
             self._frame_times.append(time.monotonic())
 
 

@@ -13,6 +13,7 @@ from aruco_ar.painting.picture import load_picture
 from aruco_ar.painting.pixels import blend
 from aruco_ar.walls.wall import Wall
 
+from .figures import NOBODY, draw_visitor
 from .robot import Camera, view_between
 
 NEAR_M = 0.05         # what is nearer to the camera than this is not visible
@@ -86,12 +87,14 @@ class WallRenderer:
         self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
 
     def render(self, rotation: Floats, translation: Floats, covered: Collection[int] = (),
-               exposure: float = 1.0, last: View | None = None) -> Image:
+               exposure: float = 1.0, last: View | None = None, visitor: str = NOBODY,
+               seconds: float = 0.0) -> Image:
         """The frame, (h, w, 3) BGR uint8, in the view (rotation, translation); see wall_to_camera.
 
         ``covered``: ids of tags that a gray card covers. ``exposure``: the
         factor for the brightness of the frame. ``last``: with a rolling
-        shutter, the view when the last row is read.
+        shutter, the view when the last row is read. ``visitor``: who moves before
+        the wall, one of VISITORS. ``seconds``: the time of that motion.
         """
         matrix, _, lens = self._lens
         to_image = matrix @ _wall_to_rays((rotation, translation))
@@ -111,6 +114,8 @@ class WallRenderer:
         if self._printed is not None:
             self._draw_flat(frame, self._wall.area_corners, self._printed, POSTER_SAMPLES, to_image, rotation,
                             translation)
+        if visitor != NOBODY:
+            draw_visitor(frame, visitor, seconds, matrix, rotation, translation)
         sources = lens if last is None else self._sources_by_row((rotation, translation), last)
         if sources is not None:
             frame = cv2.remap(frame, sources, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
