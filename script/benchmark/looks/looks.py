@@ -2,21 +2,18 @@
 import os
 import time
 from collections import defaultdict
-from dataclasses import replace
 
 import cv2
 import numpy as np
 from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
-from aruco_ar.exercise import Stage
 from aruco_ar.looks.look import FOREGROUNDS
-from aruco_ar.painting.sources import Still
-from aruco_node.parameters.settings import PictureSettings
-from exercise5_6 import EXERCISE
 
 from benchmark import PACKAGE
 from benchmark.course import Course
 
+from . import grain, hidden
+from .painter import Painter
 from .scenes import SCENES
 
 SECONDS = 8
@@ -69,20 +66,18 @@ def run_scene(scene, picture):
     unpainted, the wall. ``sights``: [(color difference with both, frames side by side)].
     """
     course = Course('DICT_6X6_250', picture)
-    lens = scene.camera.lens if scene.camera.lens.bends else None
-    stages = {name: Stage(EXERCISE.needs, replace(PictureSettings(), **changes), lambda _: Still(picture))
-              for name, changes in METHODS.items() if changes is not None}
+    painters = {name: Painter(picture, scene.lens, **changes)
+                for name, changes in METHODS.items() if changes is not None}
     scores, sums, times, sights = defaultdict(list), np.zeros(6), defaultdict(list), []
     for number, moment in enumerate(scene.moments(picture, SECONDS)):
         results = {'course': course.paint(moment.bare)[0]}
-        for name, stage in stages.items():
+        for name, painter in painters.items():
             start = time.perf_counter()
-            frame = moment.bare.copy()
-            results[name] = EXERCISE.step(stage.scene(frame, frame, moment.stamp, lens)).images[0]
+            results[name] = painter.paint(moment.bare, moment.stamp).images[0]
             times[name].append(1000 * (time.perf_counter() - start))
         if moment.stamp < FIRST_S or number % JUDGED:
             continue
-        inside = area_mask(moment.bare, Area(np.float32(moment.corners), lens=lens))[..., 0] == 255
+        inside = area_mask(moment.bare, Area(np.float32(moment.corners), lens=scene.lens))[..., 0] == 255
         for name, result in results.items():
             scores[name].append(likeness(result, moment.printed, inside))
         share, clear = kept(moment.bare, results['ours'], results['+ keep'])
@@ -102,12 +97,12 @@ def run_clips(clips):
          '%-14s %8s %8s %8s %8s' % ('clip', 'frames', 'mean', 'median', '90 %'))
     for clip in clips:
         frames, rate = clip.frames()
-        settings = PictureSettings(dictionary=clip.dictionary, ids=clip.ids)
-        stages = [Stage(EXERCISE.needs, replace(settings, foreground=foreground),
-                        lambda _: Still(load_picture(PICTURE))) for foreground in FOREGROUNDS]
+        painters = [Painter(load_picture(PICTURE), dictionary=clip.dictionary, ids=clip.ids,
+                            foreground=foreground)
+                    for foreground in FOREGROUNDS]
         shares = []
         for number, frame in enumerate(frames):
-            results = [EXERCISE.step(stage.scene(frame, frame.copy(), number / rate)) for stage in stages]
+            results = [painter.paint(frame, number / rate) for painter in painters]
             if results[0].area is not None:
                 (painted,), (kept_image,) = (result.images for result in results)
                 share, clear = kept(frame, painted, kept_image)
@@ -142,5 +137,7 @@ def run(chart='unit5-bench-looks.png'):
     tell('\nmilliseconds a frame on one thread, the tracker included (median, 99 %)')
     for each, values in ms.items():
         tell('%-10s %5.2f %6.2f' % (each, np.median(values), np.percentile(values, 99)))
+    hidden.run()
+    grain.run()
     cv2.imwrite(chart, cv2.resize(np.vstack(rows), None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
     tell('\nWrote %s: the median and the worst frame of each scene, as frame, course, ours, printed' % chart)

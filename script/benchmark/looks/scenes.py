@@ -1,21 +1,24 @@
 """Scenes: a drive past the bare wall, and the same drive past the wall with the picture printed on it."""
 from collections import namedtuple
+from dataclasses import replace
 
 import cv2
 import numpy as np
+from aruco_ar.simulation.figures import Canvas, hand, person, robot
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Path, Pose, hand_held, wall_to_camera
 
 from benchmark.simulated.drives import WALL
 
-from .figures import Canvas, hand, person, robot
-
 FRAMES_PER_S = 15
+# The tags are too small to be seen.
+UNTAGGED = replace(WALL, tags=tuple(replace(tag, side=1e-4) for tag in WALL.tags))
 PATH = Path(Pose(-2.25, 0.12, -0.05), ((4, 0.05, -0.03), (4, -0.05, 0.03)))
 
-# ``bare``, ``printed``: (h, w, 3) BGR uint8. ``corners``: (4, 2), the area's. ``front``: (h, w) float32, the
-# share of each pixel that something before the wall covers.
-Moment = namedtuple('Moment', 'stamp bare printed corners front')
+# ``bare``, ``printed``, ``untagged`` (the bare wall without tags): (h, w, 3) BGR uint8.
+# ``corners``: (4, 2), the area's. ``front``: (h, w) float32, the share of each pixel that something before
+# the wall covers.
+Moment = namedtuple('Moment', 'stamp bare printed untagged corners front')
 
 
 def moving_shadow(seconds):
@@ -44,10 +47,15 @@ class Scene:
         self._noise, self._blur, self._smear, self._fall, self._shake = noise, blur, smear, fall, shake
         self.camera = Camera(distortion=list(distortion), fisheye=fisheye)
 
+    @property
+    def lens(self):
+        """The Lens of the camera if it bends straight lines, else None."""
+        return self.camera.lens if self.camera.lens.bends else None
+
     def moments(self, picture, seconds):
         """Yield the Moments of that many seconds, with ``picture``, (h, w, 3) BGR, printed on the wall."""
-        renderers = [WallRenderer(WALL, self.camera, light=self._fall, printed=printed)
-                     for printed in (None, picture)]
+        renderers = [WallRenderer(wall, self.camera, light=self._fall, printed=printed)
+                     for wall, printed in ((WALL, None), (WALL, picture), (UNTAGGED, None))]
         random = np.random.RandomState(1)
         for number in range(int(seconds * FRAMES_PER_S)):
             stamp = number / FRAMES_PER_S
