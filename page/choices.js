@@ -16,7 +16,7 @@ export function choices(send, say) {
       group.replaceChildren(...pictures.map(choice));
     }
     for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
-    for (const label of section.querySelectorAll('[data-switch]')) {
+    for (const label of document.querySelectorAll('[data-switch]')) {
       label.hidden = !(label.dataset.switch in switches);
       label.querySelector('input').checked = switches[label.dataset.switch];
     }
@@ -67,7 +67,7 @@ export function choices(send, say) {
     label.querySelector('.value').textContent = label.querySelector('input').value;
   }
 
-  for (const label of section.querySelectorAll('[data-switch]')) {
+  for (const label of document.querySelectorAll('[data-switch]')) {
     label.addEventListener('change', ({ target }) => send({ switch: [label.dataset.switch, target.checked] }));
   }
 

@@ -8,9 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
-from aruco_ar.looks.look import FOREGROUNDS, LIGHTS
+from aruco_ar.looks.look import FOREGROUNDS, GRAINS, LIGHTS, TAGS
 from aruco_ar.painting.picture import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
+from aruco_ar.simulation.figures import NOBODY
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
 from aruco_node.parameters.settings import TOPIC
@@ -23,7 +24,9 @@ from std_msgs.msg import Header
 
 PAINTER, SIMULATION = 'exercise5_6', 'wall_camera'
 SLIDERS = 'noise', 'falloff'
-SWITCHES = {'foreground': FOREGROUNDS, 'light': LIGHTS}  # the values for off and on
+# Each is a parameter of the painter or of the simulation, with its values for off and on.
+LOOKS = {'foreground': FOREGROUNDS, 'light': LIGHTS, 'grain': GRAINS, 'tags': TAGS}
+PASSERS = {'visitor': (NOBODY, 'person')}
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
@@ -112,8 +115,9 @@ class Choices:
         simulation = self._simulation.values
         return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
                 'sliders': {name: simulation[name] for name in SLIDERS if name in simulation},
-                'switches': {name: painter[name] == on for name, (_, on) in SWITCHES.items()
-                             if name in painter}}
+                'switches': {name: values[name] == on
+                             for values, switches in ((painter, LOOKS), (simulation, PASSERS))
+                             for name, (_, on) in switches.items() if name in values}}
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last."""
@@ -153,9 +157,11 @@ class Choices:
             await self._simulation.set(**{name: value})
 
     async def switch(self, name, on):
-        """Turn one of SWITCHES on or off. Other names are ignored. Raises InputError if nothing is painted."""
-        if isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
-            await self._painter.set(**{name: SWITCHES[name][on]})
+        """Turn a switch on or off. Other names are ignored. Raises InputError if its node is not running."""
+        if isinstance(name, str) and isinstance(on, bool):
+            for node, switches in (self._painter, LOOKS), (self._simulation, PASSERS):
+                if name in switches:
+                    await node.set(**{name: switches[name][on]})
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""

@@ -135,13 +135,16 @@ class Page(BrowserTest):
         self.wait_for_chosen('earth.jpg')
 
     def test_switches_change_how_the_picture_looks(self):
-        for label, name, off, on in (('People stay in front', 'foreground', 'paint', 'keep'),
-                                     ("It takes the wall's light", 'light', 'full', 'match')):
+        for label, name, off, on in (('People stay in front', 'exercise5_6/foreground', 'paint', 'keep'),
+                                     ("It takes the wall's light", 'exercise5_6/light', 'full', 'match'),
+                                     ('It is as soft', 'exercise5_6/grain', 'clean', 'match'),
+                                     ('The tags are hidden', 'exercise5_6/tags', 'show', 'hide'),
+                                     ('Somebody walks past', 'wall_camera/visitor', 'nobody', 'person')):
             switch = self.page.get_by_label(label)
             self.assertFalse(switch.is_checked())
             for value, turn in (on, switch.check), (off, switch.uncheck):
                 turn()
-                until(lambda: rospy.get_param('/exercise5_6/' + name) == value)
+                until(lambda: rospy.get_param('/' + name) == value)
 
     def test_on_a_phone_nothing_is_wider_than_the_screen(self):
         self.page.set_viewport_size({'width': 360, 'height': 740})

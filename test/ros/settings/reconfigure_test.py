@@ -23,13 +23,17 @@ RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'likeness': (0, 1), 'min_sid
           'jpeg': (0, 100), 'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
 CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'],
            'fit': ['stretch', 'contain', 'cover'], 'foreground': ['paint', 'keep'], 'light': ['full', 'match'],
-           'lens': ['correct', 'ignore'], 'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
+           'grain': ['clean', 'match'], 'tags': ['show', 'hide'],
+           'visitor': ['nobody', 'person', 'hand'], 'lens': ['correct', 'ignore'],
+           'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
 SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'folder'}
 AREA = SIGHT | {'lens', 'hold', 'upright'}
 OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
-           'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'settle'},
+           'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'grain', 'tags',
+                                  'settle'},
            'tag_poses': AREA | {'tag_size', 'tag_sizes', 'wall'},
-           'wall_camera': {'noise', 'blur', 'falloff', 'exposure', 'swing', 'hand', 'shutter', 'jpeg'},
+           'wall_camera': {'noise', 'blur', 'falloff', 'exposure', 'swing', 'hand', 'shutter', 'visitor',
+                           'jpeg'},
            'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'}}
 RED, BLUE = (0, 0, 255), (255, 0, 0)
 LEFT, RIGHT, TOP, BOTTOM = ((slice(None), slice(0, 40)), (slice(None), slice(-40, None)),
