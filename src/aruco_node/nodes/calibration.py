@@ -16,9 +16,13 @@ from aruco_node.ros_internals.tolerant import tolerant
 # How many distortion coefficients each model may have. 0 of them mean no distortion.
 MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4),
           '': (0, 4, 5, 8)}
-NO_CAMERA_INFO = 'no camera_info'  # the kind of an InputError
+# Kinds of InputErrors.
+NO_CAMERA_INFO, NO_CALIBRATION = 'no camera_info', 'camera_info without calibration'
+CALIBRATE = 'Calibrate it: rosrun camera_calibration cameracalibrator.py'
 FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
+FOCAL_SHARES = 0.1, 100  # limits of the focal length, divided by the image's longer side: 157 to 0.6 degrees
+MAX_ASPECT = 2           # of the focal lengths across and down, one divided by the other
 RECTIFIED = 'image_rect'  # image_proc's name of the topic of rectified frames
 
 
@@ -35,8 +39,8 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
         region = (info.width, info.height)
     original = region // binning
     if np.any(original == 0):
-        raise InputError('it does not say for what size of frames it is. Calibrate the camera: rosrun '
-                         'camera_calibration cameracalibrator.py', kind='camera_info without a size')
+        raise InputError('it does not say for what size of frames it is, so the camera is not calibrated. '
+                         + CALIBRATE, kind='camera_info without a size')
     if np.any(np.abs(original * scale - size) > 1):
         raise InputError('it is for frames of %d x %d pixels, but the frames have %d x %d. Calibrate the '
                          'camera at the size at which it runs' % (*original, *np.round(np.array(size) / scale)),
@@ -44,9 +48,9 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
     if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or \
             np.any(matrix[2] != [0, 0, 1]) or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
-        raise InputError('its %s is not a camera matrix, so the camera is not calibrated. Calibrate it: rosrun '
-                         'camera_calibration cameracalibrator.py' % ('P' if rectified else 'K'),
-                         kind='camera_info without calibration')
+        raise InputError('its %s is not a camera matrix, so the camera is not calibrated. %s'
+                         % ('P' if rectified else 'K', CALIBRATE), kind=NO_CALIBRATION)
+    _check_possible(matrix, info.width, info.height)
     distortion = np.array([] if rectified else info.D, np.float64)
     fisheye = not rectified and info.distortion_model == FISHEYE
     if fisheye and not len(distortion):
@@ -66,6 +70,22 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     matrix[:2] *= resized[:, None]
     matrix[:2, 2] -= 0.5
     return Lens(size[0], size[1], matrix, distortion, fisheye)
+
+
+def _check_possible(matrix, width, height):
+    """Raise an InputError if no lens has this camera matrix, (3, 3), for images of width x height pixels."""
+    focal, center, size = matrix[[0, 1], [0, 1]], matrix[:2, 2], np.array([width, height])
+    share = focal / size.max()
+    why = ''
+    if np.any(share < FOCAL_SHARES[0]) or np.any(share > FOCAL_SHARES[1]):
+        why = 'says that the focal length is %.4g px' % focal[0]
+    elif focal.max() > MAX_ASPECT * focal.min():
+        why = 'has the focal lengths %.4g and %.4g px' % tuple(focal)
+    elif np.any(center < 0) or np.any(center > size):
+        why = 'has its center at (%.4g, %.4g)' % tuple(center)
+    if why:
+        raise InputError('it %s, which no lens has for frames of %d x %d pixels, so the camera is not '
+                         'calibrated. %s' % (why, width, height, CALIBRATE), kind=NO_CALIBRATION)
 
 
 def info_topic(camera):

@@ -65,6 +65,11 @@ def test_binning_and_a_region_of_interest_are_taken_into_account():
     (info(width=1280, height=960), 'for frames of 1280 x 960'),
     (info(K=[500.0, 0, 320, 0, 500, 240, 0, 0, 0]), 'K is not a camera matrix'),
     (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is not a camera matrix'),
+    # What image_publisher invents for a webcam.
+    (info(K=[1.0, 0, 320, 0, 1, 240, 0, 0, 1]), 'focal length is 1 px, which no lens has'),
+    (info(K=[7e4, 0, 320, 0, 7e4, 240, 0, 0, 1]), 'focal length is 7e.04 px'),
+    (info(K=[500.0, 0, 320, 0, 1400, 240, 0, 0, 1]), 'focal lengths 500 and 1400 px'),
+    (info(K=[500.0, 0, 700, 0, 500, 240, 0, 0, 1]), r'center at \(700, 240\)'),
     (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
     (info(distortion_model='mirror ball'), '"mirror ball"')])
 def test_a_wrong_camera_info_is_explained(message, words):
