@@ -1,0 +1,188 @@
+"""The lens of a camera, from views of a flat sheet."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.lens import Lens
+
+from .layout import learn_layout
+
+MIN_VIEWS = 8
+MIN_POINTS = 8              # of a view
+ROUNDS = 4                  # of lens and layout in turn
+HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
+OUTLIER = 3.0               # a view whose error is so many times the usual one is left out
+BETTER = 0.998              # a lens with more coefficients must fit held-out views so much better
+MAX_FOCAL_DEVIATION = 0.02  # standard deviation of the focal length, as a share of it
+MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
+CELLS = 8, 6                # of the frame, for the coverage
+SURE = ('Show the sheet larger and in all corners of the frame, from the left, the right, above and below, '
+        'tilted by up to 45 degrees.')
+
+# What is fixed in OpenCV's models, simplest first. p1 and p2 are always free.
+PINHOLE = cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3, cv2.CALIB_FIX_K3, 0
+FISHEYE = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+
+
+@dataclass(frozen=True)
+class View:
+    """What one frame shows of the sheet. ``points``: {key: (n, 2) float64 pixels}.
+
+    A key is the id of a tag, whose four corners are the pixels, or that of a single point of a board.
+    """
+
+    points: dict[int, Floats]
+
+    def describe(self, size: tuple[int, int]) -> Floats:
+        """(5,): where in a frame of that size, how large and how slanted the sheet is seen."""
+        points = np.concatenate(list(self.points.values())) / np.array(size)
+        spread = np.cov(points.T)
+        return np.array([*points.mean(axis=0), *np.sqrt(spread.diagonal()), 4 * spread[0, 1]])
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """The result. ``lens``: the Lens. ``rms``: how far its points are off, pixels (root of the mean square).
+
+    ``held_out``: the same for views that a lens from the others has not seen. ``views``: how many were used.
+    ``coverage``: the share of the frame's cells with points.
+    """
+
+    lens: Lens
+    rms: float
+    held_out: float
+    views: int
+    coverage: float
+
+
+def different_views(views: Sequence[View], size: tuple[int, int], most: int = 60,
+                    least: float = 0.04) -> list[View]:
+    """The most different ones of many views, by where and how large they show the sheet, at most ``most``."""
+    views = [view for view in views if sum(map(len, view.points.values())) >= MIN_POINTS]
+    if not views:
+        return []
+    kinds = np.array([view.describe(size) for view in views])
+    chosen = [0]
+    away = np.linalg.norm(kinds - kinds[0], axis=1)
+    while len(chosen) < min(most, len(views)):
+        farthest = int(np.argmax(away))
+        if away[farthest] < least:
+            break
+        chosen.append(farthest)
+        away = np.minimum(away, np.linalg.norm(kinds - kinds[farthest], axis=1))
+    return [views[number] for number in sorted(chosen)]
+
+
+def coverage(views: Sequence[View], size: tuple[int, int]) -> float:
+    """The share of the frame's cells in which a point was seen."""
+    seen = np.zeros(CELLS, bool)
+    for view in views:
+        points = np.concatenate(list(view.points.values())) / np.array(size) * CELLS
+        cells = np.clip(points.astype(int), 0, np.array(CELLS) - 1)
+        seen[cells[:, 0], cells[:, 1]] = True
+    return float(seen.mean())
+
+
+def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = False,
+              board: dict[int, Floats] | None = None) -> Calibrated:
+    """The lens of a camera. Raises InputError if the views do not tell it.
+
+    ``views``: of the same flat sheet, at least MIN_VIEWS that differ (see different_views). ``size``: (width,
+    height) of the frames. ``fisheye``: OpenCV's fisheye model instead of a pinhole with distortion.
+    ``board``: {key: (n, 2) float64}, where the points are on the sheet, in any unit. Without it, the sheet has
+    tags, and is learned from the views, too.
+    """
+    if len(views) < MIN_VIEWS:
+        raise InputError('There are only %d views of the sheet that differ; at least %d are needed. %s'
+                         % (len(views), MIN_VIEWS, SURE))
+    models = (FISHEYE,) if fisheye else PINHOLE
+    solver = _Solver(size, fisheye, board)
+    lens = _without_distortion(views, size)
+    kept = list(views)
+    for number in range(ROUNDS):
+        layout = board or learn_layout([{key: lens.undistort(points) for key, points in view.points.items()}
+                                        for view in kept])
+        solver.layout = layout
+        lens, errors = solver.solve(kept, models[-1] if number else models[0])
+        within = errors < OUTLIER * np.median(errors)
+        if np.count_nonzero(within) >= MIN_VIEWS:
+            kept = [view for view, is_within in zip(kept, within) if is_within]
+    tested = kept[::HELD_OUT]
+    learned = [view for number, view in enumerate(kept) if number % HELD_OUT]
+    best, held_out = models[0], np.inf
+    for model in models:
+        error = solver.error(solver.solve(learned, model)[0], tested)
+        if error < held_out * BETTER:
+            best, held_out = model, error
+    lens, errors = solver.solve(kept, best)
+    deviation = solver.focal_deviation
+    focal = lens.matrix[0, 0]
+    if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
+        raise InputError('The views do not tell the focal length. %s' % SURE)
+    return Calibrated(lens, float(np.sqrt(np.mean(errors**2))), held_out, len(kept), coverage(kept, size))
+
+
+def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:
+    width, height = size
+    matrix = np.array([[width, 0, width / 2], [0, width, height / 2], [0, 0, 1.0]])
+    return Lens(width, height, matrix, np.zeros(5))
+
+
+class _Solver:
+    """OpenCV's calibration with the points of a ``layout``."""
+
+    def __init__(self, size: tuple[int, int], fisheye: bool, layout: dict[int, Floats] | None) -> None:
+        self._size, self._fisheye = size, fisheye
+        self.layout: dict[int, Floats] = layout or {}
+        self.focal_deviation = 0.0
+
+    def _points(self, view: View) -> tuple[Floats, Floats]:
+        """(n, 3) on the sheet and (n, 2) pixels."""
+        keys = [key for key in view.points if key in self.layout]
+        flat = np.concatenate([self.layout[key] for key in keys])
+        return np.column_stack([flat, np.zeros(len(flat))]), np.concatenate([view.points[key] for key in keys])
+
+    def solve(self, views: Sequence[View], flags: int) -> tuple[Lens, Floats]:
+        """The Lens, and for each view how far its points are off, (n,) pixels. Raises InputError."""
+        sheets, pixels = zip(*(self._points(view) for view in views))
+        try:
+            if self._fisheye:
+                _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
+                    [sheet[:, None] for sheet in sheets], [points[:, None] for points in pixels], self._size,
+                    np.eye(3), np.zeros(4), flags=flags)
+            else:
+                _, matrix, distortion, turns, shifts, deviations, _, _ = cv2.calibrateCameraExtended(
+                    [sheet.astype(np.float32) for sheet in sheets],
+                    [points.astype(np.float32) for points in pixels], self._size, NO_ARRAY, NO_ARRAY,
+                    flags=flags)
+                self.focal_deviation = float(deviations[0, 0])
+        except cv2.error:
+            raise InputError('OpenCV finds no lens for these views. %s' % SURE) from None
+        lens = Lens(*self._size, np.asarray(matrix, np.float64), np.asarray(distortion, np.float64).ravel()[:5],
+                    self._fisheye)
+        errors = [_error(lens, sheet, points, turn, shift)
+                  for sheet, points, turn, shift in zip(sheets, pixels, turns, shifts)]
+        return lens, np.array(errors)
+
+    def error(self, lens: Lens, views: Sequence[View]) -> float:
+        """How far points are off in views that the lens is not from, pixels."""
+        errors = []
+        for view in views:
+            sheet, points = self._points(view)
+            found, turn, shift = cv2.solvePnP(sheet, lens.rays(points), np.eye(3), NO_ARRAY,
+                                              flags=cv2.SOLVEPNP_IPPE)
+            if found:
+                turn, shift = cv2.solvePnPRefineLM(sheet, lens.rays(points), np.eye(3), NO_ARRAY, turn, shift)
+                errors.append(_error(lens, sheet, points, turn, shift))
+        return float(np.sqrt(np.mean(np.square(errors)))) if errors else np.inf
+
+
+def _error(lens: Lens, sheet: Floats, points: Floats, turn: Image, shift: Image) -> float:
+    seen = sheet @ cv2.Rodrigues(np.asarray(turn))[0].T + np.ravel(shift)
+    return float(np.sqrt(np.mean(np.sum((lens.project(seen) - points)**2, axis=1))))

@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""Calibrate a camera from a video or photos of a flat sheet of tags.
+
+This program needs no roscore. Move the sheet, or the camera before it, so that
+the tags are seen in all parts of the frame, near and far, and tilted. All tags
+have the same size; where they are on the sheet need not be known. The result is
+a YAML file as camera_info_manager reads it, for example by
+roslaunch unit5 video_camera.launch info:=file:///full/path/of/camera.yaml
+"""
+import argparse
+import os
+import sys
+
+import aruco_program  # noqa: F401  before all else
+import cv2
+import numpy as np
+from aruco_ar import Detector, InputError
+from aruco_ar.base.files import write_whole
+from aruco_ar.base.progress import progress
+from aruco_ar.calibration.calibrate import View, calibrate, different_views
+from aruco_ar.calibration.camera_file import camera_yaml
+from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
+
+MAX_FRAMES = 400   # of a video, evenly chosen
+MIN_SIDE_PX = 20.0  # the corners of smaller tags are not exact enough
+
+
+def read_board(text):
+    """(columns, rows, marker's side divided by the square's) of a text such as 5x7 or 5x7:0.5."""
+    try:
+        size, _, ratio = text.partition(':')
+        columns, rows = (int(part) for part in size.split('x'))
+        ratio = float(ratio or 0.75)
+        if min(columns, rows) < 2 or max(columns, rows) > 50 or not 0.1 < ratio < 1:
+            raise ValueError
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            '"%s" is no board; write its squares and the side of a marker as a share of a square\'s, such as '
+            '5x7:0.75' % text) from None
+    return columns, rows, ratio
+
+
+def parse(argv):
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARY_NAMES))
+    option = parser.add_argument
+    option('files', nargs='+', metavar='FILE', help='a video or photos, all of the same size')
+    option('--out', metavar='FILE', default='camera.yaml', help='the YAML file to write (default: camera.yaml)')
+    option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
+    option('--charuco', type=read_board, metavar='5x7:0.75',
+           help="the sheet is a ChArUco board of so many squares; the number after the colon is the side of a "
+                "marker, as a share of a square's")
+    option('--fisheye', action='store_true', help='the lens is a fisheye')
+    option('--name', default='camera', help='the name of the camera in the YAML file (default: camera)')
+    return parser.parse_args(argv)
+
+
+def frames_of(path):
+    """Yield the frames, (h, w, 3) BGR uint8, of a video or photo. Raises InputError if it cannot be read."""
+    if not os.path.isfile(path):
+        raise InputError('There is no file "%s".' % path)
+    photo = cv2.imread(path)
+    if photo is not None:
+        yield photo
+        return
+    video = cv2.VideoCapture(path)
+    count = video.get(cv2.CAP_PROP_FRAME_COUNT)
+    step = max(1, int(count // MAX_FRAMES))
+    number, found = 0, False
+    while video.grab():
+        if number % step == 0:
+            is_read, frame = video.retrieve()
+            if is_read:
+                found = True
+                yield frame
+        number += 1
+    if not found:
+        raise InputError('The file "%s" is neither a video nor a photo that OpenCV can read.' % path)
+
+
+class TagSheet:
+    """Finds the tags of a sheet. ``points``: None, since where they are on the sheet is not known."""
+
+    points = None
+
+    def __init__(self, dictionary):
+        """Raises InputError if there is no such dictionary."""
+        self._detector = Detector(dictionary)
+
+    def view(self, frame):
+        """The View of the sheet in a frame."""
+        tags = [tag for tag in self._detector.detect(frame)
+                if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
+        ids = [tag.id for tag in tags]
+        return View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
+
+
+class CharucoBoard:
+    """Finds the inner corners of a ChArUco board. ``points``: where they are, in squares."""
+
+    def __init__(self, dictionary, columns, rows, ratio):
+        """Raises InputError if there is no such dictionary, or if it has too few tags."""
+        try:
+            board = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, get_dictionary(dictionary))
+        except cv2.error:
+            raise InputError('%s has too few tags for a board of %d x %d squares.'
+                             % (dictionary, columns, rows)) from None
+        self._detector = cv2.aruco.CharucoDetector(board)
+        corners = np.array(board.getChessboardCorners(), np.float64)
+        self.points = {number: corner[None, :2] for number, corner in enumerate(corners)}
+
+    def view(self, frame):
+        """The View of the board in a frame."""
+        corners, ids, _, _ = self._detector.detectBoard(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
+        return View({} if ids is None else {int(number): np.asarray(corner, np.float64).reshape(1, 2)
+                                            for number, corner in zip(np.ravel(ids), corners)})
+
+
+def look(files, sheet):
+    """((width, height), [View of each frame]). Raises InputError."""
+    size, views = None, []
+    for path in files:
+        for frame in progress(frames_of(path), os.path.basename(path)):
+            if size not in (None, frame.shape[1::-1]):
+                raise InputError(
+                    '"%s" has frames of %d x %d pixels, and those before it have %d x %d. Give files of one '
+                    'camera at one size.' % (path, *frame.shape[1::-1], *size))
+            size = frame.shape[1::-1]
+            views.append(sheet.view(frame))
+    return size, views
+
+
+def main(argv):
+    args = parse(argv)
+    try:
+        sheet = CharucoBoard(args.dictionary, *args.charuco) if args.charuco else TagSheet(args.dictionary)
+        size, views = look(args.files, sheet)
+        if not any(view.points for view in views):
+            what = 'corner of the board' if args.charuco else 'tag of ' + args.dictionary
+            raise InputError('No %s is in sight in any of %d frames. Choose the dictionary: --dictionary NAME.'
+                             % (what, len(views)))
+        chosen = different_views(views, size)
+        print('%d frames of %d x %d pixels, %d views that differ' % (len(views), *size, len(chosen)))
+        found = calibrate(chosen, size, args.fisheye, sheet.points)
+        write_whole(args.out, camera_yaml(found.lens, args.name).encode())
+    except InputError as error:
+        sys.exit('calibrate_camera: %s' % error)
+    matrix = found.lens.matrix
+    print('focal length  %.1f, %.1f px' % (matrix[0, 0], matrix[1, 1]))
+    print('center        %.1f, %.1f px' % (matrix[0, 2], matrix[1, 2]))
+    print('distortion    %s' % ' '.join('%.4f' % value for value in found.lens.distortion))
+    print('error         %.2f px in %d views; %.2f px in views that were held out'
+          % (found.rms, found.views, found.held_out))
+    print('coverage      %.0f %% of the frame' % (100 * found.coverage))
+    print('Wrote %s' % args.out)
+
+
+if __name__ == '__main__':
+    main(sys.argv[1:])

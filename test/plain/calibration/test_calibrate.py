@@ -1,0 +1,126 @@
+"""Calibrating simulated lenses from views of a sheet."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import InputError, Lens
+from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, coverage, different_views
+from aruco_ar.calibration.layout import learn_layout
+
+SIZE = 640, 480
+MATRIX = np.array([[560.0, 0, 322.0], [0, 558.0, 236.0], [0, 0, 1]])
+LENSES = {'no distortion': Lens(*SIZE, MATRIX, np.zeros(5)),
+          'barrel': Lens(*SIZE, MATRIX, np.array([-0.3, 0.1, 0.001, -0.001, 0])),
+          'webcam': Lens(*SIZE, MATRIX, np.array([0.08, -0.18, 0.0, 0.002, 0.05])),
+          'fisheye': Lens(*SIZE, MATRIX * [[0.6], [0.6], [1]] + [[0, 0, 129], [0, 0, 94], [0, 0, 0]],
+                          np.array([0.02, -0.01, 0.0, 0.0]), True)}
+
+
+def sheet(columns=4, rows=3, gap=1.4):
+    """{id: (4, 2)}: tags of side 1, some of them turned, and none exactly in a row."""
+    layout, random = {}, np.random.RandomState(5)
+    square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    for number in range(columns * rows):
+        angle = number % 4 * np.pi / 2 + random.normal(0, 0.05)
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        layout[number + 10] = square @ turn + (number % columns * gap, number // columns * gap) \
+            + random.normal(0, 0.05, 2)
+    return layout
+
+
+def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0):
+    """Views of a sheet that is moved and tilted at random; only what is in the frame is seen."""
+    random, views = np.random.RandomState(seed), []
+    middle = np.concatenate(list(layout.values())).mean(axis=0)
+    reach = 2 if lens.fisheye else 1
+    while len(views) < count:
+        turn = cv2.Rodrigues(random.uniform(-tilt, tilt, 3) * (1, 1, 0.5))[0]
+        depth = random.uniform(4, 9) / reach
+        shift = np.array([*(random.uniform(-0.45, 0.45, 2) * (1.1, 0.8) * depth * reach), depth])
+        view = {}
+        for tag_id, corners in layout.items():
+            seen = np.column_stack([corners - middle, np.zeros(4)]) @ turn.T + shift
+            pixels = lens.project(seen)
+            if np.all(np.isfinite(pixels)) and np.all(pixels > 0) and np.all(pixels < np.array(SIZE) - 1):
+                view[tag_id] = pixels + random.normal(0, noise, (4, 2))
+        if len(view) >= 2:
+            views.append(View(view))
+    return views
+
+
+def off_in_frame(lens, truth):
+    """(k,) by how many pixels a lens is off at the corners and in the middle of the frame's sides.
+
+    A calibration may turn the whole camera a little: that changes no measurement, so it is taken away.
+    """
+    width, height = np.array(SIZE) - 1
+    grid = np.stack(np.meshgrid(np.linspace(0, width, 9), np.linspace(0, height, 7)), axis=-1).reshape(-1, 2)
+    true_rays, rays = (np.column_stack([each.rays(grid), np.ones(len(grid))]) for each in (truth, lens))
+    true_rays, rays = (each / np.linalg.norm(each, axis=1, keepdims=True) for each in (true_rays, rays))
+    left, _, right = np.linalg.svd(rays.T @ true_rays)
+    turned = rays @ (left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right)
+    off = np.linalg.norm(truth.project(turned) - grid, axis=1)
+    return off[[0, 8, -9, -1]]
+
+
+@pytest.mark.parametrize('name', LENSES)
+def test_a_lens_is_found_from_a_sheet_that_nobody_has_measured(name):
+    truth = LENSES[name]
+    views = views_of(truth, sheet())
+    found = calibrate(views, SIZE, truth.fisheye)
+    assert found.lens.matrix[0, 0] == pytest.approx(truth.matrix[0, 0], rel=0.01)
+    assert found.lens.matrix[1, 1] == pytest.approx(truth.matrix[1, 1], rel=0.01)
+    assert off_in_frame(found.lens, truth).max() < 0.5
+    assert found.rms < 0.25 and found.held_out < 0.3 and found.coverage > 0.8
+
+
+def test_a_known_board_is_enough(random):
+    truth = LENSES['barrel']
+    layout = {number: np.array([[number % 6, number // 6]], float) for number in range(30)}
+    views = []
+    while len(views) < 30:
+        turn = cv2.Rodrigues(random.uniform(-0.6, 0.6, 3))[0]
+        depth = random.uniform(6, 14)
+        shift = np.array([*(random.uniform(-0.3, 0.3, 2) * depth), depth])
+        pixels = {key: truth.project(np.column_stack([point - (2.5, 2), [0]]) @ turn.T + shift)
+                  for key, point in layout.items()}
+        views.append(View({key: each + random.normal(0, 0.05, (1, 2)) for key, each in pixels.items()
+                           if np.all(each > 0) and np.all(each < SIZE)}))
+    views = [view for view in views if len(view.points) > 8]
+    found = calibrate(views, SIZE, board=layout)
+    assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01)
+    assert off_in_frame(found.lens, truth).max() < 0.5
+
+
+def test_the_layout_of_tags_is_learned_from_tilted_views():
+    layout, truth = sheet(), LENSES['no distortion']
+    learned = learn_layout([view.points for view in views_of(truth, layout, 15, noise=0.05)])
+    assert set(learned) == set(layout)
+    # The learned one has its origin in a tag: compare after the best turn and shift.
+    ours, true = (np.concatenate([each[tag_id] for tag_id in sorted(layout)]) for each in (learned, layout))
+    ours, true = ours - ours.mean(axis=0), true - true.mean(axis=0)
+    left, _, right = np.linalg.svd(ours.T @ true)
+    np.testing.assert_allclose(ours @ left @ right, true, atol=0.01)
+
+
+def test_of_a_still_camera_one_view_is_left_and_of_a_moving_one_the_different_ones():
+    views = views_of(LENSES['barrel'], sheet(), 3)
+    assert len(different_views([views[0]] * 50, SIZE)) == 1
+    assert len(different_views(views * 20, SIZE)) == 3
+    assert 0 < coverage(views[:1], SIZE) < coverage(views, SIZE) <= 1
+
+
+def test_too_few_or_too_equal_views_are_refused_with_advice():
+    views = views_of(LENSES['barrel'], sheet())
+    with pytest.raises(InputError, match='only 3 views .* at least %d' % MIN_VIEWS):
+        calibrate(views[:3], SIZE)
+    flat = views_of(LENSES['no distortion'], sheet(), 12, tilt=0.001)
+    with pytest.raises(InputError, match='tilted'):
+        calibrate(flat, SIZE)
+
+
+def test_a_view_with_wrong_tags_is_left_out(random):
+    truth = LENSES['barrel']
+    views = views_of(truth, sheet())
+    views[7] = View({key: points + random.normal(0, 6, (4, 2)) for key, points in views[7].points.items()})
+    found = calibrate(views, SIZE)
+    assert found.views == len(views) - 1 and off_in_frame(found.lens, truth).max() < 0.5
