@@ -18,6 +18,7 @@ from aruco_ar.base.files import in_package
 from aruco_ar.exercise import TRACKER, Exercise, Result, find_tags
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.wall_watch import WallWatch
+from aruco_ar.tags.tag import DICTIONARIES
 from aruco_ar.walls.wall import load_wall
 from aruco_node.health.diagnostics import ERROR, WARN
 from aruco_node.health.faults import log_once
@@ -154,7 +155,7 @@ class TagPoses(CameraNode):
 
     def _new_estimator(self, settings, wall):
         """(PoseEstimator, WallWatch). Raises InputError if the wall's tags are of another dictionary."""
-        if wall is not None and wall.dictionary != settings.dictionary:
+        if wall is not None and DICTIONARIES[wall.dictionary] != DICTIONARIES[settings.dictionary]:
             raise InputError('The wall "%s" has tags of the dictionary %s, but the node looks for tags of %s. '
                              "Give the wall's dictionary: dictionary:=%s."
                              % (settings.wall, wall.dictionary, settings.dictionary, wall.dictionary))

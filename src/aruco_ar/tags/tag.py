@@ -10,8 +10,10 @@ from aruco_ar.base.arrays import Floats, Image, Numbers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lines import cross, crossing
 
-DICTIONARIES = {name: getattr(cv2.aruco, name)
-                for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')}
+# Also as many courses spell them: DICT_6x6_250.
+DICTIONARIES = {spelling: getattr(cv2.aruco, name)
+                for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')
+                for spelling in (name.replace('X', 'x'), name)}
 # One name for each: OpenCV has some twice, as DICT_APRILTAG_36h11 and DICT_APRILTAG_36H11.
 DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()}.values())
 

@@ -3,15 +3,17 @@ import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.exercise import TRACKER, Stage
 from aruco_ar.painting.picture import resize
+from aruco_ar.tags.other_tags import OtherTags
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
+from aruco_node.health.diagnostics import ERROR, WARN
 from aruco_node.health.faults import log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LensSettings, load_areas
 
-from .calibration import NO_CAMERA_INFO, Calibration
+from .calibration import NO_CALIBRATION, NO_CAMERA_INFO, Calibration
 from .frame_node import Answer, FrameNode
 from .pictures import TopicPicture, open_picture
 
@@ -32,6 +34,7 @@ class CameraNode(FrameNode):
             self._areas = load_areas(self.settings.areas)
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
+        self._other_tags = self._new_other_tags(self.settings)
         self._tags = self.advertise('~tags', TagArray)
         self._calibration = None
         if isinstance(self.settings, LensSettings):
@@ -47,6 +50,7 @@ class CameraNode(FrameNode):
         for stage in self._stages:
             results.append(self._exercise.step(stage.scene(frame, image, stamp, self.lens)))
             image = results[-1].images[-1]
+        self._look_for_others(frame, stamp, any(result.tags for result in results))
         return self.answer(results, header)
 
     def answer(self, results, header):
@@ -66,6 +70,9 @@ class CameraNode(FrameNode):
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
+        hint = self._other_tags.hint
+        if hint and level < ERROR:
+            level, sentence = WARN, hint
         return level, sentence, values
 
     def decode(self, message):
@@ -96,7 +103,12 @@ class CameraNode(FrameNode):
         stages = [stage.changed(of_area)
                   for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
 
+        finds_others = all(getattr(settings, name) == getattr(self.settings, name)
+                           for name in ('dictionary', 'ids'))
+        other_tags = self._other_tags if finds_others else self._new_other_tags(settings)
+
         def apply():
+            self._other_tags = other_tags
             before, self._stages = self._topic_pictures(), stages
             for picture in set(before) - set(self._topic_pictures()):
                 picture.update_subscription(False)
@@ -120,8 +132,21 @@ class CameraNode(FrameNode):
             self.lens = self._calibration.lens(frame.shape[1::-1], self.frame_scale)
         except InputError as error:
             self.lens_fault = InputError('%s: %s' % (self._calibration.topic, error), kind=error.kind)
-            if error.kind != NO_CAMERA_INFO:  # many cameras are not calibrated
-                log_once(error.kind, self.explain(self.lens_fault), rospy.logwarn)
+            if error.kind != NO_CAMERA_INFO:  # many cameras are not calibrated, which is no reason to warn
+                log_once(error.kind, self.explain(self.lens_fault),
+                         rospy.loginfo if error.kind == NO_CALIBRATION else rospy.logwarn)
+
+    def _new_other_tags(self, settings):
+        of_areas = self._settings_of_areas(settings)
+        ids = [tag_id for of_area in of_areas for tag_id in of_area.ids] \
+            if all(of_area.ids for of_area in of_areas) else []
+        return OtherTags(of_areas[0].dictionary, ids)
+
+    def _look_for_others(self, frame, stamp, found_wanted):
+        others = self._other_tags
+        others.update(frame, stamp, found_wanted)
+        if others.hint:
+            log_once(others.hint, others.hint, rospy.logwarn)
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

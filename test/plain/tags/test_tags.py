@@ -27,7 +27,7 @@ def test_every_dictionary_of_opencv_has_a_name():
 
 
 @pytest.mark.parametrize('arguments, sentence', [
-    (('DICT_6x6_250', 1), 'no tag dictionary "DICT_6x6_250".*DICT_6X6_250'),
+    (('DICT_6X6_260', 1), 'no tag dictionary "DICT_6X6_260".*DICT_6X6_250'),
     (('DICT_6X6_250', 250), 'Tag id 250 is not in DICT_6X6_250, which has the ids 0 to 249'),
     (('DICT_6X6_250', -1), 'Tag id -1'),
     (('DICT_6X6_250', 1, 7), '8 cells wide cannot be drawn with a size of 7 px'),

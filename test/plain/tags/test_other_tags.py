@@ -1,0 +1,85 @@
+"""Hints at tags that nobody looks for."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Detector
+from aruco_ar.tags.other_tags import OtherTags
+
+FRAMES_PER_S = 10
+
+
+def frame_with(dictionary, ids, random=None):
+    """A frame with tags, and noise."""
+    table = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
+    frame = np.full((480, 640, 3), 170, np.uint8)
+    for number, tag_id in enumerate(ids):
+        tag = cv2.aruco.generateImageMarker(table, tag_id, 80)
+        x, y = 60 + 160 * (number % 4), 60 + 180 * (number // 4)
+        frame[y - 20:y + 100, x - 20:x + 100] = 235
+        frame[y:y + 80, x:x + 80] = tag[..., None]
+    noise = np.random.RandomState(1).normal(0, 3, frame.shape)
+    return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
+
+
+def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=8, found=False):
+    others = OtherTags(dictionary, ids)
+    for number in range(seconds * FRAMES_PER_S):
+        others.update(frame, number / FRAMES_PER_S, found)
+    return others.hint
+
+
+@pytest.mark.parametrize('dictionary, ids, named', [
+    ('DICT_4X4_50', [0, 1, 2, 3], 'DICT_4X4_50'), ('DICT_4X4_1000', [7, 200], 'DICT_4X4_250'),
+    ('DICT_5X5_100', [3, 60, 70], 'DICT_5X5_100'), ('DICT_6X6_1000', [300, 400], 'DICT_6X6_1000'),
+    ('DICT_ARUCO_ORIGINAL', [10, 20, 30, 40], 'DICT_ARUCO_ORIGINAL'),
+    ('DICT_APRILTAG_36h11', [1, 2, 3, 4], 'DICT_APRILTAG_36h11')])
+def test_tags_of_another_dictionary_are_named_with_the_remedy(dictionary, ids, named):
+    assert hint(frame_with(dictionary, ids)) == (
+        '%d tags of %s (%s) are in sight, but the node looks for tags of DICT_6X6_250. Give dictionary:=%s.'
+        % (len(ids), named, ', '.join(map(str, ids)), named))
+
+
+def test_tags_with_other_ids_are_named():
+    assert hint(frame_with('DICT_6X6_250', [5, 6, 7, 8]), ids=(1, 2, 3, 4)) == (
+        '4 tags of DICT_6X6_250 (5, 6, 7, 8) are in sight, but none of ids:=1,2,3,4. Give the ids of four of '
+        'them, or ids:=any.')
+
+
+def test_nothing_is_said_while_wanted_tags_are_in_sight_or_in_the_first_seconds():
+    frame = frame_with('DICT_4X4_50', [0, 1, 2, 3])
+    assert hint(frame, found=True) is None
+    assert hint(frame, seconds=1) is None
+
+
+def test_a_hint_is_withdrawn_when_the_tags_are_gone_or_the_wanted_ones_come():
+    others, frame = OtherTags('DICT_6X6_250', ()), frame_with('DICT_4X4_50', [0, 1, 2, 3])
+    for number in range(80):
+        others.update(frame, number / FRAMES_PER_S, False)
+    assert others.hint
+    empty = frame_with('DICT_4X4_50', [])
+    for number in range(80, 220):
+        others.update(empty, number / FRAMES_PER_S, False)
+    assert others.hint is None
+    for number in range(220, 300):
+        others.update(frame, number / FRAMES_PER_S, False)
+    assert others.hint
+    others.update(frame, 30.0, True)
+    assert others.hint is None
+
+
+def test_noise_patterns_and_text_give_no_hint(random):
+    cells = random.randint(0, 2, (48, 64)).astype(np.uint8) * 255
+    checks = np.indices((48, 64)).sum(axis=0) // 4 % 2 * 255
+    for image in cells, checks:
+        frame = cv2.resize(image.astype(np.uint8), (640, 480), interpolation=cv2.INTER_NEAREST)
+        assert hint(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR), seconds=12) is None
+    text = np.full((480, 640, 3), 255, np.uint8)
+    for row in range(12):
+        cv2.putText(text, 'Some words 8642 HH MM BB', (10, 40 + 38 * row), cv2.FONT_HERSHEY_SIMPLEX, 1.2,
+                    (0, 0, 0), 6)
+    assert hint(text, seconds=12) is None
+
+
+def test_dictionaries_are_known_as_courses_spell_them():
+    frame = frame_with('DICT_6X6_250', [1, 2])
+    assert {tag.id for tag in Detector('DICT_6x6_250').detect(frame)} == {1, 2}
