@@ -17,7 +17,7 @@ import numpy as np
 from aruco_ar import Detector, InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.base.progress import progress
-from aruco_ar.calibration.calibrate import View, calibrate, different_views
+from aruco_ar.calibration.calibrate import View, calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
@@ -56,27 +56,37 @@ def parse(argv):
     return parser.parse_args(argv)
 
 
-def frames_of(path):
-    """Yield the frames, (h, w, 3) BGR uint8, of a video or photo. Raises InputError if it cannot be read."""
-    if not os.path.isfile(path):
-        raise InputError('There is no file "%s".' % path)
-    photo = cv2.imread(path)
-    if photo is not None:
-        yield photo
-        return
-    video = cv2.VideoCapture(path)
-    count = video.get(cv2.CAP_PROP_FRAME_COUNT)
-    step = max(1, int(count // MAX_FRAMES))
-    number, found = 0, False
-    while video.grab():
-        if number % step == 0:
-            is_read, frame = video.retrieve()
-            if is_read:
-                found = True
-                yield frame
-        number += 1
-    if not found:
-        raise InputError('The file "%s" is neither a video nor a photo that OpenCV can read.' % path)
+class FrameFile:
+    """The frames of a video or a photo; of a long video, MAX_FRAMES evenly chosen ones."""
+
+    def __init__(self, path):
+        """Raises InputError if there is no such file."""
+        if not os.path.isfile(path):
+            raise InputError('There is no file "%s".' % path)
+        self._path, self._photo = path, cv2.imread(path)
+        self._video = cv2.VideoCapture(path) if self._photo is None else None
+        count = 1 if self._video is None else int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
+        self._step = max(1, count // MAX_FRAMES)
+        self._count = count // self._step
+
+    def __length_hint__(self):
+        return max(self._count, 0)
+
+    def __iter__(self):
+        """Yield (h, w, 3) BGR uint8. Raises InputError if there is none."""
+        if self._photo is not None:
+            yield self._photo
+            return
+        number, found = 0, False
+        while self._video.grab():
+            if number % self._step == 0:
+                is_read, frame = self._video.retrieve()
+                if is_read:
+                    found = True
+                    yield frame
+            number += 1
+        if not found:
+            raise InputError('The file "%s" is neither a video nor a photo that OpenCV can read.' % self._path)
 
 
 class TagSheet:
@@ -121,7 +131,7 @@ def look(files, sheet):
     """((width, height), [View of each frame]). Raises InputError."""
     size, views = None, []
     for path in files:
-        for frame in progress(frames_of(path), os.path.basename(path)):
+        for frame in progress(FrameFile(path), os.path.basename(path)):
             if size not in (None, frame.shape[1::-1]):
                 raise InputError(
                     '"%s" has frames of %d x %d pixels, and those before it have %d x %d. Give files of one '
@@ -140,9 +150,8 @@ def main(argv):
             what = 'corner of the board' if args.charuco else 'tag of ' + args.dictionary
             raise InputError('No %s is in sight in any of %d frames. Choose the dictionary: --dictionary NAME.'
                              % (what, len(views)))
-        chosen = different_views(views, size)
-        print('%d frames of %d x %d pixels, %d views that differ' % (len(views), *size, len(chosen)))
-        found = calibrate(chosen, size, args.fisheye, sheet.points)
+        print('%d frames of %d x %d pixels' % (len(views), *size))
+        found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())
     except InputError as error:
         sys.exit('calibrate_camera: %s' % error)

@@ -13,18 +13,24 @@ from .scenes import Scene
 SECONDS = 3
 FIRST_S = 1.0
 DARK, LIGHT = 60, 190
-SQUARE = np.array([[0.4, 0.35], [0.6, 0.35], [0.6, 0.65], [0.4, 0.65]])  # of the picture
+PICTURE_PX = np.array([900, 600])
+# Pixels of the picture. A smaller level of it shows an edge the sharper, the better its pixels fit the edge.
+# So no two sides fit alike.
+SQUARE_PX = np.array([[360, 211], [542, 211], [542, 389], [360, 389]])
+SQUARE = SQUARE_PX / PICTURE_PX
 SCENES = {'noise of 1': Scene(noise=1.0), 'noise of 3': Scene(noise=3.0), 'noise of 10': Scene(noise=10.0),
           'blur of 1 px': Scene(blur=1.0), 'blur of 2 px': Scene(blur=2.0),
           'motion blur of 9 px': Scene(smear=9)}
 
 
 def target():
-    """A dark square in a light picture, (h, w, 3) BGR."""
-    picture = np.full((600, 900, 3), LIGHT, np.uint8)
-    left, top = (SQUARE[0] * (900, 600)).astype(int)
-    right, foot = (SQUARE[2] * (900, 600)).astype(int)
-    picture[top:foot, left:right] = DARK
+    """A dark square with a light checkerboard in it, much like a tag, in a light picture, (h, w, 3) BGR."""
+    width, height = PICTURE_PX
+    picture = np.full((height, width, 3), LIGHT, np.uint8)
+    (left, top), (right, foot) = SQUARE_PX[[0, 2]]
+    cells = np.pad(np.indices((6, 6)).sum(axis=0) % 2, 1).astype(np.uint8) * (LIGHT - DARK) + DARK
+    picture[top:foot, left:right] = cv2.resize(cells, (right - left, foot - top),
+                                               interpolation=cv2.INTER_NEAREST)[..., None]
     return picture
 
 

@@ -14,6 +14,8 @@ from aruco_ar.geometry.lens import Lens
 from .layout import learn_layout
 
 MIN_VIEWS = 8
+MAX_VIEWS = 60
+LEAST, ALIKE = 0.002, 0.04  # between two views (see View.describe): both are used, and both count
 MIN_POINTS = 8              # of a view
 ROUNDS = 4                  # of lens and layout in turn
 HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
@@ -61,16 +63,17 @@ class Calibrated:
     coverage: float
 
 
-def different_views(views: Sequence[View], size: tuple[int, int], most: int = 60,
-                    least: float = 0.04) -> list[View]:
-    """The most different ones of many views, by where and how large they show the sheet, at most ``most``."""
-    views = [view for view in views if sum(map(len, view.points.values())) >= MIN_POINTS]
+def different_views(views: Sequence[View], size: tuple[int, int], least: float = ALIKE) -> list[View]:
+    """The most different ones of many views, by where and how large they show the sheet, at most MAX_VIEWS.
+
+    ``size``: (width, height) of the frames. ``least``: the difference between any two of them.
+    """
     if not views:
         return []
     kinds = np.array([view.describe(size) for view in views])
     chosen = [0]
     away = np.linalg.norm(kinds - kinds[0], axis=1)
-    while len(chosen) < min(most, len(views)):
+    while len(chosen) < min(MAX_VIEWS, len(views)):
         farthest = int(np.argmax(away))
         if away[farthest] < least:
             break
@@ -93,14 +96,17 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
               board: dict[int, Floats] | None = None) -> Calibrated:
     """The lens of a camera. Raises InputError if the views do not tell it.
 
-    ``views``: of the same flat sheet, at least MIN_VIEWS that differ (see different_views). ``size``: (width,
-    height) of the frames. ``fisheye``: OpenCV's fisheye model instead of a pinhole with distortion.
+    ``views``: of the same flat sheet; at least MIN_VIEWS of them differ (see different_views). ``size``:
+    (width, height) of the frames. ``fisheye``: OpenCV's fisheye model instead of a pinhole with distortion.
     ``board``: {key: (n, 2) float64}, where the points are on the sheet, in any unit. Without it, the sheet has
     tags, and is learned from the views, too.
     """
+    views = [view for view in views if sum(map(len, view.points.values())) >= MIN_POINTS]
+    different = len(different_views(views, size))
+    few = '%d of the %d views of the sheet differ; at least %d must.' % (different, len(views), MIN_VIEWS)
+    views = different_views(views, size, LEAST)
     if len(views) < MIN_VIEWS:
-        raise InputError('There are only %d views of the sheet that differ; at least %d are needed. %s'
-                         % (len(views), MIN_VIEWS, SURE))
+        raise InputError('%s %s' % (few, SURE))
     models = (FISHEYE,) if fisheye else PINHOLE
     solver = _Solver(size, fisheye, board)
     lens = _without_distortion(views, size)
@@ -121,11 +127,16 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         if error < held_out * BETTER:
             best, held_out = model, error
     lens, errors = solver.solve(kept, best)
+    rms = float(np.sqrt(np.mean(errors**2)))
     deviation = solver.focal_deviation
     focal = lens.matrix[0, 0]
+    fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but others do, ' \
+           'too.' % (rms, held_out)
+    if different < MIN_VIEWS:
+        raise InputError('%s %s %s' % (few, fits, SURE))
     if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
-        raise InputError('The views do not tell the focal length. %s' % SURE)
-    return Calibrated(lens, float(np.sqrt(np.mean(errors**2))), held_out, len(kept), coverage(kept, size))
+        raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
+    return Calibrated(lens, rms, held_out, len(kept), coverage(kept, size))
 
 
 def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:

@@ -14,12 +14,16 @@ CELLS = 8                  # of the side of a tag, about: the reach of a profile
 REACH = 0.75               # of a cell, to both sides of an edge
 STEPS = 24                 # places along a profile
 ALONG = np.linspace(0.2, 0.8, 6)  # of a side: where its profiles are
+# Soft edges of neighboring cells run into each other. In the mean, the cells inside a tag are gray, and a wall
+# is a little darker than the paper. Then edges of these deviations seem to have those below; all are in cells.
+TRUE = 0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5
+SEEN = 0.0, 0.099, 0.143, 0.181, 0.214, 0.240, 0.261, 0.277, 0.289, 0.299
 MIN_CONTRAST = 40.0        # gray levels between paper and ink
 MIN_CELL_PX = 2.5          # the edges of smaller cells run into each other
 MAX_SIDES = 12             # of the largest tags
 # Painted and filtered as it is (see painting.warp), a picture has edges of this variance, in square pixels,
 # as they are measured here. So the wall's edges are softer by what they have more.
-OWN_VARIANCE = 0.30
+OWN_VARIANCE = 0.40
 MIN_VARIANCE = 0.05        # less is not worth a filter
 SAME = 0.005               # of the weight of what is measured: that blur is alike across and down
 RATE = 0.3                 # of the running mean from frame to frame: motion blur changes quickly
@@ -139,7 +143,9 @@ def edge_variance(frame: Image, tags: Sequence[Tag]) -> Floats | None:
     if not known.any():
         return None
     medians = np.sort(width, axis=1)[known, count[known] // 2]  # of the finite ones
-    return _across_and_down(outward[known]**2, np.pi * np.maximum(medians, 0)**2, lengths[known])
+    cells = lengths[known] / CELLS
+    deviations = cells * np.interp(np.sqrt(np.pi) * medians / cells, SEEN, TRUE)
+    return _across_and_down(outward[known]**2, deviations**2, lengths[known])
 
 
 def _across_and_down(shares: Floats, variances: Floats, weights: Floats) -> Floats:

@@ -19,8 +19,12 @@ SIZE = 64, 64          # pixels of a patch, which shows the wall straight from t
 SCALE = 2.5            # of a patch, in sides of its tag
 SAME_PLACE = 0.1       # of a tag's side: what moves farther on the wall does not hang on it
 PLACE_OF = 30          # frames: a tag's place is a running mean
-MEAN_OF = 100          # frames: the wall's look is the mean of so many
+MEAN_OF = 60           # frames: the wall's look is the mean of the last so many, about
+ALIKE = 0.15           # of the brightness: a color that differs by less is the same
 INPAINT_AFTER = 1, 4, 16, 64  # frames of that mean
+REPLACED, AGAIN_AFTER = 0.01, 8  # if so much of a patch was not the wall, it is inpainted again; frames
+EVERY = 2, 4           # one of so many frames is for measuring light, and one for learning a known wall
+KNOWN_AFTER = 16       # frames
 INPAINT_PX = 3
 SMOOTHINGS, SMOOTH_PX = 20, 15
 PAPER_SCALE = 1.15     # around the tag, this ring shows the color of its paper,
@@ -35,6 +39,7 @@ SAME_COLOR = 0.15      # light changes a color by less than this share of its br
 ENOUGH = 0.1           # of the wall around a tag shows the light
 ANOTHER_AFTER = 15     # frames without enough of them: this is another wall
 VARIANCE = 4.0         # of the noise
+DARK = 40.0            # gray levels: the brightness of what is darker, for ALIKE
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 PATCH = (SQUARE - 0.5) * SCALE + 0.5  # (4, 2): the corners of a patch; those of its tag are the unit square
@@ -87,15 +92,15 @@ class HiddenTags:
             place = transform(from_frame, np.asarray(corners, np.float64))
             patch = self._patches.get(tag.id)
             if patch is None or not patch.is_at(place):
-                self._patches[tag.id] = _Patch(place)
+                self._patches[tag.id] = _Patch(place, len(self._patches))  # so that they take turns
 
 
 class _Patch:
     """A tag and the wall around it. ``place``: (4, 2) float64, the tag's corners in the area."""
 
-    def __init__(self, place: Floats) -> None:
+    def __init__(self, place: Floats, number: int) -> None:
         self.place = place
-        self._places = 1
+        self._places, self._frames = 1, number
         self._begin()
 
     def is_at(self, place: Floats) -> bool:
@@ -111,7 +116,8 @@ class _Patch:
         self._look: Floats = np.zeros((*SIZE, 3), np.float32)  # in the light in which it was first seen
         self._known = np.zeros(SIZE, bool)
         self._light: Floats = np.ones((*SIZE, 3), np.float32)
-        self._count = self._unlike = 0
+        self._votes = np.zeros(SIZE, np.float32)
+        self._count = self._unlike = self._replaced = self._inpainted_at = 0
 
     def update(self, image: Image, valid: Booleans, squares: Sequence[Floats], seen: bool,
                keep: bool) -> tuple[Image, Floats]:
@@ -124,15 +130,17 @@ class _Patch:
         """
         colors = np.asarray(image, np.float32)
         new = valid & ~self._known
-        if self._count:
+        self._frames += 1
+        light_turn, learning_turn = (self._frames % every == 0 for every in EVERY)
+        if self._count and (light_turn or self._count < KNOWN_AFTER):
             self._measure_light(colors, valid)
-        if seen and (self._count < MEAN_OF or new.any()):
-            self._look[new] = (colors / self._light)[new]
+        if seen and (learning_turn or self._count < KNOWN_AFTER or new.any()):
             self._known |= new
             self._count += 1
-            cv2.accumulateWeighted(colors / self._light, self._look, 1 / self._count,
-                                   valid.astype(np.uint8))
-            if self._count in INPAINT_AFTER or (new.any() and self._count > 1):
+            replaced = self._vote(colors / self._light, valid)
+            self._replaced += np.count_nonzero(replaced)
+            if self._count in INPAINT_AFTER or (self._replaced > REPLACED * SIZE[0] * SIZE[1]
+                                                and self._count >= self._inpainted_at + AGAIN_AFTER):
                 self._inpaint(squares)
         if not self._count:
             return np.zeros((1, 1, 4), np.uint8), SQUARE
@@ -146,6 +154,23 @@ class _Patch:
                 cover = cover * (1 - soft_rim(colors, lit, labels > 0)[rows, columns])
         fill = cv2.convertScaleAbs(cv2.multiply(self._fill[rows, columns], light))
         return np.dstack([fill, cv2.convertScaleAbs(cover, alpha=255)]), self._corners
+
+    def _vote(self, colors: Floats, valid: Booleans) -> Booleans:
+        """Take colors into the look. Returns (h, w), where they replace it.
+
+        Somebody may have stood here at first. So each pixel takes a majority vote, as in R. Boyer and J. Moore,
+        MJRTY, 1981: it counts votes for the look, less those against it. At none, the other color is the look.
+        """
+        away = np.abs(colors - self._look).max(axis=2)
+        alike = valid & (away < ALIKE * np.maximum(self._look.mean(axis=2), DARK))
+        self._votes += alike
+        self._votes -= valid & ~alike
+        replaced = self._votes < 0
+        self._votes[replaced] = 1
+        np.minimum(self._votes, MEAN_OF, out=self._votes)
+        weight = (alike / np.maximum(self._votes, 1) + replaced)[..., None]
+        self._look += weight * (colors - self._look)
+        return replaced
 
     def _measure_light(self, colors: Floats, valid: Booleans) -> None:
         """The light on the wall around the tag, and from there under it: factors of that in ``look``."""
@@ -169,6 +194,7 @@ class _Patch:
         self._light = cv2.resize(light.reshape(CELLS, CELLS, 3), SIZE, interpolation=cv2.INTER_LINEAR)
 
     def _inpaint(self, squares: Sequence[Floats]) -> None:
+        self._replaced, self._inpainted_at = 0, self._count
         look = np.clip(np.round(self._look), 0, 255).astype(np.uint8)
         to_patch = np.diag([*SIZE, 1.0]) @ homography_from(PATCH) @ homography_from(self.place)
         tags = np.zeros(SIZE, np.uint8)  # also those nearby

@@ -22,8 +22,8 @@ STEEL, TIRE, LAMP = (84, 82, 80), (30, 30, 30), (70, 200, 80)
 AWAY_M = 0.3
 SHARE_M = 1.05               # what is 1 on a canvas: so large is a small child, whose head the camera sees
 LEFT_M, TOP_M = -1.6, 1.155  # the top left of the canvas
-CANVAS_PX = 900, 480        # of the layer that is seen from the camera
-SHARE_PX = 420
+CANVAS_PX = 1200, 480       # of the layer that is seen from the camera
+SHARE_PX = 300
 
 Point = Sequence[float]
 Color = Tuple[int, int, int]  # (blue, green, red)

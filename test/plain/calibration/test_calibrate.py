@@ -105,13 +105,15 @@ def test_the_layout_of_tags_is_learned_from_tilted_views():
 def test_of_a_still_camera_one_view_is_left_and_of_a_moving_one_the_different_ones():
     views = views_of(LENSES['barrel'], sheet(), 3)
     assert len(different_views([views[0]] * 50, SIZE)) == 1
+    with pytest.raises(InputError, match='1 of the 50 views of the sheet differ'):
+        calibrate([views[0]] * 50, SIZE)
     assert len(different_views(views * 20, SIZE)) == 3
     assert 0 < coverage(views[:1], SIZE) < coverage(views, SIZE) <= 1
 
 
 def test_too_few_or_too_equal_views_are_refused_with_advice():
     views = views_of(LENSES['barrel'], sheet())
-    with pytest.raises(InputError, match='only 3 views .* at least %d' % MIN_VIEWS):
+    with pytest.raises(InputError, match='3 of the 3 views .* at least %d' % MIN_VIEWS):
         calibrate(views[:3], SIZE)
     flat = views_of(LENSES['no distortion'], sheet(), 12, tilt=0.001)
     with pytest.raises(InputError, match='tilted'):
