@@ -17,7 +17,7 @@ import numpy as np
 from aruco_ar import Detector, InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.base.progress import progress
-from aruco_ar.calibration.calibrate import View, calibrate
+from aruco_ar.calibration.calibrate import GOOD_COVERAGE, View, calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
@@ -162,6 +162,8 @@ def main(argv):
     print('error         %.2f px in %d views; %.2f px in views that were held out'
           % (found.rms, found.views, found.held_out))
     print('coverage      %.0f %% of the frame' % (100 * found.coverage))
+    if found.coverage < GOOD_COVERAGE:
+        print('This lens is not sure near the rims of the frame: show the sheet there, too.')
     print('Wrote %s' % args.out)
 
 

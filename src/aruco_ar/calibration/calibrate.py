@@ -10,6 +10,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
+from aruco_ar.tags.corner_rays import found_corners
 
 from .layout import learn_layout
 
@@ -17,19 +18,25 @@ MIN_VIEWS = 8
 MAX_VIEWS = 60
 LEAST, ALIKE = 0.002, 0.04  # between two views (see View.describe): both are used, and both count
 MIN_POINTS = 8              # of a view
-ROUNDS = 4                  # of lens and layout in turn
+ROUNDS = 3, 16              # of lens and layout in turn, at least and at most
+SMALL_GAIN = 0.995          # no further round if the error is not less than this share of the one before
 HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
 OUTLIER = 3.0               # a view whose error is so many times the usual one is left out
 BETTER = 0.998              # a lens with more coefficients must fit held-out views so much better
 MAX_FOCAL_DEVIATION = 0.02  # standard deviation of the focal length, as a share of it
+MAX_BEND_PX = 3.0           # by which bent edges move a corner
 MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
 CELLS = 8, 6                # of the frame, for the coverage
 SURE = ('Show the sheet larger and in all corners of the frame, from the left, the right, above and below, '
         'tilted by up to 45 degrees.')
 
-# What is fixed in OpenCV's models, simplest first. p1 and p2 are always free.
+GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
+
+# What is fixed in OpenCV's models, simplest first. p1 and p2 of a pinhole are always free.
 PINHOLE = cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3, cv2.CALIB_FIX_K3, 0
-FISHEYE = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+ALWAYS = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+FISHEYE = (ALWAYS | cv2.fisheye.CALIB_FIX_K2 | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4,
+           ALWAYS | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4, ALWAYS)
 
 
 @dataclass(frozen=True)
@@ -107,18 +114,24 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
     views = different_views(views, size, LEAST)
     if len(views) < MIN_VIEWS:
         raise InputError('%s %s' % (few, SURE))
-    models = (FISHEYE,) if fisheye else PINHOLE
+    models = FISHEYE if fisheye else PINHOLE
     solver = _Solver(size, fisheye, board)
     lens = _without_distortion(views, size)
     kept = list(views)
-    for number in range(ROUNDS):
-        layout = board or learn_layout([{key: lens.undistort(points) for key, points in view.points.items()}
-                                        for view in kept])
-        solver.layout = layout
-        lens, errors = solver.solve(kept, models[-1] if number else models[0])
+    before = np.inf
+    for number in range(ROUNDS[1]):
+        straight = kept if board else [_straightened(view, lens) for view in kept]
+        solver.layout = board or learn_layout(
+            [{key: lens.undistort(points) for key, points in view.points.items()} for view in straight])
+        lens, errors = solver.solve(straight, models[-1] if number else models[0])
         within = errors < OUTLIER * np.median(errors)
         if np.count_nonzero(within) >= MIN_VIEWS:
             kept = [view for view, is_within in zip(kept, within) if is_within]
+        error = np.mean(errors[within])
+        if number >= ROUNDS[0] and error > SMALL_GAIN * before:
+            break
+        before = error
+    kept = kept if board else [_straightened(view, lens) for view in kept]
     tested = kept[::HELD_OUT]
     learned = [view for number, view in enumerate(kept) if number % HELD_OUT]
     best, held_out = models[0], np.inf
@@ -137,6 +150,13 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
     if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
     return Calibrated(lens, rms, held_out, len(kept), coverage(kept, size))
+
+
+def _straightened(view: View, lens: Lens) -> View:
+    """A view of tags as if the lens had not bent their edges: see found_corners."""
+    quads = np.array(list(view.points.values()))
+    off = found_corners(lens, np.nan_to_num(lens.rays(quads))) - quads if lens.bends else np.zeros_like(quads)
+    return View(dict(zip(view.points, quads - np.clip(off, -MAX_BEND_PX, MAX_BEND_PX))))
 
 
 def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:

@@ -18,7 +18,7 @@ MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidi
           '': (0, 4, 5, 8)}
 # Kinds of InputErrors.
 NO_CAMERA_INFO, NO_CALIBRATION = 'no camera_info', 'camera_info without calibration'
-CALIBRATE = 'Calibrate it: rosrun camera_calibration cameracalibrator.py'
+CALIBRATE = 'Calibrate it: rosrun unit5 calibrate_camera.py --help'
 FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
 FOCAL_SHARES = 0.1, 100  # limits of the focal length, divided by the image's longer side: 157 to 0.6 degrees

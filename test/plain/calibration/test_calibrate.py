@@ -5,6 +5,7 @@ import pytest
 from aruco_ar import InputError, Lens
 from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, coverage, different_views
 from aruco_ar.calibration.layout import learn_layout
+from aruco_ar.tags.corner_rays import found_corners
 
 SIZE = 640, 480
 MATRIX = np.array([[560.0, 0, 322.0], [0, 558.0, 236.0], [0, 0, 1]])
@@ -28,7 +29,7 @@ def sheet(columns=4, rows=3, gap=1.4):
 
 
 def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0):
-    """Views of a sheet that is moved and tilted at random; only what is in the frame is seen."""
+    """Views of a sheet that is moved and tilted at random, as a Detector finds its tags in the frame."""
     random, views = np.random.RandomState(seed), []
     middle = np.concatenate(list(layout.values())).mean(axis=0)
     reach = 2 if lens.fisheye else 1
@@ -39,7 +40,7 @@ def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0):
         view = {}
         for tag_id, corners in layout.items():
             seen = np.column_stack([corners - middle, np.zeros(4)]) @ turn.T + shift
-            pixels = lens.project(seen)
+            pixels = found_corners(lens, seen[None, :, :2] / seen[None, :, 2:])[0]
             if np.all(np.isfinite(pixels)) and np.all(pixels > 0) and np.all(pixels < np.array(SIZE) - 1):
                 view[tag_id] = pixels + random.normal(0, noise, (4, 2))
         if len(view) >= 2:

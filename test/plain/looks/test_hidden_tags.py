@@ -22,11 +22,17 @@ def without_tags(wall):
     return replace(wall, tags=tuple(replace(tag, side=1e-4) for tag in wall.tags))
 
 
-def surroundings(wall, number, camera):
-    """(h, w) bool: where tags and their paper are."""
-    view = wall_to_camera(Pose(-1.9, 0.1 + 0.004 * number, -0.05 - 0.001 * number))
-    bare, with_tags = (WallRenderer(each, camera).render(*view) for each in (without_tags(wall), wall))
-    return np.any(bare != with_tags, axis=2)
+class Surroundings:
+    """Where tags and their paper are."""
+
+    def __init__(self, wall, camera=STRAIGHT):
+        self._renderers = [WallRenderer(each, camera) for each in (without_tags(wall), wall)]
+
+    def at(self, number):
+        """(h, w) bool, in the frame of that number of a Drive."""
+        view = wall_to_camera(Pose(-1.9, 0.1 + 0.004 * number, -0.05 - 0.001 * number))
+        bare, with_tags = (renderer.render(*view) for renderer in self._renderers)
+        return np.any(bare != with_tags, axis=2)
 
 
 def decibels(image, truth, where):
@@ -39,13 +45,14 @@ def test_where_the_tags_were_is_the_wall_as_it_would_be_without_them(wall, noise
     drive, hides = Drive(wall, camera, noise), stage(CLEAR, tags='hide')
     bare = Drive(without_tags(wall), camera, noise)
     lens = camera.lens if camera.lens.bends else None
+    around = Surroundings(wall, camera)
     for number in range(20):
         frame, _ = drive.frame(number)
         truth, _ = bare.frame(number)
         image = painted(hides, frame, number, lens)
         assert len(tags_in(frame)) == 4 and tags_in(image) == []
         # The wall's plaster is random. Noise of 3 alone, which a cover has not, makes 38.6 dB.
-        assert decibels(image, truth, surroundings(wall, number, camera)) > (33.5 if noise else 35)
+        assert decibels(image, truth, around.at(number)) > (33.5 if noise else 35)
 
 
 def test_without_the_setting_the_tags_stay(wall):
@@ -55,9 +62,10 @@ def test_without_the_setting_the_tags_stay(wall):
 
 def test_what_covers_a_tag_stays_in_front_and_hides_nothing_else(wall):
     drive, hides = Drive(wall), stage(CLEAR, tags='hide', foreground='keep')
+    around = Surroundings(wall)
     for number in range(30):
         frame, _ = drive.frame(number)
-        where = surroundings(wall, number, STRAIGHT)
+        where = around.at(number)
         things = np.zeros(frame.shape[:2], bool)
         if number > FRAMES_PER_S:
             x, y = np.argwhere(where).min(axis=0)[::-1]
@@ -70,21 +78,23 @@ def test_what_covers_a_tag_stays_in_front_and_hides_nothing_else(wall):
 
 def test_the_cover_takes_the_light_of_the_wall(wall):
     drive, bare, hides = Drive(wall), Drive(without_tags(wall)), stage(CLEAR, tags='hide')
+    around = Surroundings(wall)
     for number in range(30):
         (frame, _), (truth, _) = drive.frame(number), bare.frame(number)
         factor = np.ones(frame.shape) if number < 10 else \
             np.linspace(1, 0.4, 640)[:, None] * (0.8, 0.9, 1.0) + np.zeros(frame.shape)
         frame, truth = (np.uint8(np.round(image * factor)) for image in (frame, truth))
         image = painted(hides, frame, number)
-        assert decibels(image, truth, surroundings(wall, number, STRAIGHT)) > 33
+        assert decibels(image, truth, around.at(number)) > 33
 
 
 def test_a_tag_that_is_out_of_sight_stays_hidden(wall):
     drive, hides = Drive(wall), stage(CLEAR, tags='hide')
+    around = Surroundings(wall)
     for number in range(25):
         frame, _ = drive.frame(number)
         if number >= 15:  # a scratch over one tag, so that it is not found
-            x, y = np.argwhere(surroundings(wall, number, STRAIGHT)).min(axis=0)[::-1]
+            x, y = np.argwhere(around.at(number)).min(axis=0)[::-1]
             cv2.line(frame, (x, y), (x + 60, y + 60), (255, 255, 255), 12)
             assert len(tags_in(frame)) == 3
         image = painted(hides, frame, number)

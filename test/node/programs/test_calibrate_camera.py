@@ -1,0 +1,108 @@
+"""calibrate_camera.py on simulated videos and photos, and what it says about bad ones."""
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from aruco_ar.simulation.render import WallRenderer
+from aruco_ar.simulation.robot import Camera
+from aruco_ar.walls.wall import load_wall
+from aruco_node.nodes.calibration import lens_from_info
+from calibrate_camera import main
+from sensor_msgs.msg import CameraInfo
+
+TAGS = '[%s]' % ', '.join(
+    '{id: %d, x: %.3f, y: %.3f, side: 0.16, turn: %d}'
+    % (number + 20, 0.23 * (number % 4) - 0.34, 0.23 * (number // 4) + 0.76, 90 * (number % 4))
+    for number in range(12))
+BARREL = Camera(distortion=[-0.25, 0.07, 0.001, 0.0, 0.0])
+
+
+def frames_of(camera, path, content, count=36):
+    """Yield frames of a wall, seen from all sides. ``content``: lines of the wall's YAML file."""
+    path.write_text('wall: {width: 1.2, height: 2, plaster: 0}\n' + content)
+    renderer, random = WallRenderer(load_wall(str(path)), camera, noise=1.0, blur=0.5), np.random.RandomState(3)
+    for _ in range(count):
+        # In wall coordinates z points to the viewer and y up; in camera coordinates z points away and y down.
+        turn = cv2.Rodrigues(random.uniform(-0.55, 0.55, 3) * (1, 1, 0.4))[0] @ np.diag([1.0, -1, -1])
+        depth = random.uniform(0.75, 1.3)
+        side = np.tan(camera.fov / 2) * 0.6 * depth  # up to so far from the middle
+        middle = np.array([*(random.uniform(-side, side, 2) * (1.1, 0.8)), depth])
+        yield renderer.render(turn, middle - turn @ (0, 1.0, 0))
+
+
+def lens_of_file(path):
+    """The Lens that the nodes take from a calibration file."""
+    with open(path) as file:
+        data = yaml.safe_load(file)
+    info = CameraInfo(width=data['image_width'], height=data['image_height'],
+                      distortion_model=data['distortion_model'], D=data['distortion_coefficients']['data'],
+                      K=data['camera_matrix']['data'], R=data['rectification_matrix']['data'],
+                      P=data['projection_matrix']['data'])
+    return lens_from_info(info, (640, 480))
+
+
+def corners_off(lens, truth):
+    """By how many pixels a lens is off at the corners of the frame, after the best turn of the whole camera."""
+    grid = np.stack(np.meshgrid(np.linspace(0, 639, 9), np.linspace(0, 479, 7)), axis=-1).reshape(-1, 2)
+    rays, true_rays = (np.column_stack([each.rays(grid), np.ones(len(grid))]) for each in (lens, truth))
+    rays, true_rays = (each / np.linalg.norm(each, axis=1, keepdims=True) for each in (rays, true_rays))
+    left, _, right = np.linalg.svd(rays.T @ true_rays)
+    return np.linalg.norm(truth.project(rays @ left @ right) - grid, axis=1)[[0, 8, -9, -1]].max()
+
+
+def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
+    path, out = str(tmp_path / 'sheet.avi'), str(tmp_path / 'camera.yaml')
+    video = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), 10, (640, 480))
+    for frame in frames_of(BARREL, tmp_path / 'wall.yaml', 'tags: ' + TAGS):
+        video.write(frame)
+    video.release()
+    main([path, '--out', out, '--name', 'webcam'])
+    said = capsys.readouterr().out
+    assert '36 frames of 640 x 480 pixels' in said and 'coverage' in said and 'held out' in said
+    assert 'Wrote %s' % out in said
+    lens = lens_of_file(out)
+    assert lens.matrix[0, 0] == pytest.approx(BARREL.matrix[0, 0], rel=0.01)
+    assert corners_off(lens, BARREL.lens) < 0.5
+    with open(out) as file:
+        assert yaml.safe_load(file)['camera_name'] == 'webcam'
+
+
+def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
+    camera = Camera(fov=1.6, distortion=[0.02, -0.01, 0.0, 0.0], fisheye=True)
+    board = cv2.aruco.CharucoBoard((6, 5), 1.0, 0.7, cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_5X5_100))
+    cv2.imwrite(str(tmp_path / 'board.png'), board.generateImage((1200, 1000)))
+    content = 'dictionary: DICT_4X4_50\ntags: [{id: 0, x: 0.5, y: 0.1, side: 0.01}]\n' \
+              'posters: [{image: board.png, x: 0, y: 1, width: 1.08, height: 0.9}]'
+    paths = []
+    for number, frame in enumerate(frames_of(camera, tmp_path / 'wall.yaml', content)):
+        paths.append(str(tmp_path / ('%02d.png' % number)))
+        cv2.imwrite(paths[-1], frame)
+    out = str(tmp_path / 'fisheye.yaml')
+    main([*paths, '--fisheye', '--charuco', '6x5:0.7', '--dictionary', 'DICT_5X5_100', '--out', out])
+    lens = lens_of_file(out)
+    assert lens.fisheye and lens.matrix[0, 0] == pytest.approx(camera.matrix[0, 0], rel=0.01)
+    assert corners_off(lens, camera.lens) < 0.5
+
+
+@pytest.mark.parametrize('arguments, words', [
+    (['none.mp4'], ['There is no file "none.mp4"']),
+    (['{text}'], ['text.mp4" is neither a video nor a photo']),
+    (['{gray}'], ['No tag of DICT_6X6_250 is in sight in any of 1 frames', '--dictionary NAME']),
+    (['{gray}', '{small}'], ['frames of 64 x 48 pixels, and those before it have 640 x 480']),
+    (['{gray}', '--dictionary', 'DICT_7'], ['DICT_7']),
+    (['{gray}', '--charuco', '1x1'], ['"1x1" is no board', '5x7:0.75'])])
+def test_what_cannot_be_used_is_refused_by_name(package, tmp_path, arguments, words):
+    (tmp_path / 'text.mp4').write_text('no video')
+    cv2.imwrite(str(tmp_path / 'gray.png'), np.full((480, 640, 3), 90, np.uint8))
+    cv2.imwrite(str(tmp_path / 'small.png'), np.full((48, 64, 3), 90, np.uint8))
+    names = {'text': tmp_path / 'text.mp4', 'gray': tmp_path / 'gray.png', 'small': tmp_path / 'small.png'}
+    done = subprocess.run([sys.executable, package + '/src/calibrate_camera.py',
+                           *(argument.format(**names) for argument in arguments)],
+                          cwd=str(tmp_path), capture_output=True, text=True)
+    assert done.returncode != 0 and not (tmp_path / 'camera.yaml').exists()
+    for word in words:
+        assert word in done.stderr
+    assert 'Traceback' not in done.stderr
