@@ -2,8 +2,8 @@
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.exercise import TRACKER, Stage
+from aruco_ar.hints.hints import HINT_PARAMETERS, Hints
 from aruco_ar.painting.picture import resize
-from aruco_ar.tags.other_tags import OtherTags
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
@@ -34,7 +34,7 @@ class CameraNode(FrameNode):
             self._areas = load_areas(self.settings.areas)
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
-        self._other_tags = self._new_other_tags(self.settings)
+        self._hints = self._new_hints(self.settings)
         self._tags = self.advertise('~tags', TagArray)
         self._calibration = None
         if isinstance(self.settings, LensSettings):
@@ -50,7 +50,7 @@ class CameraNode(FrameNode):
         for stage in self._stages:
             results.append(self._exercise.step(stage.scene(frame, image, stamp, self.lens)))
             image = results[-1].images[-1]
-        self._look_for_others(frame, stamp, any(result.tags for result in results))
+        self._hint(frame, stamp, results)
         return self.answer(results, header)
 
     def answer(self, results, header):
@@ -70,9 +70,10 @@ class CameraNode(FrameNode):
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
-        hint = self._other_tags.hint
-        if hint and level < ERROR:
-            level, sentence = WARN, hint
+        if self._hints.warning and level < ERROR:
+            level, sentence = WARN, self._hints.warning
+        for kind, hint in self._hints.notes.items():
+            values[kind] = hint
         return level, sentence, values
 
     def decode(self, message):
@@ -102,13 +103,11 @@ class CameraNode(FrameNode):
                              'a picture of its own. Change the picture in that file, and start the node again.')
         stages = [stage.changed(of_area)
                   for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
-
-        finds_others = all(getattr(settings, name) == getattr(self.settings, name)
-                           for name in ('dictionary', 'ids'))
-        other_tags = self._other_tags if finds_others else self._new_other_tags(settings)
+        same = all(getattr(settings, name) == getattr(self.settings, name) for name in HINT_PARAMETERS)
+        hints = self._hints if same else self._new_hints(settings)
 
         def apply():
-            self._other_tags = other_tags
+            self._hints = hints
             before, self._stages = self._topic_pictures(), stages
             for picture in set(before) - set(self._topic_pictures()):
                 picture.update_subscription(False)
@@ -136,17 +135,20 @@ class CameraNode(FrameNode):
                 log_once(error.kind, self.explain(self.lens_fault),
                          rospy.loginfo if error.kind == NO_CALIBRATION else rospy.logwarn)
 
-    def _new_other_tags(self, settings):
+    def _new_hints(self, settings):
         of_areas = self._settings_of_areas(settings)
         ids = [tag_id for of_area in of_areas for tag_id in of_area.ids] \
             if all(of_area.ids for of_area in of_areas) else []
-        return OtherTags(of_areas[0].dictionary, ids)
+        return Hints(of_areas[0].dictionary, ids, settings.search, getattr(settings, 'upright', None))
 
-    def _look_for_others(self, frame, stamp, found_wanted):
-        others = self._other_tags
-        others.update(frame, stamp, found_wanted)
-        if others.hint:
-            log_once(others.hint, others.hint, rospy.logwarn)
+    def _hint(self, frame, stamp, results):
+        """Tell what a user may have overlooked, if anything, once."""
+        tags = [tag for result in results for tag in result.tags]
+        self._hints.update(frame, stamp, tags, [result.area for result in results])
+        if self._hints.warning:
+            log_once(self._hints.warning, self._hints.warning, rospy.logwarn)
+        for kind, hint in self._hints.notes.items():
+            log_once(kind, hint, rospy.loginfo)
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

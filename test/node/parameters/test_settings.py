@@ -55,7 +55,7 @@ def test_ids_may_be_any(ids):
 
 
 @pytest.mark.parametrize('name, value, allowed', [
-    ('dictionary', 'DICT_6x6_250', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
+    ('dictionary', 'DICT_6X6_260', 'DICT_6X6_250'), ('dictionary', 7, 'one of'),
     ('ids', '1,2,3', 'four different'), ('ids', [1, 2, 3, 3], 'four different'), ('ids', 5, 'four'),
     ('ids', 'a,b,c,d', 'four'), ('ids', [1, 2, 3, 4.5], 'four'), ('ids', {'a': 1}, 'four'),
     ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),

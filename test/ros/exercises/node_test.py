@@ -138,7 +138,7 @@ class Node(NodeTest):
 
     def test_a_wrong_parameter_ends_the_node_with_a_sentence(self):
         for name, argument, words in (
-                ('exercise5_2.py', '_dictionary:=DICT_6x6_250', ['~dictionary', 'DICT_6x6_250', 'DICT_4X4_50']),
+                ('exercise5_2.py', '_dictionary:=DICT_6X6_260', ['~dictionary', 'DICT_6X6_260', 'DICT_4X4_50']),
                 ('exercise5_3.py', '_ids:=[1,2]', ['~ids', '[1, 2]', 'four different tags']),
                 ('exercise5_4.py', '_scale:=0', ['~scale', '0', 'a number from 0.01 to 4']),
                 ('exercise5_5.py', '_transport:=theora', ['~transport', 'theora', 'raw, compressed']),

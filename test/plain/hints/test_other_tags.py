@@ -3,7 +3,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector
-from aruco_ar.tags.other_tags import OtherTags
+from aruco_ar.hints.other_tags import OtherTags
 
 FRAMES_PER_S = 10
 

@@ -6,9 +6,8 @@ from typing import Iterable, Sequence
 import cv2
 
 from aruco_ar.base.arrays import Image
-
-from .detector import Detector
-from .tag import DICTIONARIES, DICTIONARY_NAMES, get_dictionary
+from aruco_ar.tags.detector import Detector
+from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, get_dictionary
 
 WAIT_S = 2.0     # without any tag, before others are looked for
 LOOK_S = 0.25    # between two looks: each is for the tags of one family of dictionaries

@@ -1,0 +1,59 @@
+"""What may surprise a user of an area that was found: which tags it is between, and which way up it is."""
+from __future__ import annotations
+
+from typing import Sequence
+
+import numpy as np
+
+from aruco_ar.tags.tag import Tag
+from aruco_ar.tracking.area import Area
+
+LASTING_S = 2.0  # what is true for so long is said
+NEAR = 0.1       # of the area's shortest side: a corner that is so near to a tag's center is at that tag
+
+
+class AreaHints:
+    """Watches an area, frame by frame. ``sentences``: {kind: sentence}, those that are true now."""
+
+    def __init__(self, ids: Sequence[int], upright: str | None) -> None:
+        """``ids``: those that the area's tags must have, if any. ``upright``: see Tracker; None without one."""
+        self._ids, self._upright = ids, upright
+        self.sentences: dict[str, str] = {}
+        self._since: dict[str, float] = {}
+
+    def update(self, stamp: float, tags: Sequence[Tag], area: Area | None) -> None:
+        """Take in a frame at a time, seconds, with the tags in sight and the Area, if it is known."""
+        found = {}
+        if area is not None:
+            found = {'more than four tags': None if self._ids else _choice(tags, area),
+                     'upside down': _upside_down(area) if self._upright == 'tags' else None}
+        self._since = {kind: min(self._since.get(kind, stamp), stamp)
+                       for kind, sentence in found.items() if sentence}
+        self.sentences = {kind: sentence for kind, sentence in found.items()
+                          if sentence and stamp - self._since[kind] >= LASTING_S}
+
+
+def _choice(tags: Sequence[Tag], area: Area) -> str | None:
+    ids = sorted({tag.id for tag in tags})
+    if len(ids) <= 4:
+        return None
+    centers = np.array([tag.center for tag in tags])
+    away = np.linalg.norm(area.corners[:, None] - centers, axis=2)
+    sides = np.linalg.norm(area.corners - np.roll(area.corners, -1, axis=0), axis=1)
+    if away.min(axis=1).max() > NEAR * sides.min():
+        return None  # a tag of the area is out of sight
+    return '%d tags are in sight: %s. The area is between the outermost four, %s. Choose others by ids:=%s.' % (
+        len(ids), _listed(ids), _listed([tags[number].id for number in away.argmin(axis=1)]),
+        ','.join(map(str, ids[:4])))
+
+
+def _listed(ids: Sequence[int]) -> str:
+    return ', '.join(map(str, ids[:12])) + (', ...' if len(ids) > 12 else '')
+
+
+def _upside_down(area: Area) -> str | None:
+    top, foot = area.corners[:2].mean(axis=0), area.corners[2:].mean(axis=0)
+    across, down = foot - top
+    if down > -abs(across):
+        return None
+    return 'The tags hang upside down in the image, and so does the picture. Turn it by upright:=image.'

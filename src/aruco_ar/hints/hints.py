@@ -1,0 +1,46 @@
+"""All that a user of a camera may have overlooked."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from aruco_ar.base.arrays import Image
+from aruco_ar.tags.tag import Tag
+from aruco_ar.tracking.area import Area
+
+from .area_hints import AreaHints
+from .missed_tags import MissedTags
+from .other_tags import OtherTags
+
+HINT_PARAMETERS = 'dictionary', 'ids', 'search', 'upright'  # hints begin anew if one of these is changed
+
+
+class Hints:
+    """Watches frames and what is found in them.
+
+    ``warning``: a sentence about what keeps tags from being found, with the remedy, or None. ``notes``:
+    {kind: sentence} about what may surprise.
+    """
+
+    def __init__(self, dictionary: str, ids: Sequence[int], search: str, upright: str | None) -> None:
+        """``dictionary``, ``ids``, ``search``: those of the Detector. ``upright``: see Tracker."""
+        self._other_tags = OtherTags(dictionary, ids)
+        self._missed_tags = MissedTags(dictionary, ids, search)
+        self._area_hints = AreaHints(ids, upright)
+
+    @property
+    def warning(self) -> str | None:
+        return self._other_tags.hint or self._missed_tags.hint
+
+    @property
+    def notes(self) -> dict[str, str]:
+        return self._area_hints.sentences
+
+    def update(self, frame: Image, stamp: float, tags: Sequence[Tag], areas: Sequence[Area | None]) -> None:
+        """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds.
+
+        ``tags``: those in sight. ``areas``: each Area, or None where it is not known.
+        """
+        has_area = any(area is not None for area in areas)
+        self._other_tags.update(frame, stamp, bool(tags) or has_area)
+        self._missed_tags.update(frame, stamp, {tag.id for tag in tags}, has_area)
+        self._area_hints.update(stamp, tags, areas[0] if len(areas) == 1 else None)

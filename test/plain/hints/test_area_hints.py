@@ -1,0 +1,50 @@
+"""What a user is told about an area that was found."""
+import numpy as np
+import pytest
+from aruco_ar import Area, Tag
+from aruco_ar.hints.area_hints import AreaHints
+
+CORNERS = np.float32([[100, 100], [400, 110], [390, 300], [95, 310]])
+SQUARE = np.float32([[-10, -10], [10, -10], [10, 10], [-10, 10]])
+
+
+def tags_at(places, first=1):
+    return [Tag(first + number, SQUARE + place) for number, place in enumerate(np.float32(places))]
+
+
+def sentences(tags, area, ids=(), upright='tags', seconds=3):
+    hints = AreaHints(ids, upright)
+    for number in range(10 * seconds):
+        hints.update(number / 10, tags, area)
+    return list(hints.sentences.values())
+
+
+def test_of_more_than_four_tags_it_says_which_were_taken_and_what_chooses_others():
+    tags = tags_at([*CORNERS, (250, 200), (200, 160)])
+    assert sentences(tags, Area(CORNERS)) == [
+        ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four, 1, 2, 3, 4. '
+        'Choose others by ids:=1,2,3,4.')]
+    assert sentences(tags, Area(CORNERS), ids=(1, 2, 3, 4)) == []
+    assert sentences(tags, Area(CORNERS), seconds=1) == []
+
+
+@pytest.mark.parametrize('tags', [tags_at(CORNERS), tags_at([*CORNERS[1:], (250, 200), (200, 160)])])
+def test_with_four_tags_or_with_one_of_them_out_of_sight_it_says_nothing(tags):
+    assert sentences(tags, Area(CORNERS)) == []
+
+
+def test_a_picture_that_is_upside_down_comes_with_the_remedy():
+    turned = Area(np.roll(CORNERS, 2, axis=0))
+    assert sentences(tags_at(CORNERS), turned) == [
+        'The tags hang upside down in the image, and so does the picture. Turn it by upright:=image.']
+    assert sentences(tags_at(CORNERS), turned, upright='image') == []
+    assert sentences(tags_at(CORNERS), Area(np.roll(CORNERS, 1, axis=0))) == []
+
+
+def test_a_hint_is_withdrawn_when_it_is_true_no_more():
+    hints = AreaHints((), 'tags')
+    for number in range(50):
+        hints.update(number / 10, tags_at(CORNERS), Area(np.roll(CORNERS, 2 if number < 40 else 0, axis=0)))
+        assert bool(hints.sentences) == (20 <= number < 40)
+    hints.update(6.0, [], None)
+    assert hints.sentences == {}
