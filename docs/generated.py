@@ -29,7 +29,7 @@ SETTINGS = [
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'page']
-PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall']
+PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
 
 
 def write_all(folder):

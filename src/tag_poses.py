@@ -67,6 +67,8 @@ class PoseResult(Result):
 class TagPoses(CameraNode):
     """Publishes the poses of the tags, the area, the camera and the robot."""
 
+    needs_calibration = True
+
     def __init__(self):
         super().__init__(Exercise('tag_poses', self._locate, [TRACKER]), PoseSettings)
         self._wall = _load_wall(self.settings)

@@ -30,8 +30,8 @@ from aruco_node.messages.publishing import ImagePublisher
 from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_transform
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.manual import Manual
-from aruco_node.nodes.node import parameter, run_node
-from aruco_node.parameters.parameters import Number, choice, number, parsed, read, text
+from aruco_node.nodes.node import read_settings, run_node
+from aruco_node.parameters.parameters import Number, choice, number, parsed, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.tolerant import tolerant
@@ -132,7 +132,7 @@ class WallCamera:
     """Publishes the camera's frames, the robot's pose, and the true positions of the tags and of the area."""
 
     def __init__(self):
-        self._settings = read(WallCameraSettings, parameter)
+        self._settings = read_settings(WallCameraSettings)
         self._camera = Camera(distortion=list(self._settings.distortion))
         self._wall = load_wall(in_package(self._settings.wall))
         self._renderer = self._make_renderer(self._settings)

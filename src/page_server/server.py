@@ -13,8 +13,8 @@ from aruco_ar.base.files import package_folder
 from aruco_node.health.diagnostics import OK, Diagnostics
 from aruco_node.health.faults import note_fault
 from aruco_node.nodes.frame_node import CAMERA
-from aruco_node.nodes.node import parameter
-from aruco_node.parameters.parameters import AUTO, number, read, switch, text
+from aruco_node.nodes.node import read_settings
+from aruco_node.parameters.parameters import AUTO, number, switch, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -148,7 +148,7 @@ class Files(BaseHandler, StaticFileHandler):
 
 def serve():
     """Serve the page until ROS shuts down. Raises InputError if it cannot be served."""
-    settings = read(PageSettings, parameter)
+    settings = read_settings(PageSettings)
     address, port = settings.address, int(settings.port)
     for name in ('tornado.application', 'asyncio'):  # their errors go where the node's other faults go
         logging.getLogger(name).parent = logging.getLogger('rosout')

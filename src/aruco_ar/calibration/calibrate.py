@@ -31,10 +31,12 @@ SURE = ('Show the sheet larger and in all corners of the frame, from the left, t
         'tilted by up to 45 degrees.')
 
 GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
+FISHEYE_GUESS = 0.6         # of the frame's longer side: the focal length to begin with
 
 # What is fixed in OpenCV's models, simplest first. p1 and p2 of a pinhole are always free.
 PINHOLE = cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3, cv2.CALIB_FIX_K3, 0
-ALWAYS = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+ALWAYS = (cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
+          | cv2.fisheye.CALIB_USE_INTRINSIC_GUESS)
 FISHEYE = (ALWAYS | cv2.fisheye.CALIB_FIX_K2 | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4,
            ALWAYS | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4, ALWAYS)
 
@@ -170,6 +172,9 @@ class _Solver:
 
     def __init__(self, size: tuple[int, int], fisheye: bool, layout: dict[int, Floats] | None) -> None:
         self._size, self._fisheye = size, fisheye
+        # OpenCV begins with a shorter focal length, for which a corner of the frame may be behind the camera.
+        focal, (x, y) = FISHEYE_GUESS * max(size), (np.array(size) - 1) / 2
+        self._fisheye_guess = np.array([[focal, 0, x], [0, focal, y], [0, 0, 1]])
         self.layout: dict[int, Floats] = layout or {}
         self.focal_deviation = 0.0
 
@@ -186,7 +191,7 @@ class _Solver:
             if self._fisheye:
                 _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
                     [sheet[:, None] for sheet in sheets], [points[:, None] for points in pixels], self._size,
-                    np.eye(3), np.zeros(4), flags=flags)
+                    self._fisheye_guess.copy(), np.zeros(4), flags=flags)
             else:
                 _, matrix, distortion, turns, shifts, deviations, _, _ = cv2.calibrateCameraExtended(
                     [sheet.astype(np.float32) for sheet in sheets],

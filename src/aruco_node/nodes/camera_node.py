@@ -24,6 +24,8 @@ class CameraNode(FrameNode):
     What the exercise keeps from frame to frame is in a Stage of aruco_ar, one for each area.
     """
 
+    needs_calibration = False  # whether there is no result without it
+
     def __init__(self, exercise, kind_of_settings):
         """``kind_of_settings``: the class of the parameters. Raises InputError if one is not valid."""
         super().__init__(exercise.topics, kind_of_settings, looks_for_tags=True)
@@ -103,7 +105,8 @@ class CameraNode(FrameNode):
                              'a picture of its own. Change the picture in that file, and start the node again.')
         stages = [stage.changed(of_area)
                   for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
-        same = all(getattr(settings, name) == getattr(self.settings, name) for name in HINT_PARAMETERS)
+        same = all(getattr(settings, name, None) == getattr(self.settings, name, None)
+                   for name in HINT_PARAMETERS)
         hints = self._hints if same else self._new_hints(settings)
 
         def apply():
@@ -132,8 +135,9 @@ class CameraNode(FrameNode):
         except InputError as error:
             self.lens_fault = InputError('%s: %s' % (self._calibration.topic, error), kind=error.kind)
             if error.kind != NO_CAMERA_INFO:  # many cameras are not calibrated, which is no reason to warn
+                is_usual = error.kind == NO_CALIBRATION and not self.needs_calibration
                 log_once(error.kind, self.explain(self.lens_fault),
-                         rospy.loginfo if error.kind == NO_CALIBRATION else rospy.logwarn)
+                         rospy.loginfo if is_usual else rospy.logwarn)
 
     def _new_hints(self, settings):
         of_areas = self._settings_of_areas(settings)

@@ -12,17 +12,18 @@ from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.health.lateness import Lateness
 from aruco_node.health.silence import SILENCE_S, explain_silence
 from aruco_node.health.snapshot import SnapshotService
-from aruco_node.messages.images import TRANSPORTS
+from aruco_node.messages.images import EMPTY_FRAME, TRANSPORTS
 from aruco_node.messages.publishing import ImagePublisher, ListenerEvents
-from aruco_node.parameters.parameters import read
+from aruco_node.parameters.parameters import AUTO
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.ros_internals.master import is_there, published_topics
 from aruco_node.ros_internals.newest import is_more_pending, subscribe_newest
 from aruco_node.ros_internals.tf_listener import is_time
 
-from .node import parameter
+from .node import read_settings
 
 CAMERA = 'camera/rgb/image_raw'
+OTHER_TRANSPORT_S = 2.0  # after so long without a frame, the other transport may be used
 
 
 @dataclass(frozen=True)
@@ -59,14 +60,14 @@ class FrameNode:
 
         Raises InputError if a parameter is not valid.
         """
-        self.settings = read(kind_of_settings, parameter)
+        self.settings = read_settings(kind_of_settings)
         self.camera = rospy.resolve_name(CAMERA)
-        suffix, self._message_class, self._decode = TRANSPORTS[self.settings.transport]
-        self._topic = self.camera + suffix
+        self._use_transport('raw' if self.settings.transport == AUTO else self.settings.transport)
         self._subscriber = None
         self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
         self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
         self._frame_problem = None  # why the last frame could not be used
+        self._may_be_empty = False  # image_publisher sends one empty frame after each round of a video
         self._wake = threading.Event()  # ends the main loop's sleep
         self.outputs = {topic: ImagePublisher('~' + topic, self._wake.set) for topic in image_topics}
         self._count, self._lateness = FrameCount(looks_for_tags), Lateness()
@@ -80,6 +81,11 @@ class FrameNode:
         ``header``: the frame's. ``stamp``: its time in seconds.
         """
         raise NotImplementedError
+
+    def _use_transport(self, transport):
+        self._transport = transport
+        suffix, self._message_class, self._decode = TRANSPORTS[transport]
+        self._topic = self.camera + suffix
 
     def decode(self, message):
         """The frame in a message, (h, w, 3) BGR uint8. Raises InputError if it holds no usable frame."""
@@ -136,7 +142,11 @@ class FrameNode:
                       ', '.join(output.name for output in self.outputs.values()))
         while not rospy.is_shutdown():
             self._subscribe_if_wanted()
-            if time.monotonic() - self._silent_since > SILENCE_S:
+            silence = time.monotonic() - self._silent_since
+            if self.settings.transport == AUTO and \
+                    silence > (OTHER_TRANSPORT_S if self._subscriber is not None else SILENCE_S):
+                self._try_other_transport()
+            if silence > SILENCE_S:
                 self._log_silence()
             self._diagnostics.update()
             self._wake.wait(1.0)
@@ -163,6 +173,23 @@ class FrameNode:
             self._subscriber = self._frame_problem = None
             self._count.restart()
 
+    @fault_barrier
+    def _try_other_transport(self):
+        """Use the other transport if the camera publishes only that one."""
+        try:
+            published = published_topics()
+        except InputError:
+            return  # the silence is explained elsewhere
+        other = 'raw' if self._transport == 'compressed' else 'compressed'
+        suffix, message_class, _ = TRANSPORTS[other]
+        if self._topic in published or published.get(self.camera + suffix) != message_class._type:
+            return
+        if self._subscriber is not None:
+            self._subscriber.unregister()
+            self._subscriber = None
+        self._use_transport(other)
+        rospy.loginfo('Only the %s frames of %s are published, so these are used.', other, self.camera)
+
     def _explain_no_frames(self):
         """(why no frames arrive, in a sentence, and whether that is all right)."""
         if self._frame_problem:
@@ -176,7 +203,7 @@ class FrameNode:
             return 'Nobody listens to %s, so nothing is computed. To see it: %s' % (
                 ', '.join([*self.result_topics, *own]),
                 self.viewing_hint or 'open the page, or rosrun image_view image_view image:=' + own[-1]), True
-        return explain_silence(self.camera, self.settings.transport, published,
+        return explain_silence(self.camera, self._transport, published,
                                own + [name + '/compressed' for name in own]), False
 
     @fault_barrier
@@ -198,8 +225,11 @@ class FrameNode:
         try:
             with self._processing:
                 self._answer(message, arrival)
-            self._frame_problem = None
+            self._frame_problem, self._may_be_empty = None, True
         except InputError as error:
+            if error.kind == EMPTY_FRAME and self._may_be_empty:
+                self._may_be_empty = False
+                return
             self._frame_problem = str(error)
             log_once(error.kind, self._frame_problem)
         except Exception as error:  # a bug costs one frame, not the node

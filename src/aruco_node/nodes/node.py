@@ -1,4 +1,5 @@
 """Starts and ends a node: what all nodes of this package have in common."""
+import difflib
 import os
 import signal
 import sys
@@ -9,12 +10,12 @@ import traceback
 import cv2
 import rosgraph
 import rospy
-from aruco_ar.base.errors import InputError
+from aruco_ar.base.errors import InputError, shorten
 from rospy.core import is_shutdown_requested
 
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
-from aruco_node.parameters.parameters import quoted
+from aruco_node.parameters.parameters import MAX_QUOTED, parameters_of, quoted, read
 from aruco_node.process.streams import make_streams_safe
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
@@ -98,6 +99,22 @@ def _check_clock():
         rospy.logwarn('The parameter /use_sim_time is %s, but it must be true or false. This node takes it for '
                       '%s; others may not. Set it: rosparam set use_sim_time false.',
                       quoted(clock), str(bool(clock)).lower())
+
+
+def read_settings(kind_of_settings):
+    """The node's private parameters, as an instance of a class of settings.
+
+    A private parameter that the node does not have is logged: it is probably misspelled. Raises InputError for
+    a value that is not allowed.
+    """
+    known = list(parameters_of(kind_of_settings))
+    given = parameter('', {})
+    for name in sorted(set(given if isinstance(given, dict) else ()) - set(known)):
+        if not isinstance(given[name], dict):  # a group is meant for a library, such as image_transport
+            alike = difflib.get_close_matches(name, known, 1, 0.5)
+            rospy.logwarn('This node has no parameter ~%s, so it has no effect. %s', shorten(name, MAX_QUOTED),
+                          'Did you mean ~%s?' % alike[0] if alike else 'All parameters: --help.')
+    return read(kind_of_settings, parameter)
 
 
 def parameter(name, default):

@@ -58,10 +58,10 @@ class Reconfigurer(CheckedServer):
             if settings != self._settings:
                 self._on_change(settings)
         except InputError as error:
-            rospy.logerr('%s Nothing is changed.', error)
+            self.refuse(error)
         except Exception as error:  # a fault of ours: one request is refused, and the node goes on
             note_fault(error)
-            rospy.logerr('The parameters cannot be changed, because this node has a fault. Nothing is changed.')
+            self.refuse('The parameters cannot be changed, because this node has a fault.')
         else:
             self._settings = settings
         config.update(self._live(self._settings))

@@ -74,9 +74,9 @@ class FrameSettings:
     """The parameters of every node that takes frames."""
 
     transport: str = choice(
-        'raw', IMAGE_TYPES,
+        AUTO, (AUTO, *IMAGE_TYPES),
         "which topic the frames are read from: raw is the camera's own; compressed is that with /compressed at "
-        'the end, for JPEG and PNG', live=False)
+        'the end, for JPEG and PNG; auto is raw, unless only compressed is published', live=False)
     folder: str = text(
         '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves images')
 

@@ -14,6 +14,9 @@ from dynamic_reconfigure.server import Server
 
 from .master import ask
 
+# dynparam prints nothing about an answer, only about a service that fails. rqt_reconfigure must not see such a
+# failure: it would change no parameter of this node from then on.
+DYNPARAM = '/dynparam_'
 PRIVATE = '_copy_from_parameter_server', '_copy_to_parameter_server', '_set_callback', '_clamp'
 
 
@@ -47,15 +50,27 @@ class CheckedServer(Server):
             rospy.logwarn('%s The node uses the changed parameters all the same.', error)
 
     def _set_callback(self, request):
-        """Answer a request, a Reconfigure, with all values after it. Its groups are ignored: there are none."""
+        """Answer a request, a Reconfigure, with all values after it. Its groups are ignored: there are none.
+
+        If it is refused, dynparam is sent the reason instead.
+        """
         config = request.config
+        self._refusal = None
         wanted = {item.name: item.value for item in config.bools + config.ints + config.strs + config.doubles}
         try:
             self.check_names(wanted)
         except InputError as error:
-            rospy.logerr('%s Nothing is changed.', error)
+            self.refuse(error)
             wanted = {}
-        return encode_config(self.update_configuration(wanted))
+        answer = encode_config(self.update_configuration(wanted))
+        if self._refusal is not None and request._connection_header.get('callerid', '').startswith(DYNPARAM):
+            raise rospy.ServiceException(self._refusal)
+        return answer
+
+    def refuse(self, error):
+        """Say that a request is refused."""
+        self._refusal = '%s Nothing is changed.' % error
+        rospy.logerr('%s', self._refusal)
 
     def _clamp(self, config):
         """Leave a number beyond its bounds as it is: it is refused, not clipped without a word."""

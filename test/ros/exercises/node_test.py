@@ -120,8 +120,23 @@ class Node(NodeTest):
             source.publish(CvBridge().cv2_to_imgmsg(scene(), 'bgr8'))
             self.assertEqual(inbox.next().height, 480)
 
+    def test_a_camera_that_is_only_compressed_is_found(self):
+        publisher, connections = self.camera(CAMERA + '/compressed', CompressedImage)
+        node = self.start('exercise5_4.py')
+        inbox = self.listen('/exercise5_4/image')
+        node.wait_for('Only the compressed frames of ' + CAMERA, 'are used')
+        connections.wait(1)
+        publisher.publish(CompressedImage(data=cv2.imencode('.png', scene())[1].tobytes()))
+        self.assertEqual(inbox.next().width, 640)
+        publisher.unregister()
+        publisher, connections = self.camera()
+        node.wait_for('Only the raw frames of ' + CAMERA)
+        connections.wait(1)
+        publisher.publish(CvBridge().cv2_to_imgmsg(scene(), 'bgr8'))
+        self.assertEqual(inbox.next().height, 480)
+
     def test_missing_frames_are_explained(self):
-        node = self.start('exercise5_2.py')
+        node = self.start('exercise5_2.py', '_transport:=raw')
         self.listen('/exercise5_2/image')
         node.wait_for('Waiting for frames on ' + CAMERA, 'nothing publishes it')
         publisher, _ = self.camera(CAMERA + '/compressed', CompressedImage)
