@@ -14,7 +14,7 @@ import cv2
 from aruco_ar import InputError, draw_tag
 from aruco_ar.base.files import own_folder, write_whole
 from aruco_ar.base.progress import progress
-from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg
+from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg, tags_around_picture
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_ID = 10000  # no dictionary has an id above this
@@ -61,21 +61,28 @@ def parse(argv):
            help="folder to write to (default: the package's Tags/, or ./Tags)")
     option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
     option('--page', choices=list(PAGES), default='A4', help='paper for the sheet (default: A4)')
-    option('--side', type=float, default=75, metavar='MM',
-           help='side of the tags on the sheet in millimeters (default: 75, four a page)')
+    option('--side', type=float, metavar='MM',
+           help='side of the tags on the sheet in millimeters (default: 75, four a page; 50 around a picture)')
+    option('--around-picture', action='store_true',
+           help='make the sheet a single page to put up as it is, with a tag in each corner')
     args = parser.parse_args(argv)
     if args.quiet is None:
         args.quiet = 1 if args.sheet else 0
     if args.sheet is not None and not args.sheet.lower().endswith('.pdf'):
         parser.error('--sheet takes the name of a PDF file, such as tags.pdf, not "%s"' % args.sheet)
+    if args.around_picture and not args.sheet:
+        parser.error('--around-picture is for a sheet. Give the name of its file, too: --sheet tags.pdf')
+    if args.side is None:
+        args.side = 50 if args.around_picture else 75
     return args
 
 
 def generate(args):
     """(path, bytes) of each file. All are drawn before any is written, in case one of them is impossible."""
     if args.sheet:
-        return [(args.sheet, tag_sheet(args.dictionary, args.ids, args.side, args.page,
-                                       args.border, args.quiet))]
+        draw_pages = tags_around_picture if args.around_picture else tag_sheet
+        return [(args.sheet, draw_pages(args.dictionary, args.ids, args.side, args.page, args.border,
+                                        args.quiet))]
     folder = args.output or own_folder('Tags')
     return [(os.path.join(folder, 'image_%d.%s' % (tag_id, args.format)),
              draw(args.format, args, tag_id)) for tag_id in progress(args.ids, 'tags')]

@@ -4,7 +4,7 @@ from __future__ import annotations
 import io
 from typing import Sequence
 
-from reportlab.lib.pagesizes import A4, LETTER
+from reportlab.lib.pagesizes import A3, A4, LETTER, landscape
 from reportlab.lib.units import mm
 from reportlab.pdfgen.canvas import Canvas
 
@@ -12,14 +12,18 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.progress import progress
 
+from .instructions import draw_instructions
 from .tag import check_quiet, check_size, tag_cells
 
-PAGES = {'A4': A4, 'Letter': LETTER}
+PAGES = {'A4': A4, 'A3': A3, 'Letter': LETTER}
 
 MARGIN_MM = 10       # most printers leave this much of the paper blank
 RULER_MM = 100
 FOOT_MM = 18         # the strip at the page's foot that holds the ruler
 CAPTION_MM = 4       # the line under each tag that holds its id
+LABEL_MM = 2.5       # the height of the id and the arrow in the margin of a tag
+LABEL_SHARE = 0.4    # of the margin, at most: a label that is nearer to the tag would hide its edge
+MIN_LABEL_MM = 1.0
 
 
 def black_runs(cells: Image) -> list[tuple[int, int, int]]:
@@ -58,19 +62,16 @@ def tag_svg(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quie
 
 def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = 'A4', border: int = 1,
               quiet: float = 1) -> bytes:
-    """Pages to print, as the bytes of a PDF file.
+    """Pages to print, as the bytes of a PDF file. The last page says how to hang the tags.
 
     ``side_mm``: the side of each tag, exact if printed at 100 %. ``quiet``: the
-    width of the white margin in cells; a line to cut along surrounds it. The id
-    is in small print below each tag. Each page has a ruler to check the print.
+    width of the white margin in cells; a line to cut along surrounds it. In the
+    margin are the id and an arrow that points up. Each page has a ruler to check
+    the print. Four tags on a page are placed as they belong on the wall.
     Raises InputError for an unknown id or page size, and for tags that do not
     fit on the page.
     """
-    if page not in PAGES:
-        raise InputError('There is no page size "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
-    if not 1 <= side_mm <= 1000:
-        raise InputError('A tag with a side of %g mm cannot be printed; choose from 1 to 1000.' % side_mm)
-    check_quiet(quiet)
+    _check(side_mm, page, quiet)
     tags = [(tag_id, tag_cells(dictionary, tag_id, border)) for tag_id in ids]
     cell_mm = side_mm / len(tags[0][1])
     cut_mm = side_mm + 2 * quiet * cell_mm
@@ -82,6 +83,8 @@ def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = '
         raise InputError('Tags with a side of %g mm do not fit on %s; the largest possible side is %d mm.'
                          % (side_mm, page, int(largest * side_mm / cut_mm)))
 
+    if len(tags) == 4 and columns == 2:
+        tags = [tags[0], tags[1], tags[3], tags[2]]  # clockwise, as around a picture
     file = io.BytesIO()
     canvas = Canvas(file, pagesize=PAGES[page], pageCompression=1)
     canvas.setTitle('%s, side %g mm' % (dictionary, side_mm))
@@ -91,14 +94,84 @@ def tag_sheet(dictionary: str, ids: Sequence[int], side_mm: float, page: str = '
             left = MARGIN_MM + column * cut_mm
             foot = height_mm - MARGIN_MM - cut_mm - row * (cut_mm + CAPTION_MM)
             _draw_cut_line(canvas, left, foot, cut_mm)
-            _draw_cells(canvas, cells, left + quiet * cell_mm, foot + quiet * cell_mm, cell_mm)
+            _draw_tag(canvas, tag_id, cells, left, foot, cell_mm, quiet)
             canvas.setFont('Helvetica', 7)
             canvas.drawString((left + 1) * mm, (foot - CAPTION_MM + 1.5) * mm,
                               '%s  id %d  side %g mm' % (dictionary, tag_id, side_mm))
-        _draw_ruler(canvas)
+        _draw_ruler(canvas, MARGIN_MM, side_mm)
         canvas.showPage()
+    draw_instructions(canvas, width_mm, height_mm, ids, side_mm)
     canvas.save()
     return file.getvalue()
+
+
+def tags_around_picture(dictionary: str, ids: Sequence[int], side_mm: float, page: str = 'A4', border: int = 1,
+                        quiet: float = 1) -> bytes:
+    """One page to put up as it is, with a tag in each corner, as the bytes of a PDF file.
+
+    ``ids``: of the four tags, clockwise from the top left. The other arguments and the errors are those of
+    ``tag_sheet``.
+    """
+    _check(side_mm, page, quiet)
+    if len(set(ids)) != 4:
+        raise InputError('Around a picture are four different tags, not %d. Give four ids.' % len(set(ids)))
+    tags = [(tag_id, tag_cells(dictionary, tag_id, border)) for tag_id in ids]
+    cell_mm = side_mm / len(tags[0][1])
+    cut_mm = side_mm + 2 * quiet * cell_mm
+    width_mm, height_mm = (length / mm for length in landscape(PAGES[page]))
+    right, top = width_mm - MARGIN_MM - cut_mm, height_mm - MARGIN_MM - cut_mm
+    if right - MARGIN_MM - cut_mm < RULER_MM or top - MARGIN_MM < cut_mm:
+        largest = min(width_mm - 2 * MARGIN_MM - RULER_MM, height_mm - 2 * MARGIN_MM) / 2
+        raise InputError('Four tags with a side of %g mm do not fit around a picture on %s; the largest '
+                         'possible side is %d mm.' % (side_mm, page, int(largest * side_mm / cut_mm)))
+    file = io.BytesIO()
+    canvas = Canvas(file, pagesize=landscape(PAGES[page]), pageCompression=1)
+    canvas.setTitle('%s, side %g mm, around a picture' % (dictionary, side_mm))
+    places = (MARGIN_MM, top), (right, top), (right, MARGIN_MM), (MARGIN_MM, MARGIN_MM)
+    for (tag_id, cells), (left, foot) in zip(tags, places):
+        _draw_tag(canvas, tag_id, cells, left, foot, cell_mm, quiet)
+    canvas.setFont('Helvetica', 9)
+    canvas.setFillGray(0.5)
+    size_mm = right - MARGIN_MM, top - MARGIN_MM
+    lines = ('%s   %s' % (dictionary, ' '.join(map(str, ids))),
+             'The picture goes here, from center to center: %.0f x %.0f mm' % size_mm,
+             'Put this page up as it is, flat, this side up.')
+    for number, line in enumerate(lines):
+        canvas.drawCentredString(width_mm / 2 * mm, (height_mm / 2 + 5 - 5 * number) * mm, line)
+    canvas.setFillGray(0)
+    _draw_ruler(canvas, (width_mm - RULER_MM) / 2, side_mm)
+    canvas.save()
+    return file.getvalue()
+
+
+def _check(side_mm: float, page: str, quiet: float) -> None:
+    if page not in PAGES:
+        raise InputError('There is no page size "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
+    if not 1 <= side_mm <= 1000:
+        raise InputError('A tag with a side of %g mm cannot be printed; choose from 1 to 1000.' % side_mm)
+    check_quiet(quiet)
+
+
+def _draw_tag(canvas: Canvas, tag_id: int, cells: Image, left: float, foot: float, cell_mm: float,
+              quiet: float) -> None:
+    """Draw a tag with its margin, and in that, in gray, an arrow that points up and its id."""
+    margin, cut_mm = quiet * cell_mm, (len(cells) + 2 * quiet) * cell_mm
+    _draw_cells(canvas, cells, left + margin, foot + margin, cell_mm)
+    height = min(LABEL_MM, LABEL_SHARE * margin)
+    if height < MIN_LABEL_MM:
+        return
+    canvas.saveState()
+    canvas.setFillGray(0.5)
+    x, y = left + cut_mm / 2, foot + cut_mm - 1.2 * height
+    arrow = canvas.beginPath()
+    arrow.moveTo(x * mm, y * mm)
+    arrow.lineTo((x + height) * mm, y * mm)
+    arrow.lineTo((x + height / 2) * mm, (y + height) * mm)
+    arrow.close()
+    canvas.drawPath(arrow, fill=1, stroke=0)
+    canvas.setFont('Helvetica', height * mm)
+    canvas.drawString((x + 1.5 * height) * mm, (y + 0.1 * height) * mm, str(tag_id))
+    canvas.restoreState()
 
 
 def _draw_cells(canvas: Canvas, cells: Image, left: float, foot: float, cell_mm: float) -> None:
@@ -119,18 +192,18 @@ def _draw_cut_line(canvas: Canvas, left: float, foot: float, side: float) -> Non
     canvas.restoreState()
 
 
-def _draw_ruler(canvas: Canvas) -> None:
-    """A ruler of RULER_MM at the foot of the page."""
+def _draw_ruler(canvas: Canvas, left: float, side_mm: float) -> None:
+    """A ruler of RULER_MM at the foot of the page, and what tag_poses has to know of the size."""
     foot = MARGIN_MM + 4
     canvas.setLineWidth(0.3)
-    canvas.line(MARGIN_MM * mm, foot * mm, (MARGIN_MM + RULER_MM) * mm, foot * mm)
+    canvas.line(left * mm, foot * mm, (left + RULER_MM) * mm, foot * mm)
     for tick in range(RULER_MM + 1):
         height = 4 if tick % 10 == 0 else 3 if tick % 5 == 0 else 2
-        x = (MARGIN_MM + tick) * mm
+        x = (left + tick) * mm
         canvas.line(x, foot * mm, x, (foot + height) * mm)
     canvas.setFont('Helvetica', 7)
     for tick in range(0, RULER_MM + 1, 10):
-        canvas.drawCentredString((MARGIN_MM + tick) * mm, (foot + 5) * mm, str(tick))
-    canvas.drawString(MARGIN_MM * mm, (MARGIN_MM + 0.5) * mm,
-                      'Millimeters. Check with a ruler; if it is off, print again at 100 %, '
-                      'without "fit to page".')
+        canvas.drawCentredString((left + tick) * mm, (foot + 5) * mm, str(tick))
+    check = 'Millimeters. Check with a ruler; if it is off, print again at 100 %, without "fit to page".'
+    for number, line in enumerate((check, 'For poses: tag_size:=%g' % (side_mm / 1000))):
+        canvas.drawString(left * mm, (MARGIN_MM + 0.5 - 3.2 * number) * mm, line)

@@ -1,5 +1,6 @@
 """artag_generator.py as a user runs it: its files, its sheet, and its errors."""
 import os
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -8,7 +9,7 @@ import cv2
 import numpy as np
 import pypdfium2
 import pytest
-from aruco_ar import Detector
+from aruco_ar import Detector, find_area
 from aruco_ar.tags.sheet import PAGES, tag_sheet
 
 DPI = 150
@@ -71,7 +72,7 @@ def test_a_written_svg_is_detected(generate, tmp_path):
 def test_the_tags_on_a_sheet_have_the_exact_size(generate, tmp_path, page, width_mm, height_mm):
     assert generate('--sheet', 'tags.pdf', '--page', page, '--ids', '1-8', '--side', '75')[0] == 0
     pages = read_pages(str(tmp_path / 'tags.pdf'))
-    assert len(pages) == 2
+    assert len(pages) == 3  # the last one says how to hang them
     found = []
     for image in pages:
         assert abs(image.shape[1] * MM_PER_PX - width_mm) < 0.3
@@ -97,10 +98,53 @@ def test_the_sheet_names_the_tags(tmp_path):
     file.write_bytes(tag_sheet('DICT_4X4_50', [3], 62.5, page='Letter'))
     text = pypdfium2.PdfDocument(str(file))[0].get_textpage().get_text_range()
     assert 'DICT_4X4_50 id 3 side 62.5 mm' in ' '.join(text.split()) and '100 %' in text
-    assert set(PAGES) == {'A4', 'Letter'}
+    assert 'tag_size:=0.0625' in text
+    assert set(PAGES) == {'A4', 'A3', 'Letter'}
+
+
+def test_four_tags_on_a_page_are_placed_as_they_belong_each_with_its_id_in_its_margin(tmp_path):
+    file = tmp_path / 'four.pdf'
+    file.write_bytes(tag_sheet('DICT_6X6_250', [1, 2, 3, 4], 75))
+    image = read_pages(str(file))[0]
+    tags = {tag.id: tag for tag in Detector().detect(image)}
+    assert [find_area(list(tags.values())).corners.tolist().index(tags[number].center.tolist())
+            for number in (1, 2, 3, 4)] == [0, 1, 2, 3]
+    for tag in tags.values():  # within the cut line, above the tag, and not at its edge
+        (left, top), (right, _) = tag.corners[:2].astype(int)
+        margin = image[top - int(9 / MM_PER_PX):top - 1, left:right]
+        marked = np.flatnonzero((margin < 200).any(axis=1))
+        assert len(marked) and marked.max() < 0.5 * len(margin)
+
+
+def test_the_last_page_says_how_to_hang_them(tmp_path):
+    file = tmp_path / 'how.pdf'
+    file.write_bytes(tag_sheet('DICT_6X6_250', [5, 6, 7, 8], 75))
+    text = ' '.join(pypdfium2.PdfDocument(str(file))[1].get_textpage().get_text_range().split())
+    for words in 'How to hang the tags', 'up to 2.1 m away', 'tag_size:=0.075', '5', '6', '7', '8':
+        assert words in text
+
+
+@pytest.mark.parametrize('page', ['A4', 'A3', 'Letter'])
+def test_one_page_is_a_wall_of_its_own(generate, tmp_path, page):
+    assert generate('--sheet', 'wall.pdf', '--around-picture', '--page', page, '--ids', '4,7,9,2')[0] == 0
+    (image,) = read_pages(str(tmp_path / 'wall.pdf'))
+    assert image.shape[1] > image.shape[0]
+    tags = {tag.id: tag for tag in Detector().detect(image)}
+    corners = find_area(list(tags.values())).corners
+    np.testing.assert_allclose(corners, [tags[number].center for number in (4, 7, 9, 2)])
+    size = np.ptp(corners, axis=0) * MM_PER_PX
+    text = pypdfium2.PdfDocument(str(tmp_path / 'wall.pdf'))[0].get_textpage().get_text_range()
+    said = re.search('center to center: (\\d+) x (\\d+) mm', text).groups()
+    np.testing.assert_allclose(size, [int(each) for each in said], atol=1)
+    assert 'tag_size:=0.05' in text
+    for tag in tags.values():
+        np.testing.assert_allclose(np.linalg.norm(tag.corners[1] - tag.corners[0]) * MM_PER_PX, 50, atol=0.25)
 
 
 @pytest.mark.parametrize('arguments, words', [
+    (['--around-picture'], '--sheet tags.pdf'),
+    (['--sheet', 'sheet.pdf', '--around-picture', '--ids', '1-3'], 'four different tags, not 3'),
+    (['--sheet', 'sheet.pdf', '--around-picture', '--side', '80'], 'around a picture on A4; the largest'),
     (['--ids', '249-250'], 'id 250 is not in DICT_6X6_250'),
     (['--ids', 'one'], '"one" is not a list of ids'),
     (['--ids', '4-1'], 'smaller number first'),
