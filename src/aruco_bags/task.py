@@ -17,6 +17,7 @@ from aruco_node.messages.pose_messages import pose_message
 from aruco_node.messages.topics import raw_topic
 from aruco_node.nodes.calibration import is_rectified, lens_from_info
 from aruco_node.parameters.settings import TOPIC
+from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import CameraInfo
 
 from .bag_reader import decoder_of, messages
@@ -50,6 +51,7 @@ def annotate(piece, task, folder):
     Returns how many frames were processed, and a list of sentences about problems.
     """
     cv2.setNumThreads(1)  # the other cores work on other pieces
+    keep_memory()  # Dask has its processes return every block to the kernel at once
     path = os.path.join(folder, '%06d' % piece.number)
     if os.path.exists(path + '.csv'):
         return 0, []

@@ -88,7 +88,8 @@ def test_an_install_space_is_complete(package, tmp_path):
 
 def test_a_shell_with_the_environment_has_roscd_and_completes_our_programs(package):
     asked = 'source script/env; roscd unit5; pwd; complete -p rosrun roslaunch; ' \
-            'COMP_WORDS=(rosrun unit5 artag); COMP_CWORD=2; _roscomplete_exe rosrun artag unit5; echo ${COMPREPLY[@]}'
+            'COMP_WORDS=(rosrun unit5 artag); COMP_CWORD=2; _roscomplete_exe rosrun artag unit5; ' \
+            'echo ${COMPREPLY[@]}'
     done = subprocess.run(['bash', '-c', asked], cwd=package, capture_output=True, text=True)
     lines = done.stdout.splitlines()
     assert lines[0] == package and lines[-1] == 'artag_generator.py', done
