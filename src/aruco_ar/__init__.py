@@ -6,7 +6,7 @@ Tracker finds the area in a sequence of frames. The package ``aruco_node``
 connects this one to ROS.
 
 The subpackages are base, compiled, geometry, tags, walls, tracking, poses,
-painting, looks, and simulation. The module ``exercise`` says what an exercise is.
+painting, looks, hints, calibration, and simulation. The module ``exercise`` says what an exercise is.
 """
 from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
 from .base.errors import InputError

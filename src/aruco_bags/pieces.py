@@ -1,13 +1,20 @@
 """Joins the output of pieces."""
+from fractions import Fraction
+
+import av
 import cv2
 import rosbag
 from aruco_ar.base.errors import InputError
+from aruco_ar.base.progress import progress
 from aruco_node.messages.images import frame_from_compressed
 from aruco_node.ros_internals.indexed_bag import forget_written
 
 COPY_BYTES = 1 << 20
 DEFAULT_RATE = 30.0  # frames per second of a video with a single frame
 RATES = 1.0, 240.0  # lowest and highest frames per second of a video
+FROM_THE_START = {'movflags': '+faststart'}  # a browser plays it before all of it has arrived
+PIXELS = 'yuv420p'  # browsers play no others; the sides of such a frame are even
+QUALITY = {'crf': '20', 'preset': 'veryfast'}
 
 
 def join_bags(parts, target):
@@ -31,26 +38,29 @@ def join_tables(parts, target, columns=()):
 
 
 def make_video(bag, topic, target):
-    """Write the images on a topic of a bag as a video. Returns whether there are any.
+    """Write the images on a topic of a bag as an MP4 with H.264, as browsers and phones play it.
 
-    Raises InputError if the video cannot be written.
+    Returns whether there are any. Raises InputError if the video cannot be written.
     """
-    writer, size, count = None, None, 0
     with rosbag.Bag(bag) as images:
         about = images.get_type_and_topic_info([topic]).topics.get(topic)
-        rate = min(max((about and about.frequency) or DEFAULT_RATE, RATES[0]), RATES[1])
-        for _, message, _ in images.read_messages([topic]):
-            frame = frame_from_compressed(message)
-            if writer is None:
-                size = frame.shape[1::-1]
-                writer = cv2.VideoWriter(target, cv2.VideoWriter.fourcc(*'mp4v'), rate, size)
-                if not writer.isOpened():
-                    raise InputError('no video with frames of %d x %d pixels can be written. Leave out --video.'
-                                     % size)
-            writer.write(frame if frame.shape[1::-1] == size else cv2.resize(frame, size))
-            count += 1
-    if writer is not None:
-        writer.release()
-        if cv2.VideoCapture(target).get(cv2.CAP_PROP_FRAME_COUNT) != count:  # no other report
-            raise InputError('its video could not be written completely. Is the disk full?')
-    return writer is not None
+        if about is None:
+            return False
+        rate = min(max(about.frequency or DEFAULT_RATE, RATES[0]), RATES[1])
+        try:
+            with av.open(target, 'w', format='mp4', options=FROM_THE_START) as video:
+                stream = video.add_stream('libx264', rate=Fraction(rate).limit_denominator(1000))
+                stream.pix_fmt, stream.options = PIXELS, {**QUALITY}
+                for _, message, _ in progress(images.read_messages([topic]), 'video', about.message_count):
+                    frame = frame_from_compressed(message)
+                    if not stream.width:
+                        height, width = frame.shape[:2]
+                        stream.width, stream.height = max(width // 2, 1) * 2, max(height // 2, 1) * 2
+                    size = stream.width, stream.height
+                    frame = frame if frame.shape[1::-1] == size else cv2.resize(frame, size)
+                    video.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format='bgr24')))
+                video.mux(stream.encode())
+        except (av.error.FFmpegError, OSError) as error:
+            raise InputError('its video could not be written (%s). Is the disk full? Otherwise leave out '
+                             '--video.' % error) from None
+    return True

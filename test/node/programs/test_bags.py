@@ -8,6 +8,7 @@ import sys
 import time
 from contextlib import suppress
 
+import av
 import cv2
 import numpy as np
 import psutil
@@ -130,6 +131,11 @@ def test_the_video_has_all_frames(frames, done):
         count += 1
     assert count == len(frames)
     assert video.get(cv2.CAP_PROP_FPS) == pytest.approx(FRAMES_PER_S, rel=0.02)
+    with av.open(str(done / 'drive.mp4')) as played:  # browsers play this, and begin before they have all of it
+        codec = played.streams.video[0].codec_context
+        assert (codec.name, codec.pix_fmt) == ('h264', 'yuv420p')
+    data = (done / 'drive.mp4').read_bytes()
+    assert data.index(b'moov') < data.index(b'mdat')
 
 
 def test_the_result_does_not_depend_on_the_number_of_workers(package, recorded, done, tmp_path):
