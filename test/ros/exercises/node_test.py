@@ -135,6 +135,20 @@ class Node(NodeTest):
         publisher.publish(CvBridge().cv2_to_imgmsg(scene(), 'bgr8'))
         self.assertEqual(inbox.next().height, 480)
 
+    def test_tags_that_nobody_looks_for_are_named(self):
+        publisher, connections = self.camera()
+        node = self.start('exercise5_6.py', '_dictionary:=DICT_4X4_50')
+        self.listen('/exercise5_6/image')
+        connections.wait(1)
+        frame = image_from_frame(scene(), Header())
+        timer = rospy.Timer(rospy.Duration(0.1), lambda _: publisher.publish(frame))
+        self.addCleanup(timer.shutdown)
+        node.wait_for('4 tags of DICT_6X6_50 (1, 2, 3, 4) are in sight', 'Give dictionary:=DICT_6X6_50')
+
+    def test_a_misspelled_parameter_is_named(self):
+        node = self.start('exercise5_2.py', '_dictionnary:=DICT_4X4_50')
+        node.wait_for('This node has no parameter ~dictionnary', 'Did you mean ~dictionary?')
+
     def test_missing_frames_are_explained(self):
         node = self.start('exercise5_2.py', '_transport:=raw')
         self.listen('/exercise5_2/image')

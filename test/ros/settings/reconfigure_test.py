@@ -2,6 +2,7 @@
 """dynamic_reconfigure: what it offers, and that a change is refused or applies to the very next frame."""
 import asyncio
 import json
+import subprocess
 import tempfile
 
 import numpy as np
@@ -205,6 +206,14 @@ class DynamicReconfigure(NodeTest):
         self.assert_color(self.answer_to(scene()), INSIDE, np.array([90, 90, 217]))
         self.assertEqual(len([line for line in self.node.lines if 'Nothing is changed' in line]), 13)
         self.assertFalse(any('Traceback' in line for line in self.node.lines), self.node.lines)
+
+    def test_dynparam_says_why_a_value_is_refused(self):
+        self.paint()
+        done = subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'exercise5_6', 'opacity', '7'],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.assertIn('The parameter ~opacity is 7.0; it must be a number from 0 to 1. Nothing is changed.',
+                      done.stdout)
+        self.assertNotEqual(done.returncode, 0)
 
     def test_the_other_nodes_refuse_wrong_values_too(self):
         nodes = self.start_all(['tag_poses', 'wall_camera', 'page'])
