@@ -209,8 +209,8 @@ class DynamicReconfigure(NodeTest):
 
     def test_dynparam_says_why_a_value_is_refused(self):
         self.paint()
-        done = subprocess.run(['rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'exercise5_6', 'opacity', '7'],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        command = ['rosrun', 'dynamic_reconfigure', 'dynparam', 'set', 'exercise5_6', 'opacity', '7']
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.assertIn('The parameter ~opacity is 7.0; it must be a number from 0 to 1. Nothing is changed.',
                       done.stdout)
         self.assertNotEqual(done.returncode, 0)
