@@ -9,7 +9,8 @@ export function choices(send, say) {
   const simulation = document.getElementById('simulation');
   let shownNames = '';
 
-  function show({ pictures, picture, sliders, switches }) {
+  function show({ pictures, picture, sliders, switches }, failed = false) {
+    if (failed) changes.clear();
     section.hidden = picture === null;
     if (pictures.join('/') !== shownNames) {
       shownNames = pictures.join('/');
@@ -18,7 +19,8 @@ export function choices(send, say) {
     for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
     for (const label of document.querySelectorAll('[data-switch]')) {
       label.hidden = !(label.dataset.switch in switches);
-      label.querySelector('input').checked = switches[label.dataset.switch];
+      const on = switches[label.dataset.switch];
+      if (!isUnanswered(label, on)) label.querySelector('input').checked = on;
     }
     simulation.hidden = !Object.keys(sliders).length;
     for (const label of simulation.querySelectorAll('[data-slider]')) {
@@ -68,13 +70,17 @@ export function choices(send, say) {
   }
 
   for (const label of document.querySelectorAll('[data-switch]')) {
-    label.addEventListener('change', ({ target }) => send({ switch: [label.dataset.switch, target.checked] }));
+    label.addEventListener('change', ({ target }) => {
+      changes.set(label, performance.now());
+      send({ switch: [label.dataset.switch, target.checked] });
+    });
   }
 
-  // Between a change of a slider and the answer, older values arrive. They would move the slider back.
+  // Between a change of a slider or a switch and the answer, older values arrive. They would move it back.
   const changes = new Map();  // label -> the time of its last change that is unanswered
   function isUnanswered(label, value) {
-    if (value === Number(label.querySelector('input').value)) changes.delete(label);
+    const input = label.querySelector('input');
+    if (value === (input.type === 'checkbox' ? input.checked : Number(input.value))) changes.delete(label);
     return label.matches(':active') || performance.now() - changes.get(label) < ANSWER_MS;
   }
 

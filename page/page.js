@@ -23,7 +23,7 @@ const connection = connect({
   frame(head, jpeg) { views.frame(head, jpeg); },
   received(message) {
     if (message.state) { state = message.state; drive.allow(state.drive); choose.show(state); }
-    if (message.problem) { say(message.problem, true); choose.show(state); }
+    if (message.problem) { say(message.problem, true); choose.show(state, true); }
     if (message.without) views.showProblem(message.without, message.why);
   },
 });

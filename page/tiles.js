@@ -1,4 +1,6 @@
 // The tiles: each shows a topic. A click enlarges one. Only frames of visible tiles are requested.
+const WIDTH_STEP = 160;
+
 export function tiles(send) {
   const all = new Map();
 
@@ -15,6 +17,7 @@ export function tiles(send) {
   }, { rootMargin: '100px' });
   for (const { element } of all.values()) observer.observe(element);
   document.addEventListener('visibilitychange', requestFrames);
+  addEventListener('resize', requestFrames);
   document.addEventListener('keydown', ({ key }) => { if (key === 'Escape') enlarge(null); });
 
   function enlarge(large) {
@@ -35,7 +38,10 @@ export function tiles(send) {
   function requestFrames() {
     const large = [...all.values()].find(({ element }) => element.classList.contains('large'));
     const seen = document.hidden ? [] : large ? [large] : [...all.values()].filter((tile) => tile.inView);
-    send({ look: seen.map(({ topic }) => topic) });
+    // Larger frames than a tile shows would only take time. In steps, so that browsers share what is encoded.
+    const widest = Math.max(1, ...seen.map(({ canvas }) => canvas.parentElement.clientWidth));
+    const width = Math.ceil(widest * devicePixelRatio / WIDTH_STEP) * WIDTH_STEP;
+    send({ look: seen.map(({ topic }) => topic), width });
   }
 
   async function frame(head, jpeg) {

@@ -23,6 +23,10 @@ class DriveControl:
         """Use the settings' speeds, ``linear`` in m/s and ``angular`` in rad/s, from the next command on."""
         self._speeds = settings.linear, settings.angular
 
+    def has_listeners(self):
+        """Whether anything listens to cmd_vel, such as a robot."""
+        return self._publisher.get_num_connections() > 0
+
     def command(self, driver, forward, left):
         """Drive on behalf of a connection. ``forward``, ``left``: -1 to 1, as fractions of the speeds.
 

@@ -1,7 +1,7 @@
 """The page's websocket.
 
 The browser sends JSON objects:
-  {"look": [topics]}           the topics whose frames it wants, and no others
+  {"look": [topics], "width": w}  the topics whose frames it wants, and no others, at most w pixels wide
   {"shown": topic}             it shows the last frame of this topic, so it can take the next one
   {"drive": [forward, left]}   each from -1 to 1
   {"picture": name}            the picture to paint
@@ -31,6 +31,7 @@ SILENT_S = 3.0      # after so long without a frame, the page says so
 STALE_S = 1.0       # ids of tags are not sent if they are older
 MAX_LATENCY_S = 60  # a frame that seems older was stamped by another clock
 MAX_VIEWS = 16      # of one browser
+MAX_WIDTH = 10000   # pixels
 MAX_BROWSERS = 64
 MAX_UNSENT = 64     # a browser with more unsent JSON objects receives nothing, and is disconnected
 # Choices of one browser that are being made. A slider sends seven a second; a node may take 5 s for each.
@@ -74,6 +75,7 @@ class Live(BaseHandler, WebSocketHandler):
         self._views = {}
         self._tasks = set()  # asyncio itself keeps no reference to running tasks
         self._unsent = self._choices = 0
+        self._width = None  # pixels, the largest that the browser can show; None for any
 
     def prepare(self):
         super().prepare()
@@ -102,6 +104,8 @@ class Live(BaseHandler, WebSocketHandler):
             request = json.loads(message)
             if 'look' in request:
                 self._set_views([str(name) for name in request['look']][:MAX_VIEWS])
+                width = request.get('width')
+                self._width = int(min(max(width, 1), MAX_WIDTH)) if isinstance(width, (int, float)) else None
             elif 'shown' in request and request['shown'] in self._views:
                 self._views[request['shown']].on_shown()
             elif 'drive' in request and self.parts.drive_control:
@@ -175,7 +179,7 @@ class Live(BaseHandler, WebSocketHandler):
     async def _show_frame(self, view, topic):
         stamp, figures = topic.message.header.stamp, view.figures(topic)
         try:
-            jpeg = await topic.jpeg()
+            jpeg = await topic.jpeg(most_width=self._width)
         except InputError as error:
             self.tell({'without': view.name, 'why': str(error)})
             return

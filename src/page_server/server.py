@@ -89,7 +89,8 @@ class Parts:
 
     def state(self):
         """What can be chosen, what is chosen, and whether the page may drive."""
-        return dict(self.choices.state(), drive=self.drive_control is not None)
+        may_drive = self.drive_control is not None and self.drive_control.has_listeners()
+        return dict(self.choices.state(), drive=may_drive)
 
     def tell_browsers(self):
         """Send the state to all browsers, if it has changed."""

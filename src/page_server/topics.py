@@ -1,5 +1,6 @@
 """Topics that are subscribed to only while a browser needs them."""
 import asyncio
+import math
 import time
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
@@ -106,26 +107,29 @@ class ImageTopic(SharedTopic):
         self._encoded = {}  # {options: future of a JPEG}, of the newest frame
         self._encoded_number = None
 
-    async def jpeg(self, quality=None, width=None, height=None):
+    async def jpeg(self, quality=None, width=None, height=None, most_width=None):
         """The newest frame as the bytes of a JPEG.
 
         ``quality``: 1 to 100. ``width``, ``height``: pixels. None leaves each as the topic has it.
+        ``most_width``: a wider frame is shrunk to this width, pixels.
         Raises InputError if the frame cannot be used.
         """
         if self._encoded_number != self.number:
             self._encoded, self._encoded_number = {}, self.number
-        options = quality, width, height
+        options = quality, width, height, most_width
         if options not in self._encoded:  # requests with the same options share the work
             self._encoded[options] = self._loop.run_in_executor(
                 self._encoder, self._encode, self.message, *options)
         return await asyncio.shield(self._encoded[options])
 
-    def _encode(self, message, quality, width, height):
+    def _encode(self, message, quality, width, height, most_width):
         if self._transport == 'compressed' and not (quality or width or height) \
-                and bytes(message.data[:2]) == JPEG_START:
-            check_compressed(message)
+                and bytes(message.data[:2]) == JPEG_START \
+                and check_compressed(message)[0] <= (most_width or math.inf):
             return bytes(message.data)  # it is a JPEG already
         frame = self._to_frame(message)
+        if most_width and frame.shape[1] > most_width:
+            width = most_width
         if width or height:
             size = (width or round(frame.shape[1] * height / frame.shape[0]),
                     height or round(frame.shape[0] * width / frame.shape[1]))

@@ -122,8 +122,9 @@ def frame_from_compressed(message):
 
 
 def check_compressed(message):
-    """Raises InputError if the header of a CompressedImage's JPEG or PNG shows that it cannot be used."""
-    _opened(message).close()
+    """(width, height) of a CompressedImage, JPEG or PNG. Raises InputError if its header is not usable."""
+    with _opened(message) as picture:
+        return picture.size
 
 
 def _opened(message):

@@ -190,6 +190,23 @@ class PageHttp(ServerTest):
         self.assertIn('A frame of 70000 x 1 pixels is too large', reply['why'])
         self.assertEqual((head['topic'], picture.shape), ('/eye/image', (480, 640, 3)))
 
+    def test_frames_are_sent_as_large_as_they_are_shown(self):
+        publish, connections = self.camera()
+        self.wait_until_listed('/eye/image')
+
+        async def look():
+            live = await self.look(connections)
+            for width, wanted in (320, (180, 320)), (5000, (1080, 1920)), (640, (360, 640)):
+                await live.write_message(json.dumps({'look': ['/eye/image'], 'width': width}))
+                shape = None
+                while shape != wanted:  # a frame may have been on its way
+                    publish(np.zeros((1080, 1920, 3), np.uint8))
+                    _, picture = await self.next_frame(live)
+                    shape = picture.shape[:2]
+                    await live.write_message(json.dumps({'shown': '/eye/image'}))
+            live.close()
+        asyncio.run(asyncio.wait_for(look(), WAIT_S))
+
     def test_a_slow_browser_gets_fewer_frames_and_does_not_slow_others(self):
         publish, connections = self.camera()
         self.wait_until_listed('/eye/image')
