@@ -61,7 +61,7 @@ class Tile(NamedTuple):
     tags: str
 
 
-TILES = [('5.1', 'The wall with the generated tags', CAMERA, 'exercise5_2/tags'),
+TILES = [('5.1', 'The wall with its tags', CAMERA, 'exercise5_2/tags'),
          ('5.2', 'Tags detected', 'exercise5_2/image', 'exercise5_2/tags'),
          ('5.3', 'Centers, as they come', 'exercise5_3/image', 'exercise5_3/tags'),
          ('5.4', 'Centers in order', 'exercise5_4/image', 'exercise5_4/tags'),
