@@ -149,8 +149,9 @@ class CameraNode(FrameNode):
         """Tell what a user may have overlooked, if anything, once."""
         tags = [tag for result in results for tag in result.tags]
         self._hints.update(frame, stamp, tags, [result.area for result in results])
-        if self._hints.warning:
-            log_once(self._hints.warning, self._hints.warning, rospy.logwarn)
+        warning = self._hints.warning
+        if warning:  # once for each remedy, its last word: the tags in it may change with each frame
+            log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
 
