@@ -17,7 +17,7 @@ from aruco_node.ros_internals.tolerant import tolerant
 
 from .bridge import bytes_of_pixel, convert
 
-EMPTY_FRAME = 'empty frame'  # the kind of the InputError about one
+END_OF_VIDEO = 'empty bgr8 frame'  # image_publisher sends one after each round of a video
 JPEG_QUALITY = 80  # the default of compressed_image_transport
 
 # Larger frames are refused before memory is allocated for them. OpenCV cannot warp images with longer sides.
@@ -68,7 +68,8 @@ def picture_from_image(message):
 def _in_color(message, wanted):
     if message.width == 0 or message.height == 0:
         raise InputError('A frame of %d x %d pixels is empty. Check the camera driver.'
-                         % (message.width, message.height), kind=EMPTY_FRAME)
+                         % (message.width, message.height),
+                         kind=END_OF_VIDEO if message.encoding == 'bgr8' else 'empty frame')
     check_size(message.width, message.height)
     if message.encoding not in FAST:
         return convert(_rows(message, bytes_of_pixel(message.encoding)), message.encoding, message.is_bigendian,

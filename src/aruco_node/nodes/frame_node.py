@@ -12,7 +12,7 @@ from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.health.lateness import Lateness
 from aruco_node.health.silence import SILENCE_S, explain_silence
 from aruco_node.health.snapshot import SnapshotService
-from aruco_node.messages.images import EMPTY_FRAME, TRANSPORTS
+from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS
 from aruco_node.messages.publishing import ImagePublisher, ListenerEvents
 from aruco_node.parameters.parameters import AUTO
 from aruco_node.parameters.reconfigure import Reconfigurer
@@ -67,7 +67,7 @@ class FrameNode:
         self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
         self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
         self._frame_problem = None  # why the last frame could not be used
-        self._may_be_empty = False  # image_publisher sends one empty frame after each round of a video
+        self._may_end = False  # whether the next frame may be an END_OF_VIDEO, since there was one before it
         self._wake = threading.Event()  # ends the main loop's sleep
         self.outputs = {topic: ImagePublisher('~' + topic, self._wake.set) for topic in image_topics}
         self._count, self._lateness = FrameCount(looks_for_tags), Lateness()
@@ -225,10 +225,10 @@ class FrameNode:
         try:
             with self._processing:
                 self._answer(message, arrival)
-            self._frame_problem, self._may_be_empty = None, True
+            self._frame_problem, self._may_end = None, True
         except InputError as error:
-            if error.kind == EMPTY_FRAME and self._may_be_empty:
-                self._may_be_empty = False
+            if error.kind == END_OF_VIDEO and self._may_end:
+                self._may_end = False
                 return
             self._frame_problem = str(error)
             log_once(error.kind, self._frame_problem)

@@ -107,14 +107,15 @@ def read_settings(kind_of_settings):
     A private parameter that the node does not have is logged: it is probably misspelled. Raises InputError for
     a value that is not allowed.
     """
-    known = list(parameters_of(kind_of_settings))
-    given = parameter('', {})
-    for name in sorted(set(given if isinstance(given, dict) else ()) - set(known)):
-        if not isinstance(given[name], dict):  # a group is meant for a library, such as image_transport
+    settings, known = read(kind_of_settings, parameter), list(parameters_of(kind_of_settings))
+    own = rospy.get_name()
+    given = [name[len(own) + 1:] for name in rospy.get_param_names() if name.startswith(own + '/')]
+    for name in sorted(set(given) - set(known)):
+        if '/' not in name:  # a group is meant for a library, such as image_transport
             alike = difflib.get_close_matches(name, known, 1, 0.5)
             rospy.logwarn('This node has no parameter ~%s, so it has no effect. %s', shorten(name, MAX_QUOTED),
                           'Did you mean ~%s?' % alike[0] if alike else 'All parameters: --help.')
-    return read(kind_of_settings, parameter)
+    return settings
 
 
 def parameter(name, default):

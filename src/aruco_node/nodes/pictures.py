@@ -9,7 +9,7 @@ from aruco_ar.painting.sources import open_source
 from rosgraph.names import is_legal_name
 
 from aruco_node.health.silence import SILENCE_S
-from aruco_node.messages.images import EMPTY_FRAME, TRANSPORTS, picture_from_image
+from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS, picture_from_image
 from aruco_node.messages.topics import SUFFIX
 from aruco_node.parameters.settings import TOPIC
 from aruco_node.ros_internals.newest import subscribe_newest
@@ -65,7 +65,7 @@ class TopicPicture:
             try:
                 self._picture = shrink_to_warp(self._to_picture(message))
             except InputError as error:
-                is_end = error.kind == EMPTY_FRAME and self._picture is not None  # of a round of a video
+                is_end = error.kind == END_OF_VIDEO and self._picture is not None
                 if not (is_end or self._is_fault_logged):
                     self._is_fault_logged = True
                     rospy.logerr('A picture on %s is skipped: %s', self._topic, error)

@@ -70,7 +70,7 @@ class HostileMessages(NodeTest):
         """It aborts aruco_ros and apriltag_ros."""
         self.start_before_camera('tag_poses')
         for _ in range(3):
-            self.publisher.publish(Image(encoding='bgr8'))
+            self.publisher.publish(Image(encoding='rgb8'))  # one of bgr8 may be the end of a video
             self.node.wait_for('0 x 0 pixels is empty')
             self.assertEqual(self.ids_seen(scene()), IDS)
         self.assertEqual(len(self.logged('0 x 0 pixels is empty')), 1)
