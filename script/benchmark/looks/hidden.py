@@ -18,6 +18,12 @@ def tags_in(frame):
     return len(cv2.aruco.ArucoDetector(dictionary).detectMarkers(frame)[0])
 
 
+def psnr(image, truth, where):
+    """The peak signal-to-noise ratio in dB of an image where ``where``, (h, w) bool."""
+    error = np.mean((image[where].astype(float) - truth[where])**2)
+    return 10 * np.log10(255**2 / max(error, 1e-3))
+
+
 def run():
     """Print the table."""
     tell('\ntags:=hide, with a picture that cannot be seen (opacity 0), from the first frame on: how many\n'
@@ -35,6 +41,5 @@ def run():
                 continue
             found += tags_in(shown), tags_in(hidden)
             where = np.any(moment.bare != moment.untagged, axis=2) & (moment.front == 0)
-            error = np.mean((hidden[where].astype(float) - moment.untagged[where])**2)
-            decibels.append(10 * np.log10(255**2 / max(error, 1e-3)))
+            decibels.append(psnr(hidden, moment.untagged, where))
         tell('%-26s %8d %8d %7.1f %6.1f' % (name, *found, np.median(decibels), min(decibels)))

@@ -39,12 +39,11 @@ def library():
 def likeness(painted, printed, inside):
     """(PSNR in dB, SSIM, median of the color difference CIEDE2000) where ``inside``, (h, w) bool."""
     similarity, lab, difference = library()
-    error = np.mean((painted[inside].astype(float) - printed[inside])**2)
     grays = [cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (painted, printed)]
     _, similar = similarity(*grays, full=True)
     # Colors are compared as eyes see them, from where single pixels and their noise cannot be seen.
     colors = [lab(cv2.GaussianBlur(image, (0, 0), 2)[..., ::-1])[inside] for image in (painted, printed)]
-    return 10 * np.log10(255**2 / max(error, 1e-3)), similar[inside].mean(), np.median(difference(*colors))
+    return hidden.psnr(painted, printed, inside), similar[inside].mean(), np.median(difference(*colors))
 
 
 def kept(bare, painted, kept_image):

@@ -117,7 +117,7 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
     if len(views) < MIN_VIEWS:
         raise InputError('%s %s' % (few, SURE))
     models = FISHEYE if fisheye else PINHOLE
-    solver = _Solver(size, fisheye, board)
+    solver = _Solver(size, fisheye)
     lens = _without_distortion(views, size)
     kept = list(views)
     before = np.inf
@@ -168,14 +168,14 @@ def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:
 
 
 class _Solver:
-    """OpenCV's calibration with the points of a ``layout``."""
+    """OpenCV's calibration. ``layout``: where the points are on the sheet; set it first."""
 
-    def __init__(self, size: tuple[int, int], fisheye: bool, layout: dict[int, Floats] | None) -> None:
+    def __init__(self, size: tuple[int, int], fisheye: bool) -> None:
         self._size, self._fisheye = size, fisheye
         # OpenCV begins with a shorter focal length, for which a corner of the frame may be behind the camera.
         focal, (x, y) = FISHEYE_GUESS * max(size), (np.array(size) - 1) / 2
         self._fisheye_guess = np.array([[focal, 0, x], [0, focal, y], [0, 0, 1]])
-        self.layout: dict[int, Floats] = layout or {}
+        self.layout: dict[int, Floats] = {}
         self.focal_deviation = 0.0
 
     def _points(self, view: View) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ MARGIN_MM = 20
 LINE_MM = 7
 DRAWING_MM = 110, 70  # the area between the centers of the tags
 TAG_MM = 24
+ARROW_MM = 4
 
 STEPS = (
     'Check with a ruler that the rulers on the pages are right. If not, print again at 100 %.',
@@ -61,10 +62,15 @@ def _draw_wall(canvas: Canvas, left: float, top: float, ids: Sequence[str]) -> N
         canvas.setFillGray(0)
         canvas.setFont('Helvetica-Bold', 20)
         canvas.drawCentredString(x * mm, (y - 3) * mm, text)
-        arrow = canvas.beginPath()
-        arrow.moveTo((x - 2) * mm, (y + 6) * mm)
-        arrow.lineTo((x + 2) * mm, (y + 6) * mm)
-        arrow.lineTo(x * mm, (y + 10) * mm)
-        arrow.close()
-        canvas.drawPath(arrow, fill=1, stroke=0)
+        draw_arrow(canvas, x - ARROW_MM / 2, y + 6, ARROW_MM)
     canvas.restoreState()
+
+
+def draw_arrow(canvas: Canvas, left: float, foot: float, size: float) -> None:
+    """Fill a triangle that points up. All lengths are in millimeters; it is as wide as high."""
+    arrow = canvas.beginPath()
+    arrow.moveTo(left * mm, foot * mm)
+    arrow.lineTo((left + size) * mm, foot * mm)
+    arrow.lineTo((left + size / 2) * mm, (foot + size) * mm)
+    arrow.close()
+    canvas.drawPath(arrow, fill=1, stroke=0)

@@ -12,7 +12,7 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.progress import progress
 
-from .instructions import draw_instructions
+from .instructions import draw_arrow, draw_instructions
 from .tag import check_quiet, check_size, tag_cells
 
 PAGES = {'A4': A4, 'A3': A3, 'Letter': LETTER}
@@ -163,12 +163,7 @@ def _draw_tag(canvas: Canvas, tag_id: int, cells: Image, left: float, foot: floa
     canvas.saveState()
     canvas.setFillGray(0.5)
     x, y = left + cut_mm / 2, foot + cut_mm - 1.2 * height
-    arrow = canvas.beginPath()
-    arrow.moveTo(x * mm, y * mm)
-    arrow.lineTo((x + height) * mm, y * mm)
-    arrow.lineTo((x + height / 2) * mm, (y + height) * mm)
-    arrow.close()
-    canvas.drawPath(arrow, fill=1, stroke=0)
+    draw_arrow(canvas, x, y, height)
     canvas.setFont('Helvetica', height * mm)
     canvas.drawString((x + 1.5 * height) * mm, (y + 0.1 * height) * mm, str(tag_id))
     canvas.restoreState()

@@ -11,6 +11,7 @@ from aruco_ar.simulation.robot import Camera
 from aruco_ar.walls.wall import load_wall
 from aruco_node.nodes.calibration import lens_from_info
 from calibrate_camera import main
+from rig.accuracy.lenses import off_in_frame
 from sensor_msgs.msg import CameraInfo
 
 TAGS = '[%s]' % ', '.join(
@@ -44,15 +45,6 @@ def lens_of_file(path):
     return lens_from_info(info, (640, 480))
 
 
-def corners_off(lens, truth):
-    """By how many pixels a lens is off at the corners of the frame, after the best turn of the whole camera."""
-    grid = np.stack(np.meshgrid(np.linspace(0, 639, 9), np.linspace(0, 479, 7)), axis=-1).reshape(-1, 2)
-    rays, true_rays = (np.column_stack([each.rays(grid), np.ones(len(grid))]) for each in (lens, truth))
-    rays, true_rays = (each / np.linalg.norm(each, axis=1, keepdims=True) for each in (rays, true_rays))
-    left, _, right = np.linalg.svd(rays.T @ true_rays)
-    return np.linalg.norm(truth.project(rays @ left @ right) - grid, axis=1)[[0, 8, -9, -1]].max()
-
-
 def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
     path, out = str(tmp_path / 'sheet.avi'), str(tmp_path / 'camera.yaml')
     video = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), 10, (640, 480))
@@ -65,7 +57,7 @@ def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
     assert 'Wrote %s' % out in said
     lens = lens_of_file(out)
     assert lens.matrix[0, 0] == pytest.approx(BARREL.matrix[0, 0], rel=0.01)
-    assert corners_off(lens, BARREL.lens) < 0.5
+    assert off_in_frame(lens, BARREL.lens).max() < 0.5
     with open(out) as file:
         assert yaml.safe_load(file)['camera_name'] == 'webcam'
 
@@ -84,7 +76,7 @@ def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
     main([*paths, '--fisheye', '--charuco', '6x5:0.7', '--dictionary', 'DICT_5X5_100', '--out', out])
     lens = lens_of_file(out)
     assert lens.fisheye and lens.matrix[0, 0] == pytest.approx(camera.matrix[0, 0], rel=0.01)
-    assert corners_off(lens, camera.lens) < 0.5
+    assert off_in_frame(lens, camera.lens).max() < 0.5
 
 
 @pytest.mark.parametrize('arguments, words', [

@@ -6,6 +6,7 @@ from aruco_ar import InputError, Lens
 from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, coverage, different_views
 from aruco_ar.calibration.layout import learn_layout
 from aruco_ar.tags.corner_rays import found_corners
+from rig.accuracy.lenses import off_in_frame
 
 SIZE = 640, 480
 MATRIX = np.array([[560.0, 0, 322.0], [0, 558.0, 236.0], [0, 0, 1]])
@@ -46,21 +47,6 @@ def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0):
         if len(view) >= 2:
             views.append(View(view))
     return views
-
-
-def off_in_frame(lens, truth):
-    """(k,) by how many pixels a lens is off at the corners and in the middle of the frame's sides.
-
-    A calibration may turn the whole camera a little: that changes no measurement, so it is taken away.
-    """
-    width, height = np.array(SIZE) - 1
-    grid = np.stack(np.meshgrid(np.linspace(0, width, 9), np.linspace(0, height, 7)), axis=-1).reshape(-1, 2)
-    true_rays, rays = (np.column_stack([each.rays(grid), np.ones(len(grid))]) for each in (truth, lens))
-    true_rays, rays = (each / np.linalg.norm(each, axis=1, keepdims=True) for each in (true_rays, rays))
-    left, _, right = np.linalg.svd(rays.T @ true_rays)
-    turned = rays @ (left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right)
-    off = np.linalg.norm(truth.project(turned) - grid, axis=1)
-    return off[[0, 8, -9, -1]]
 
 
 @pytest.mark.parametrize('name', LENSES)
