@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from aruco_ar import InputError
 from aruco_node.messages.images import (
+    END_OF_VIDEO,
     FAST,
     MAX_PICTURE_PIXELS,
     frame_from_compressed,
@@ -25,8 +26,8 @@ from hostile.messages.camera_messages import KNOWN, Hostile
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
-KINDS = {'empty frame', 'encoding', 'short frame', 'short step', 'large frame', 'half a pair of pixels',
-         'undecodable frame'}
+KINDS = {'empty frame', END_OF_VIDEO, 'encoding', 'short frame', 'short step', 'large frame',
+         'half a pair of pixels', 'undecodable frame'}
 
 
 def image(pixels, encoding, big=0):
