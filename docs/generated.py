@@ -1,9 +1,11 @@
-"""The pages that are made from the code: parameters, launch arguments, messages, and what --help prints.
+"""The pages that are made from the code: parameters, launch arguments, messages, what --help prints, and
+tables of nodes and topics, which are read from that.
 
 conf.py calls write_all; the pages of reference/ include what it writes.
 """
 import glob
 import os
+import re
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -32,11 +34,18 @@ NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_
 PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
 
 
+# What every node has; the tables of nodes leave it out.
+COMMON = re.compile(r'/diagnostics|~parameter_\w+|~set_parameters|.*/compressed')
+
+
 def write_all(folder):
     """Write all pages into a folder; those that are as they were are left alone."""
     os.makedirs(folder, exist_ok=True)
-    for name, text in (('parameters', parameters()), ('launch', launch_files()), ('messages', messages()),
-                       ('nodes', manuals(NODES)), ('programs', manuals(PROGRAMS))):
+    nodes = manuals(NODES)
+    pages = {'parameters': parameters(), 'launch': launch_files(), 'messages': messages(),
+             'nodes': boxes(nodes), 'programs': boxes(manuals(PROGRAMS)), 'node_table': node_table(nodes),
+             'subscribed': topics(nodes, 'Subscribes'), 'published': topics(nodes, 'Publishes')}
+    for name, text in pages.items():
         path = os.path.join(folder, name + '.md')
         if not os.path.exists(path) or text_of(path) != text:
             with open(path, 'w', encoding='utf-8') as file:
@@ -83,10 +92,9 @@ def messages():
 
 
 def manuals(names):
-    """What --help of these programs prints."""
+    """{name: what --help of this program prints}."""
     with ThreadPoolExecutor(2) as pool:
-        texts = pool.map(manual, names)
-        return '\n'.join('### %s\n\n```text\n%s\n```\n' % (name, text) for name, text in zip(names, texts))
+        return dict(zip(names, pool.map(manual, names)))
 
 
 def manual(name):
@@ -94,6 +102,42 @@ def manual(name):
     done = subprocess.run([sys.executable, path, '--help'], env=dict(os.environ, COLUMNS='110'),
                           stdout=subprocess.PIPE, text=True, check=True)
     return done.stdout.strip()
+
+
+def boxes(texts):
+    """What --help prints, each in a box below the name of its program."""
+    return '\n'.join('### %s\n\n```text\n%s\n```\n' % item for item in texts.items())
+
+
+def node_table(texts):
+    """A table of the nodes: what each is for, and what it subscribes to, publishes and offers."""
+    rows = [('`%s`' % name, text.split('\n\n')[0].replace('\n', ' '), *(
+        ', '.join('`%s`' % row[0] for row in interface(text, title) if not COMMON.fullmatch(row[0]))
+        for title in ('Subscribes', 'Publishes', 'Services'))) for name, text in texts.items()]
+    return table(('Node', 'What it does', 'Subscribes', 'Publishes', 'Services'), rows)
+
+
+def topics(texts, title):
+    """A table of the topics under this title of --help, and of the nodes that have them."""
+    nodes = {}
+    for name, text in texts.items():
+        for row in interface(text, title):
+            nodes.setdefault(row, []).append('`%s`' % name)
+    rows = [('`%s`' % topic, '`%s`' % kind, what, 'all' if len(names) == len(texts) else ', '.join(names))
+            for (topic, kind, what), names in nodes.items()]
+    return table(('Topic', 'Type', 'What it carries', 'Nodes'), rows)
+
+
+def interface(text, title):
+    """The rows under a title of what --help prints: (name, type, what it is)."""
+    rows = []
+    block = next((part for part in text.split('\n\n') if part.startswith(title + ':')), '')
+    for line in block.splitlines()[1:]:
+        if line.startswith('   '):  # it goes on
+            rows[-1][2] += ' ' + line.strip()
+        else:
+            rows.append((re.split(' {2,}', line.strip()) + [''])[:3])
+    return [tuple(row) for row in rows]
 
 
 def code(value):

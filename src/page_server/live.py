@@ -38,8 +38,8 @@ MAX_UNSENT = 64     # a browser with more unsent JSON objects receives nothing, 
 MAX_CHOICES = 64
 
 
-class View:
-    """One topic as one browser shows it."""
+class ShownTopic:
+    """A topic that a browser shows."""
 
     def __init__(self, name, tags):
         self.name, self.tags = name, tags
@@ -146,7 +146,7 @@ class Live(BaseHandler, WebSocketHandler):
         for name in set(self._views) - set(names):
             self._views.pop(name).task.cancel()
         for name in set(names) - set(self._views):
-            self._views[name] = view = View(name, self.parts.tags_beside(name))
+            self._views[name] = view = ShownTopic(name, self.parts.tags_beside(name))
             view.task = asyncio.ensure_future(self._show(view))
 
     async def _show(self, view):

@@ -28,5 +28,5 @@ NO_ARRAY: Any = None  # for OpenCV's optional arrays: its annotations do not all
 # arrays have further axes in front of these.
 Pose: TypeAlias = 'tuple[Floats, Floats, Floats]'
 
-# Rotation (3, 3) and translation (3,), meters, from wall coordinates to camera coordinates.
-View: TypeAlias = 'tuple[Floats, Floats]'
+# A camera's extrinsics: rotation (3, 3) and translation (3,), meters, from wall coordinates to the camera's.
+Extrinsics: TypeAlias = 'tuple[Floats, Floats]'

@@ -15,10 +15,10 @@ ROUNDS = 30
 SMALL_STEP = 1e-6     # sides of a tag: the solution is found
 FIRST_DAMPING = 1e-3
 
-View = Mapping[int, Floats]  # {id: (4, 2) float64, the corners of a tag in undistorted pixels}
+Quads = Mapping[int, Floats]  # {id: (4, 2) float64}: the corners of tags in one view, in undistorted pixels
 
 
-def learn_layout(views: Sequence[View]) -> dict[int, Floats]:
+def learn_layout(views: Sequence[Quads]) -> dict[int, Floats]:
     """{id: (4, 2) float64}: the corners of the tags on their sheet. The side of a tag is 1.
 
     ``views``: at least two. All tags are squares of the same size. This alone tells how the sheet is tilted in
@@ -39,7 +39,7 @@ def _corners(pose: Floats) -> Floats:
     return SQUARE @ turn + (x, y)
 
 
-def _first_layout(views: Sequence[View]) -> dict[int, Floats]:
+def _first_layout(views: Sequence[Quads]) -> dict[int, Floats]:
     """{id: (x, y, angle)}, from one tag to the next."""
     counts: dict[int, int] = {}
     for view in views:
@@ -75,7 +75,7 @@ def _pose_of(corners: Floats) -> Floats:
     return np.array([x, y, np.arctan2(cross, dot)])
 
 
-def _refine(views: Sequence[View], poses: dict[int, Floats]) -> dict[int, Floats]:
+def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Floats]:
     """The poses for which the corners fit best: Levenberg and Marquardt's method.
 
     The unknowns are the pose of each tag but the first, which is the origin, and a homography for each view.
@@ -103,7 +103,7 @@ def _refine(views: Sequence[View], poses: dict[int, Floats]) -> dict[int, Floats
     return {tag_id: layout[places[tag_id]] for tag_id in ids}
 
 
-def _system(views: Sequence[View], places: dict[int, int], layout: Floats, maps: Floats,
+def _system(views: Sequence[Quads], places: dict[int, int], layout: Floats, maps: Floats,
             scale: float) -> tuple[Floats, Floats]:
     """(n,) by what the corners are off, in tags' sides, and (n, unknowns), the slopes of what is computed."""
     first_map = 3 * len(places) - 3

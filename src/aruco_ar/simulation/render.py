@@ -6,7 +6,7 @@ from typing import Collection
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats, Image, Integers, View
+from aruco_ar.base.arrays import NO_ARRAY, Extrinsics, Floats, Image, Integers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.homography import transform
 from aruco_ar.painting.picture import load_picture
@@ -15,10 +15,9 @@ from aruco_ar.walls.wall import Wall
 
 from .figures import NOBODY, draw_visitor
 from .robot import Camera, view_between
+from .textures import WALL_TEXELS_M, Textures, as_printed
 
 NEAR_M = 0.05         # what is nearer to the camera than this is not visible
-TAG_CELL_TEXELS = 32  # resolution of a tag's texture, which is halved repeatedly for far views
-WALL_TEXELS_M = 160   # texels per meter of the wall's texture, enough for its soft pattern
 SAMPLES = 3           # of a tag, per pixel and direction
 POSTER_SAMPLES = 2    # of a poster, per pixel and direction
 ROOM_COLOR = (205, 200, 196)
@@ -39,7 +38,7 @@ def project(points: Floats, rotation: Floats, translation: Floats, camera: Camer
     return camera.lens.project_rays(seen[:, :2] / np.maximum(seen[:, 2:], NEAR_M))[0], is_before
 
 
-def project_rows(points: Floats, first: View, last: View, camera: Camera) -> tuple[Floats, bool]:
+def project_rows(points: Floats, first: Extrinsics, last: Extrinsics, camera: Camera) -> tuple[Floats, bool]:
     """The same as ``project`` for a rolling shutter: the rows are read one after the other.
 
     ``first`` and ``last``: the views when the first and when the last row is read.
@@ -69,14 +68,15 @@ class WallRenderer:
     def __init__(self, wall: Wall, camera: Camera, noise: float = 0.0, blur: float = 0.0, light: float = 0.0,
                  seed: int = 0, smear: int = 1, quality: int = 0, printed: Image | None = None) -> None:
         self._wall, self._camera = wall, camera
-        self._blur, self._smear, self._light, self._quality = blur, smear, light, quality
+        self._blur, self._smear, self._quality = blur, smear, quality
         self._random = np.random.RandomState(seed)
-        self._background = self._paint_wall()
-        self._posters = [(poster.corners, self._paint_poster(load_picture(poster.image), poster.corners))
+        textures = Textures(wall, light)
+        self._background = textures.plaster(self._random)
+        self._posters = [(poster.corners, textures.poster(load_picture(poster.image), poster.corners))
                          for poster in wall.posters]
-        self._printed = None if printed is None else self._paint_poster(_as_printed(printed), wall.area_corners)
+        self._printed = None if printed is None else textures.poster(as_printed(printed), wall.area_corners)
         papers = [wall.paper(tag) for tag in wall.tags]
-        self._tags = [(tag, corners, self._paint_tag(cells, corners))
+        self._tags = [(tag, corners, textures.paper(cells, corners))
                       for tag, (cells, corners) in zip(wall.tags, papers)]
         self._noise = None
         if noise > 0:
@@ -87,7 +87,7 @@ class WallRenderer:
         self._room = np.full((height, width, 3), ROOM_COLOR, np.uint8)
 
     def render(self, rotation: Floats, translation: Floats, covered: Collection[int] = (),
-               exposure: float = 1.0, last: View | None = None, visitor: str = NOBODY,
+               exposure: float = 1.0, last: Extrinsics | None = None, visitor: str = NOBODY,
                seconds: float = 0.0) -> Image:
         """The frame, (h, w, 3) BGR uint8, in the view (rotation, translation); see wall_to_camera.
 
@@ -134,7 +134,7 @@ class WallRenderer:
             frame = cv2.imdecode(packed, cv2.IMREAD_COLOR)
         return frame
 
-    def _sources_by_row(self, first: View, last: View) -> Image:
+    def _sources_by_row(self, first: Extrinsics, last: Extrinsics) -> Image:
         """(h, w, 2) float32: for each pixel of the frame, its position in the image of the first view."""
         matrix, _, sources = self._lens
         height, width = self._camera.height, self._camera.width
@@ -147,39 +147,6 @@ class WallRenderer:
                 matrix @ _wall_to_rays(view_between(first, last, row / (height - 1))))
             seen[row] = transform(back, np.asarray(sources[row], np.float64))
         return seen
-
-    def _light_at(self, x: Floats) -> Floats:
-        return 1 - self._light * np.clip(x / self._wall.width + 0.5, 0, 1)
-
-    def _paint_wall(self) -> Image:
-        """The wall's texture, (h, w, 3) uint8: its color, a soft pattern of plaster, and a skirting board."""
-        shape = int(self._wall.height * WALL_TEXELS_M), int(self._wall.width * WALL_TEXELS_M)
-        plaster = np.zeros(shape)
-        for grain, depth in (64, 5), (16, 4), (5, 3):
-            strength = depth * self._wall.plaster
-            coarse = self._random.normal(0, strength, (shape[0] // grain + 2, shape[1] // grain + 2))
-            plaster += cv2.resize(coarse, shape[::-1], interpolation=cv2.INTER_CUBIC)
-        board = int(0.06 * WALL_TEXELS_M)
-        plaster[-board:] = 25
-        x = (np.arange(shape[1]) + 0.5) / WALL_TEXELS_M - self._wall.width / 2
-        color = (np.array(self._wall.color) + plaster[:, :, None]) * self._light_at(x)[:, None]
-        return np.clip(color, 0, 255).astype(np.uint8)
-
-    def _paint_tag(self, cells: Image, paper: Floats) -> list[Image]:
-        """A tag on its paper as a pyramid: a list of images, (n, n) uint8, each half the one before."""
-        texels = TAG_CELL_TEXELS // self._wall.paper_scale
-        texture = cells.repeat(texels, 0).repeat(texels, 1)
-        place = (np.arange(len(texture)) + 0.5) / len(texture)
-        left, right, _, foot = paper[:, 0]
-        x = left + (right - left) * place + (foot - left) * place[:, None]
-        lit = (_as_printed(texture) * self._light_at(x)).astype(np.uint8)
-        return _pyramid(lit, 2 * len(cells) / self._wall.paper_scale)  # down to two texels per cell
-
-    def _paint_poster(self, picture: Image | Floats, corners: Floats) -> list[Image]:
-        """The pyramid of a picture, (h, w, 3 or 4) BGR, of images (h, w, 3). ``corners``: on the wall."""
-        (left, right), width = corners[:2, 0], picture.shape[1]
-        x = left + (right - left) * (np.arange(width) + 0.5) / width
-        return _pyramid((picture[:, :, :3] * self._light_at(x)[None, :, None]).astype(np.uint8), 8)
 
     def _outline(self, points: Floats, rotation: Floats, translation: Floats) -> Integers | None:
         """A polygon of the scene in the frame, (n, 2) int32, in 16ths of a pixel; None if not visible."""
@@ -248,20 +215,7 @@ class WallRenderer:
         part[:] = blend(part, mean(seen), mean(cover))
 
 
-def _as_printed(picture: Image) -> Floats:
-    """What a picture, uint8, looks like on paper: paper is not perfectly white, and ink not perfectly black."""
-    return 20 + picture * (225 / 255)
-
-
-def _pyramid(texture: Image, least: float) -> list[Image]:
-    """An image and smaller ones, each half the one before, until a side is at most ``least`` pixels."""
-    pyramid = [texture]
-    while min(pyramid[-1].shape[:2]) > least:
-        pyramid.append(cv2.resize(pyramid[-1], None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
-    return pyramid
-
-
-def _wall_to_rays(view: View) -> Floats:
+def _wall_to_rays(view: Extrinsics) -> Floats:
     """(3, 3): the matrix that maps points of the wall, (x, y, 1), to rays of the camera."""
     rotation, translation = view
     return np.column_stack([rotation[:, 0], rotation[:, 1], translation])

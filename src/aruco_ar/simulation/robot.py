@@ -13,7 +13,7 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, View
+from aruco_ar.base.arrays import Extrinsics, Floats
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import within, yaml_entries
 from aruco_ar.geometry.lens import Lens
@@ -116,7 +116,7 @@ class Camera:
                          [0, 0, 1]])
 
 
-def wall_to_camera(pose: Pose) -> View:
+def wall_to_camera(pose: Pose) -> Extrinsics:
     """The view (R, t) of a camera on a robot with that pose: point in the optical frame = R @ wall point + t.
 
     R is (3, 3), t is (3,), meters. The optical frame has x to the right, y down, z forward.
@@ -127,7 +127,7 @@ def wall_to_camera(pose: Pose) -> View:
     return axes @ WALL_IN_ODOMETRY, -axes @ place
 
 
-def hand_held(view: View, seconds: float, strength: float = 1.0) -> View:
+def hand_held(view: Extrinsics, seconds: float, strength: float = 1.0) -> Extrinsics:
     """A view, (R, t), moved as a hand moves a camera at that time. ``strength``: of this motion, usually 1."""
     turn, shift = np.zeros(3), np.zeros(3)
     for turns, shifts, rate in SWAY, TREMOR:
@@ -137,7 +137,7 @@ def hand_held(view: View, seconds: float, strength: float = 1.0) -> View:
     return by_hand @ view[0], by_hand @ view[1] + shift
 
 
-def view_between(first: View, last: View, part: float) -> View:
+def view_between(first: Extrinsics, last: Extrinsics, part: float) -> Extrinsics:
     """The view, (R, t), between a first and a last one. ``part``: 0 for the first, 1 for the last."""
     turn = cv2.Rodrigues(last[0] @ first[0].T)[0]
     return cv2.Rodrigues(part * turn)[0] @ first[0], first[1] + part * (last[1] - first[1])

@@ -21,7 +21,7 @@ from .motion import AreaMotion
 
 UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 MEAN_OF = 20  # a tag's place is the running mean of about this many measurements
-MIN_SIGHTINGS = 3  # a new tag or arrangement must be seen this many times
+MIN_SIGHTINGS, RELEARN_S = 3, 0.5  # a new tag must be seen this many times; a new arrangement also this long
 SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, and 1 px
 
 
@@ -147,6 +147,24 @@ class FurtherTags:
             self._seen[tag_id] = place, sightings + 1
             if sightings + 1 >= MIN_SIGHTINGS and tag_id not in layout.places:
                 layout.learn([tag_id], [place])
+
+
+class NewLayout:
+    """The arrangement of tags that were displaced, which counts once they have stayed in their new places."""
+
+    def __init__(self) -> None:
+        self._layout: Layout | None = None
+        self._since, self._sightings = 0.0, 0
+
+    def stays(self, tags: Sequence[Tag], layout: Layout | None, seconds: float) -> bool:
+        """Whether the tags have stayed where they are. ``layout``: the Layout that they have in this frame."""
+        if self._layout is not None:
+            _, agreed = self._layout.locate({tag.id: tag.corners for tag in tags})
+            if set(agreed) >= set(self._layout.ids):
+                self._sightings += 1
+                return self._sightings >= MIN_SIGHTINGS and seconds - self._since >= RELEARN_S
+        self._layout, self._since, self._sightings = layout, seconds, 1
+        return False
 
 
 def _homography(points: Floats, quads: Floats, method: int = 0, limit: float = 3.0) -> Floats | None:

@@ -14,7 +14,7 @@ from aruco_ar.tags.tag import Tag
 
 from .area import Area
 from .frame_clock import FrameClock
-from .layout import MIN_SIGHTINGS, FurtherTags, Layout
+from .layout import FurtherTags, Layout, NewLayout
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
 from .tag_search import TagSearch, expected_places
@@ -24,7 +24,6 @@ HOLD_S = 0.3
 UPRIGHT = 'tags', 'image'
 SEARCH_S = 0.45        # the whole frame is searched at least this often, for new tags
 GAP_S = 0.5            # frames that are farther apart say nothing about the motion
-RELEARN_S = 0.5        # a new arrangement of tags must be seen for this long
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
 # errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
 UNLIKELY, UNLIKELY_AFTER_JERK = 9.0, 2.0
@@ -145,9 +144,7 @@ class Tracker:
         self._motion: AreaMotion | None = None
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
         self._lost: set[int] = set()  # those of the four that the search in the last frame did not find
-        self._new_layout: Layout | None = None  # the arrangement of displaced tags
-        self._new_since, self._new_sightings = 0.0, 0
-        self._further = FurtherTags()
+        self._further, self._new_layout = FurtherTags(), NewLayout()
         # The times when the whole frame was searched, when tags or texture located the area, when tags did, and
         # when the area was located well enough.
         self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
@@ -208,8 +205,8 @@ class Tracker:
             layout.forget(tag_id)
         self._displaced &= set(layout.ids)
         if self._displaced:
-            if search_all:
-                self._consider_new_layout(tags)
+            if search_all and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
+                self._start(tags)
         elif search_all and self._motion is not None and len(agreed) >= 3:
             self._further.learn(layout, self._motion, seen, agreed)
 
@@ -250,19 +247,6 @@ class Tracker:
             self._motion = AreaMotion(corners, self._shape[::-1], *measurement(layout, seen, agreed))
             self._certain_at = -np.inf
         return agreed
-
-    def _consider_new_layout(self, tags: list[Tag]) -> None:
-        """Take over the arrangement of displaced tags, once they have stayed in their new places."""
-        seen = {tag.id: tag.corners for tag in tags}
-        if self._new_layout is not None:
-            _, agreed = self._new_layout.locate(seen)
-            if set(agreed) >= set(self._new_layout.ids):
-                self._new_sightings += 1
-                if self._new_sightings >= MIN_SIGHTINGS and self._clock.now - self._new_since >= RELEARN_S:
-                    self._start(tags)
-                return
-        self._new_layout = self._layout_of(tags)
-        self._new_since, self._new_sightings = self._clock.now, 1
 
     def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
         """Learn the wall's texture while all four tags agree; correct the motion by it while too few agree."""
