@@ -17,7 +17,7 @@ from aruco_ar.base.versions import SetupError
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 COMPILER = 'cc'
-FLAGS = ['-O3', '-shared', '-fPIC']
+FLAGS = ['-O3', '-fno-math-errno', '-shared', '-fPIC']
 
 
 def library(name: str) -> ctypes.CDLL:

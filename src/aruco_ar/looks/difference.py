@@ -1,21 +1,19 @@
 """What differs from the wall by more than light and noise can explain: something stands before it."""
 from __future__ import annotations
 
+import ctypes
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats
+from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.compiled import library
 
 from .parts import closed, grown, shrunk
 
-# Light changes the brightness of a pixel, and its color a little: by this share of the brightness. Besides,
-# a pixel may differ by so many deviations of its noise, and by gray levels. The rims of a pattern may be
-# blurred, or off by a pixel: there it may differ by a share of the contrast within some pixels.
-SHARE, DEVIATIONS, LEVELS, RIM_SHARE, RIM_PX = 0.08, 3.5, 2.0, 0.5, 5
 DARKEST, LIGHTEST = 0.36, 2.6  # the light at a pixel, relative to that on the whole wall: a shadow, a spot
-SHARP = 0.22          # the rim of a shadow is softer than this change of the light's logarithm within 3 pixels
+RIM_PX = 5            # the rims of a pattern may be off: the contrast within so many pixels counts
 NEAR_PX = 5           # so near to what is surely in front, weaker evidence is enough
 BRIDGE_PX = 21        # and between it, where the light is not the usual one around
 AROUND_PX = 61        # of the window that shows the usual light
@@ -26,51 +24,52 @@ PATTERN_PX = 15       # of the window for the correlation
 PATTERN_LEVELS = 6.0  # standard deviation of a pattern that can be recognized
 
 
+C = library('wall')  # its comments say what differs how much
+C.compare.restype = ctypes.c_int64
+C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
+                      *[ctypes.c_void_p] * 2]
+PLANES = 8
+
+
 @dataclass(frozen=True)
 class Difference:
     """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
 
-    ``light``: (h, w) float32, the light on each pixel relative to that on the whole wall. ``error``: (h, w)
-    float32, gray levels by which the color is off that light cannot explain.
+    ``planes``: (PLANES, h, w) float32, what the C function compare has found out about each pixel.
     """
 
     front: Booleans
-    light: Floats
-    error: Floats
+    planes: Floats
 
 
-def difference(seen: Floats, wall: Floats, variance: Floats, usable: Booleans) -> Difference:
+def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans) -> Difference:
     """Compare a rectified frame with the wall.
 
-    ``seen``, ``wall``: (h, w, 3) float32, the frame, and the wall as it looks in the light of the frame.
-    ``variance``: (h, w) float32, of the noise. ``usable``: (h, w), where both are known.
+    ``seen``: (h, w, 3) uint8, the frame. ``look``: (h, w, 3) float32, the wall. ``whole``: (3,) float32, the
+    light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
+    where both are known.
     """
-    gray, wall_gray = _mean(seen), np.maximum(_mean(wall), 1)
-    light = gray / wall_gray
     kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
-    contrast = np.asarray(cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel)), np.float32)
-    noise = np.float32(LEVELS) + np.float32(DEVIATIONS) * np.sqrt(variance)
-    excess = error = np.zeros(light.shape, np.float32)
-    for color, wall_color, rim in zip(*map(cv2.split, (seen, wall, contrast))):  # one after the other is faster
-        lit = np.asarray(wall_color * light)
-        off = np.abs(color - lit)
-        allowed = np.float32(SHARE) * lit + np.float32(RIM_SHARE) * (rim * light) + noise
-        excess, error = np.maximum(excess, off / allowed), np.maximum(error, off)
-    rims = np.float32(RIM_SHARE) * _mean(contrast)
-    slack = (np.float32(2 / 3) * noise + rims) / wall_gray
-    step = _range(np.log(np.maximum(light, 0.02))) - 2 * slack / np.maximum(light, 0.1)
-    front = (excess > 1) | (light < DARKEST - slack) | (light > LIGHTEST + slack) | (step > SHARP)
-    front &= usable
+    wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
+    contrast = cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
+    height, width = usable.shape
+    planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
+    found = C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
+                      variance.ctypes.data, usable.ctypes.data, width, height, DARKEST, LIGHTEST,
+                      planes.ctypes.data, front.ctypes.data)
+    if not found:
+        return Difference(front, planes)
+    gray, wall_gray, light, _, excess, step, noise, rims = planes
+    free = ~usable | _shows_pattern(gray, wall_gray)
+    front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
+                             cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
     if front.any():
-        free = ~usable | _shows_pattern(gray, wall_gray)
-        front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
-                                 cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
         unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
         weak = excess > 0.5
-        front |= grown(front, NEAR_PX) & (weak | ((step > SHARP / 2) & unusual))
+        front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
         front |= closed(front, BRIDGE_PX) & (weak | unusual)
         front &= ~free
-    return Difference(front, light, error)
+    return Difference(front, planes)
 
 
 def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
@@ -100,17 +99,6 @@ def largest_difference(one: Floats, other: Floats) -> Floats:
     """(h, w) float32: the largest difference among the channels of two images, (h, w, 3) float32."""
     blue, green, red = cv2.split(cv2.absdiff(one, other))
     return np.asarray(cv2.max(cv2.max(blue, green), red), np.float32)
-
-
-def _mean(image: Floats) -> Floats:
-    """(h, w) float32: the mean of the channels."""
-    return np.asarray(cv2.transform(image, np.full((1, 3), 1 / 3, np.float32)), np.float32)
-
-
-def _range(image: Floats) -> Floats:
-    """(h, w) float32: the largest difference within 3 x 3 pixels."""
-    kernel = np.ones((3, 3), np.uint8)
-    return np.asarray(cv2.subtract(cv2.dilate(image, kernel), cv2.erode(image, kernel)), np.float32)
 
 
 def _usual(light: Floats, free: Booleans) -> Floats:

@@ -147,8 +147,9 @@ class _Patch:
         rows, columns = self._rows, self._columns
         cover, light = self._cover[rows, columns], self._light[rows, columns]
         if keep:
-            seen_colors, lit = np.asarray(cv2.blur(colors, (3, 3)), np.float32), self._look * self._light
-            front = difference(seen_colors, lit, np.full(SIZE, VARIANCE, np.float32), valid & self._known).front
+            lit = self._look * self._light
+            front = difference(cv2.blur(image, (3, 3)), lit, np.ones(3, np.float32),
+                               np.full(SIZE, VARIANCE, np.float32), valid & self._known).front
             labels, count = parts_of(front) if front.any() else (front, 0)
             if count:
                 cover = cover * (1 - soft_rim(colors, lit, labels > 0)[rows, columns])

@@ -6,7 +6,7 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_to
 from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.tags.tag import Tag
@@ -44,14 +44,15 @@ class WallLight:
     ``black``: the level of ink as a share of that of paper, which a printed picture would have, too.
     """
 
-    def __init__(self, places: Floats, white: Floats, black: Floats, shape: tuple[int, int]) -> None:
+    def __init__(self, places: Floats, white: Floats, black: Floats, model: WallModel) -> None:
         """Begin with levels in the light in which the model has seen the wall first.
 
         ``places``: (n, 2), the tags' centers in the area, which is the unit square. ``white``, ``black``: see
-        white_and_black. ``shape``: (h, w), of the model.
+        white_and_black.
         """
-        height, width = (max(1, length // COARSE) for length in shape)
+        height, width = (max(1, length // COARSE) for length in model.look.shape[:2])
         self._size = width, height
+        self._plain = None if model.plain is None else self._share(model.plain)
         x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
         away = (x[..., None] - places[:, 0])**2 + (y[..., None] - places[:, 1])**2
         share = 1 / (away + 0.01)
@@ -65,12 +66,10 @@ class WallLight:
         ``image``: (h, w, 3) BGR uint8, the rectified frame, which the model has taken in.
         """
         color = self._coarse(model.look) / self._first  # of the wall, as a share of white
-        if model.plain is not None:  # What looks like a color that varies over a blank wall is light.
-            plain = self._coarse(model.plain.astype(np.float32))[..., None]
-            mean = (color * plain).sum(axis=(0, 1)) / max(plain.sum(), 1e-3)
-            color += plain * (mean - color)
-        free = self._coarse(model.free.astype(np.float32))[..., None]
-        seen = cv2.resize(image, self._size, interpolation=cv2.INTER_AREA).astype(np.float32)
+        if self._plain is not None:  # What looks like a color that varies over a blank wall is light.
+            mean = (color * self._plain).sum(axis=(0, 1)) / max(self._plain.sum(), 1e-3)
+            color += self._plain * (mean - color)
+        free, seen = self._share(model.free), self._coarse(image)
         light = np.zeros_like(seen)
         for window in WINDOWS_PX if free.min() < 1 else WINDOWS_PX[-1:]:
             bright, share, weight = (cv2.blur(image, (window, window), borderType=cv2.BORDER_CONSTANT)
@@ -79,5 +78,9 @@ class WallLight:
             light += part * (bright / np.maximum(share, 1e-4) - light)
         return np.clip(light, 0, 255).astype(np.uint8)
 
-    def _coarse(self, image: Floats) -> Floats:
+    def _share(self, mask: Booleans) -> Floats:
+        """(h, w, 1) float32: which share of each coarse pixel is in a mask."""
+        return self._coarse(mask.astype(np.uint8) * 255)[..., None] / 255
+
+    def _coarse(self, image: Image | Floats) -> Floats:
         return np.asarray(cv2.resize(image, self._size, interpolation=cv2.INTER_AREA), np.float32)

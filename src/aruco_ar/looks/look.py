@@ -14,7 +14,7 @@ from aruco_ar.tracking.area import Area
 
 from .grain import Grain
 from .hidden_tags import HiddenTags
-from .light import WallLight, white_and_black
+from .light import COARSE, WallLight, white_and_black
 from .wall_model import WallModel
 
 MAX_STEP_S = 0.5        # a longer time between frames counts as this
@@ -50,6 +50,7 @@ class Look:
         self._light: WallLight | None = None
         self._grain, self._hidden_tags = Grain(), HiddenTags()
         self._stamp: float | None = None
+        self._unlearned_s, self._is_turn = 0.0, False  # since the model's last frame; whether it takes the next
         self._size = 0, 0
         self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
 
@@ -68,18 +69,25 @@ class Look:
         if not sure:
             return
         if settings.foreground == KEEP or settings.light == MATCH:
-            self._learn_wall(frame, area, tags, passed, settings.settle)
+            self._learn_wall(frame, area, tags, passed, settings.settle, settings.foreground == KEEP)
         if settings.grain == MATCH:
             self._grain.measure(frame, area.window(frame)[0], tags)
 
-    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float, settle: float) -> None:
+    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float, settle: float,
+                    keep: bool) -> None:
         if not self._model.look.size:
             shape = np.clip(area.ratio or 1.0, *SHAPES)
-            self._size = round(np.sqrt(PIXELS * shape)), round(np.sqrt(PIXELS / shape))
+            sides = np.sqrt([PIXELS * shape, PIXELS / shape])
+            width, height = (COARSE * round(side / COARSE) for side in sides)  # which OpenCV shrinks fast
+            self._size = width, height
         image = area.rectified(frame, self._size)
         begun = self._model.begun
-        self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags), passed,
-                           settle)
+        self._unlearned_s += passed
+        self._is_turn = not self._is_turn
+        if keep or self._is_turn or not begun:  # for the light alone, every other frame tells enough
+            self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
+                               self._unlearned_s, settle)
+            self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None
         if self._light is None and tags:
@@ -87,8 +95,7 @@ class Look:
             centers = transform(homography_from(area.undistorted),
                                 centers if area.lens is None else area.lens.undistort(centers))
             white, black = white_and_black(frame, tags, area.lens)
-            self._light = WallLight(centers, white / self._model.light, black / self._model.light,
-                                    self._size[::-1])
+            self._light = WallLight(centers, white / self._model.light, black / self._model.light, self._model)
         self._image = image
 
     def apply(self, picture: Image, mask: Image, part: Area, settings: Any) -> tuple[Image, Image]:

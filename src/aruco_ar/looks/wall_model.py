@@ -5,6 +5,7 @@ wall stands still, though the camera moves.
 """
 from __future__ import annotations
 
+import ctypes
 from typing import Callable
 
 import cv2
@@ -13,7 +14,7 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 
 from .blank import blank_wall
-from .difference import Difference, difference, largest_difference, soft_rim
+from .difference import C, Difference, difference, largest_difference, soft_rim
 from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # frames: the wall's look is a running mean
@@ -25,13 +26,15 @@ STILL_S = 1.0                   # a thing is still if its outline is where it wa
 MOVED_SHARE = 0.03              # but for this share
 VARIANCE = 4.0                  # of the noise, until it is known
 VARIANCE_RATE = 0.03
-LIGHT_CHANGE = 0.1              # the look is learned where the light differs less from that on the whole wall
 # If so much of the wall is in front at once, after so little was before, it is another wall, or another light.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 SAMPLE_PX = 8                   # every eighth pixel shows the light on the whole wall
 MIN_SAMPLE = 0.05               # if so much of them is free
 MIN_LIGHT = 0.02
 NEAR_PX = 5                     # so near to things in front, a pixel may be a mixture with them
+
+C.learn.restype = None
+C.learn.argtypes = [*[ctypes.c_void_p] * 5, ctypes.c_int64, *[ctypes.c_float] * 4, *[ctypes.c_void_p] * 4]
 
 
 class WallModel:
@@ -67,23 +70,24 @@ class WallModel:
         that says where the tags are, (h, w); it is called when a wall is seen first. ``passed``: seconds since
         the frame before. ``settle``: seconds after which a thing that does not move becomes a part of the wall.
         """
-        seen = np.asarray(cv2.blur(image, (3, 3)), np.float32)
+        seen = cv2.blur(image, (3, 3))
         if not self.look.size:
             self._begin(seen, valid, tags)
-        found, lit = self._compare(seen, valid)
+        found = self._compare(seen, valid)
         known = self._known & valid & (self._seen_s >= KNOWN_S)
         share = np.count_nonzero(found.front & known) / max(np.count_nonzero(known), 1)
         if share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE:
             self._begin(seen, valid, tags)
-            found, lit = self._compare(seen, valid)
+            found = self._compare(seen, valid)
         self._front_share = share
         labels, count = parts_of(found.front) if found.front.any() else (np.zeros(valid.shape, np.int32), 0)
         front = labels > 0
-        self.free = valid & self._known & ~grown(front, NEAR_PX)
+        self.free = valid & self._known & ~(grown(front, NEAR_PX) if count else front)
+        lit = _times(self.look, self.light) if count else self.look  # before it is learned further
         self._learn_wall(seen, found, valid & ~front, passed, settle)
         self.front = np.zeros(valid.shape, np.float32)
         if count:
-            self._learn_front(seen, labels, count, passed)
+            self._learn_front(np.asarray(seen, np.float32), labels, count, passed)
             front &= self._seen_s >= KNOWN_S
             self.front = soft_rim(np.asarray(image, np.float32), lit, front)
         self._before = labels > 0
@@ -91,14 +95,14 @@ class WallModel:
         if self._age >= STILL_S:
             self._earlier, self._age = [self._earlier[1], self._before], 0.0
 
-    def _begin(self, seen: Floats, valid: Booleans, tags: Callable[[], Booleans]) -> None:
+    def _begin(self, seen: Image, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
         self.begun += 1
-        self.look = seen.copy()
+        self.look = np.asarray(seen, np.float32)
         shape = seen.shape[:2]
         self._known = valid.copy()                  # where the look is known
         self._seen_s = np.zeros(shape, np.float32)  # for how long it was seen
-        self._other = seen.copy()                   # another look, which was seen for a shorter time
+        self._other = self.look.copy()              # another look, which was seen for a shorter time
         self._other_s = np.zeros(shape, np.float32)
         self._was_wall = np.zeros(shape, bool)      # whether that was the wall once
         self._variance = np.full(shape, VARIANCE, np.float32)
@@ -106,40 +110,32 @@ class WallModel:
         self._earlier = [self._before] * 2          # the same, earlier
         self._age = 0.0                             # seconds since the later of them
         self._count = 0
-        found = blank_wall(seen, valid & ~tags())
+        found = blank_wall(self.look, valid & ~tags())
         if found is not None:
             surface, hidden = found
-            self.plain = np.abs(seen - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
+            self.plain = np.abs(self.look - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
             self.plain |= hidden
             self.look[hidden] = surface[hidden]
             self._seen_s[self.plain] = GUESS_S
 
-    def _compare(self, seen: Floats, valid: Booleans) -> tuple[Difference, Floats]:
-        """The Difference from the wall, and the wall, (h, w, 3), in the light of this frame."""
+    def _compare(self, seen: Image, valid: Booleans) -> Difference:
+        """The Difference from the wall in the light of this frame."""
         usable = self._known & valid
         sample = (usable & ~self._before)[::SAMPLE_PX, ::SAMPLE_PX]
         if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
             colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
             ratio = np.median((colors / np.maximum(looks, 1))[sample], axis=0)
             self.light = np.asarray(np.maximum(ratio, MIN_LIGHT), np.float32)
-        lit = _times(self.look, self.light)
-        return difference(seen, lit, self._variance, usable), lit
+        return difference(seen, self.look, self.light, self._variance, usable)
 
-    def _learn_wall(self, seen: Floats, found: Difference, wall: Booleans, passed: float,
+    def _learn_wall(self, seen: Image, found: Difference, wall: Booleans, passed: float,
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
-        self._seen_s += np.float32(passed) * wall
-        np.minimum(self._seen_s, settle, out=self._seen_s)
-        unlit = _times(seen, 1 / self.light)
-        new = wall & ~self._known
-        if new.any():
-            self.look[new] = unlit[new]
-            self._known |= new
         self._count = min(self._count + 1, MEAN_OF)
-        usual = self.free & (np.abs(found.light - 1) < LIGHT_CHANGE)
-        cv2.accumulateWeighted(unlit, self.look, 1 / self._count, usual.astype(np.uint8))
-        cv2.accumulateWeighted(found.error * found.error, self._variance, VARIANCE_RATE,
-                               self.free.astype(np.uint8))
+        C.learn(seen.ctypes.data, self.light.ctypes.data, found.planes.ctypes.data, wall.ctypes.data,
+                self.free.ctypes.data, wall.size, passed, settle, 1 / self._count, VARIANCE_RATE,
+                self.look.ctypes.data, self._variance.ctypes.data, self._known.ctypes.data,
+                self._seen_s.ctypes.data)
 
     def _learn_front(self, seen: Floats, labels: Integers, count: int, passed: float) -> None:
         """Learn what stays in front: it becomes the wall once it was seen for a longer time than the wall."""

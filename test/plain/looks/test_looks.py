@@ -90,12 +90,13 @@ def assert_in_front(image, frame, things, inside):
     assert is_painted(image, around) > 0.99
 
 
-@pytest.mark.parametrize('light', ['full', 'match'])
-def test_where_nothing_is_in_front_every_pixel_is_painted_as_without_keep(wall, light):
+@pytest.mark.parametrize('light, levels', [('full', 0), ('match', 2)])  # with keep, the light is learned more often
+def test_where_nothing_is_in_front_every_pixel_is_painted_as_without_keep(wall, light, levels):
     drive, with_it, without = Drive(wall), stage(foreground='keep', light=light), stage(light=light)
     for number in range(20):
         frame, _ = drive.frame(number)
-        np.testing.assert_array_equal(painted(with_it, frame, number), painted(without, frame, number))
+        off = cv2.absdiff(painted(with_it, frame, number), painted(without, frame, number))
+        assert off.max() <= levels
 
 
 @pytest.mark.parametrize('camera', [STRAIGHT, BENT])

@@ -1,0 +1,113 @@
+/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. wall_model.py calls this. */
+#include "frame.h"
+
+/* Light changes the brightness of a pixel, and its color a little: by this share of the brightness. Besides, a pixel
+   may differ by so many deviations of its noise, and by gray levels. The rims of a pattern may be blurred, or off by a
+   pixel: there it may differ by a share of the contrast nearby. */
+#define SHARE 0.08f
+#define DEVIATIONS 3.5f
+#define LEVELS 2.0f
+#define RIM_SHARE 0.5f
+#define SHARP 0.22f        /* the rim of a shadow is softer than this change of the light's logarithm in 3 pixels */
+#define STEP_FROM 1.1f     /* where the light in 3 pixels varies by a smaller factor, there is no rim of a shadow */
+#define MIN_LIGHT 0.02f
+#define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
+
+/* What compare finds out about each pixel: planes of floats, one after the other. */
+enum { GRAY, WALL_GRAY, LIGHT, ERROR, EXCESS, STEP, NOISE, RIM };
+
+static inline float mean3(float one, float two, float three) { return (one + two + three) / 3; }
+
+/* A channel of a pixel: how far it is off the wall in this light, in gray levels, and as a share of what is allowed. */
+static inline void compare_channel(float seen, float wall, float light, float contrast, float noise, float *error,
+                                   float *excess)
+{
+    float lit = wall * light, off = fabsf(seen - lit);
+    *error = larger(*error, off);
+    *excess = larger(*excess, off / (SHARE * lit + RIM_SHARE * contrast * light + noise));
+}
+
+/* The part of compare that looks at a pixel alone. Without inner loops, the compiler makes it four times as fast. */
+static void compare_pixels(const uint8_t *restrict seen, const float *restrict look, const float whole[3],
+                           const uint8_t *restrict contrast, const float *restrict variance, int64_t count,
+                           float *restrict planes)
+{
+    float blue = whole[0], green = whole[1], red = whole[2];
+    for (int64_t at = 0; at < count; at++) {
+        float b = look[3 * at] * blue, g = look[3 * at + 1] * green, r = look[3 * at + 2] * red;
+        float gray = mean3(seen[3 * at], seen[3 * at + 1], seen[3 * at + 2]), wall_gray = larger(mean3(b, g, r), 1);
+        float light = gray / wall_gray, noise = LEVELS + DEVIATIONS * sqrtf(variance[at]), error = 0, excess = 0;
+        compare_channel(seen[3 * at], b, light, contrast[3 * at], noise, &error, &excess);
+        compare_channel(seen[3 * at + 1], g, light, contrast[3 * at + 1], noise, &error, &excess);
+        compare_channel(seen[3 * at + 2], r, light, contrast[3 * at + 2], noise, &error, &excess);
+        planes[GRAY * count + at] = gray;
+        planes[WALL_GRAY * count + at] = wall_gray;
+        planes[LIGHT * count + at] = light;
+        planes[ERROR * count + at] = error;
+        planes[EXCESS * count + at] = excess;
+        planes[NOISE * count + at] = noise;
+        planes[RIM * count + at] = RIM_SHARE * mean3(contrast[3 * at], contrast[3 * at + 1], contrast[3 * at + 2]);
+    }
+}
+
+/* Compare a frame with the wall. Returns in how many pixels something seems to stand before it.
+
+   seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look. contrast: the
+   largest differences in it near each pixel, in this light. variance: of the noise. usable: where both are known.
+   darkest, lightest: limits of the light at a pixel, relative to that on the whole wall: a shadow, a spot. Writes the planes, and into front where something seems to stand. */
+int64_t compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
+                const float *variance, const uint8_t *usable, int width, int height, float darkest, float lightest,
+                float *planes, uint8_t *front)
+{
+    int64_t count = (int64_t)width * height, found = 0;
+    compare_pixels(seen, look, whole, contrast, variance, count, planes);
+    const float *lights = planes + LIGHT * count;
+    float least[width], most[width];  /* of the light in three rows */
+    for (int y = 0; y < height; y++) {
+        const float *row = lights + (int64_t)y * width;
+        const float *upper = y > 0 ? row - width : row, *lower = y < height - 1 ? row + width : row;
+        for (int x = 0; x < width; x++) {
+            least[x] = smaller(smaller(upper[x], row[x]), lower[x]);
+            most[x] = larger(larger(upper[x], row[x]), lower[x]);
+        }
+        for (int x = 0; x < width; x++) {
+            int64_t at = (int64_t)y * width + x;
+            int left = x > 0 ? x - 1 : x, right = x < width - 1 ? x + 1 : x;
+            float low = larger(smaller(smaller(least[left], least[x]), least[right]), MIN_LIGHT);
+            float high = larger(larger(most[left], most[x]), most[right]);
+            float slack = planes[NOISE * count + at] * 2 / 3 + planes[RIM * count + at];
+            slack /= planes[WALL_GRAY * count + at];
+            float step = 0;
+            if (high > STEP_FROM * low)
+                step = (logf(high / low) - 2 * slack / larger(row[x], 0.1f)) / SHARP;
+            planes[STEP * count + at] = step;
+            front[at] = usable[at] && (planes[EXCESS * count + at] > 1 || step > 1 || row[x] < darkest - slack
+                                       || row[x] > lightest + slack);
+            found += front[at];
+        }
+    }
+    return found;
+}
+
+/* Learn the wall where nothing is in front.
+
+   seen, look, whole, variance: see compare; planes: what it wrote. wall: where the wall is seen; certain: where that is
+   sure. known: where the look is known; seconds: for how long it was seen. passed: seconds since the frame before;
+   settle: the most that counts. rate, variance_rate: the weights of this frame in the running means. Changes look,
+   variance, known and seconds. */
+void learn(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall, const uint8_t *certain,
+           int64_t count, float passed, float settle, float rate, float variance_rate, float *look, float *variance,
+           uint8_t *known, float *seconds)
+{
+    const float *light = planes + LIGHT * count, *error = planes + ERROR * count;
+    float back[3] = {1 / whole[0], 1 / whole[1], 1 / whole[2]};
+    for (int64_t at = 0; at < count; at++) {
+        seconds[at] = smaller(seconds[at] + (wall[at] ? passed : 0), settle);
+        int is_new = wall[at] && !known[at];
+        float part = is_new ? 1 : certain[at] && fabsf(light[at] - 1) < LIGHT_CHANGE ? rate : 0;
+        for (int channel = 0; channel < 3; channel++)
+            look[3 * at + channel] += part * (seen[3 * at + channel] * back[channel] - look[3 * at + channel]);
+        known[at] |= is_new;
+        variance[at] += (certain[at] ? variance_rate : 0) * (error[at] * error[at] - variance[at]);
+    }
+}
