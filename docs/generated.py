@@ -25,12 +25,13 @@ SETTINGS = [
      settings.TagSettings),
     ('`exercise5_6`', settings.PictureSettings, settings.AreaSettings),
     ('`tag_poses`', settings.PoseSettings, settings.AreaSettings),
+    ('`calibrate_live`', settings.CalibrationSettings, settings.FrameSettings),
     ('`camera_relay`', settings.RelaySettings, settings.FrameSettings),
     ('`wall_camera`', wall_camera.WallCameraSettings, None),
     ('`page`', server.PageSettings, None),
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
-         'camera_relay', 'page']
+         'camera_relay', 'calibrate_live', 'page']
 PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
 
 

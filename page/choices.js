@@ -1,4 +1,4 @@
-// The choices: which picture is painted, and how the simulation looks.
+// The choices: which picture is painted and how, which tags count, and how the simulation looks.
 const SLIDE_MS = 150;
 const ANSWER_MS = 5000;  // a node may take this long for a change
 
@@ -6,12 +6,11 @@ export function choices(send, say) {
   const section = document.getElementById('picture');
   const group = section.querySelector('.pictures');
   const file = document.getElementById('file');
-  const simulation = document.getElementById('simulation');
+  const sections = ['picture', 'tags', 'simulation'].map((id) => document.getElementById(id));
   let shownNames = '';
 
-  function show({ pictures, picture, sliders, switches }, failed = false) {
+  function show({ pictures, picture, sliders, fields, switches }, failed = false) {
     if (failed) changes.clear();
-    section.hidden = picture === null;
     if (pictures.join('/') !== shownNames) {
       shownNames = pictures.join('/');
       group.replaceChildren(...pictures.map(choice));
@@ -22,12 +21,20 @@ export function choices(send, say) {
       const on = switches[label.dataset.switch];
       if (!isUnanswered(label, on)) label.querySelector('input').checked = on;
     }
-    simulation.hidden = !Object.keys(sliders).length;
-    for (const label of simulation.querySelectorAll('[data-slider]')) {
+    for (const label of document.querySelectorAll('[data-slider]')) {
       const value = sliders[label.dataset.slider];
       label.hidden = value === undefined;
       if (value !== undefined && !isUnanswered(label, value)) label.querySelector('input').value = value;
       writeValue(label);
+    }
+    for (const label of document.querySelectorAll('[data-field]')) {
+      const value = fields[label.dataset.field];
+      label.hidden = value === undefined;
+      const input = label.querySelector('input, select');
+      if (value !== undefined && document.activeElement !== input && !isUnanswered(label, value)) input.value = value;
+    }
+    for (const part of sections) {
+      part.hidden = !part.querySelector('[data-slider]:not([hidden]), [data-field]:not([hidden]), [data-switch]:not([hidden])');
     }
   }
 
@@ -59,9 +66,9 @@ export function choices(send, say) {
   document.addEventListener('drop', (event) => { dragging(false)(event); upload(event.dataTransfer.files[0]); });
 
   // After a choice by mouse or touch, give up the focus, so that the arrow keys drive again.
-  for (const part of [section, simulation]) {
-    part.addEventListener('click', ({ pointerType }) => {
-      if (pointerType) setTimeout(() => document.activeElement.blur());
+  for (const part of sections) {
+    part.addEventListener('click', ({ pointerType, target }) => {
+      if (pointerType && !target.closest('[data-field]')) setTimeout(() => document.activeElement.blur());
     });
   }
 
@@ -76,15 +83,25 @@ export function choices(send, say) {
     });
   }
 
-  // Between a change of a slider or a switch and the answer, older values arrive. They would move it back.
+  for (const label of document.querySelectorAll('[data-field]')) {
+    label.addEventListener('change', ({ target }) => {
+      changes.set(label, performance.now());
+      send({ write: [label.dataset.field, target.value] });
+      target.blur();  // so that the arrow keys drive again
+    });
+  }
+
+  // Between a change of a control and the answer, older values arrive. They would change it back.
   const changes = new Map();  // label -> the time of its last change that is unanswered
   function isUnanswered(label, value) {
-    const input = label.querySelector('input');
-    if (value === (input.type === 'checkbox' ? input.checked : Number(input.value))) changes.delete(label);
+    const input = label.querySelector('input, select');
+    if (value === (input.type === 'checkbox' ? input.checked : typeof value === 'number' ? Number(input.value) : input.value)) {
+      changes.delete(label);
+    }
     return label.matches(':active') || performance.now() - changes.get(label) < ANSWER_MS;
   }
 
-  for (const label of simulation.querySelectorAll('[data-slider]')) {
+  for (const label of document.querySelectorAll('[data-slider]')) {
     const input = label.querySelector('input');
     let timer = null;
     input.addEventListener('input', () => {

@@ -22,7 +22,7 @@ const connection = connect({
   closed() { say('The server does not answer. Reconnecting …', true, true); drive.allow(false); views.lost(); },
   frame(head, jpeg) { views.frame(head, jpeg); },
   received(message) {
-    if (message.state) { state = message.state; drive.allow(state.drive); choose.show(state); }
+    if (message.state) { state = message.state; drive.allow(state.drive); choose.show(state); views.advise(state.advice); }
     if (message.problem) { say(message.problem, true); choose.show(state, true); }
     if (message.without) views.showProblem(message.without, message.why);
   },

@@ -7,7 +7,8 @@ export function tiles(send) {
   for (const element of document.querySelectorAll('.tile')) {
     const tile = { element, topic: element.dataset.topic, inView: false,
                    canvas: element.querySelector('canvas'), button: element.querySelector('.view'),
-                   why: element.querySelector('.why') };
+                   why: element.querySelector('.why'), advice: element.querySelector('.advice'),
+                   problem: '', advised: '' };
     all.set(tile.topic, tile);
     tile.button.addEventListener('click', () => enlarge(tile.element.classList.contains('large') ? null : tile));
   }
@@ -57,7 +58,8 @@ export function tiles(send) {
     } finally {
       send({ shown: head.topic });
     }
-    tile.why.hidden = true;
+    tile.problem = '';
+    explain(tile);
     const write = (name, text) => { tile.element.querySelector(name).textContent = text; };
     write('.rate', `${Math.round(head.rate)} fps`);
     write('.latency', head.latency === null ? '– ms' : `${head.latency} ms`);
@@ -67,14 +69,30 @@ export function tiles(send) {
   function showProblem(topic, why) {
     const tile = all.get(topic);
     if (!tile) return;
-    tile.why.textContent = why;
-    tile.why.hidden = false;
+    tile.problem = why;
+    explain(tile);
     clear(tile);
+  }
+
+  // What the nodes say of themselves: {topic: sentence}.
+  function advise(sentences) {
+    for (const tile of all.values()) {
+      tile.advised = sentences[tile.topic] ?? '';
+      explain(tile);
+    }
+  }
+
+  // Without frames, the reason is where the picture should be; the node knows it better than the server.
+  function explain({ why, advice, problem, advised }) {
+    why.hidden = !problem;
+    why.textContent = problem && (advised || problem);
+    advice.hidden = Boolean(problem) || !advised;
+    advice.textContent = advised;
   }
 
   function clear(tile) {
     for (const figure of tile.element.querySelectorAll('.figures span')) figure.textContent = '–';
   }
 
-  return { frame, showProblem, requestFrames, lost() { for (const topic of all.keys()) showProblem(topic, 'No connection to the server.'); } };
+  return { frame, showProblem, advise, requestFrames, lost() { advise({}); for (const topic of all.keys()) showProblem(topic, 'No connection to the server.'); } };
 }

@@ -13,31 +13,25 @@ import sys
 
 import aruco_program  # noqa: F401  before all else
 import cv2
-import numpy as np
-from aruco_ar import Detector, InputError
+from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.base.progress import progress
-from aruco_ar.calibration.calibrate import GOOD_COVERAGE, View, calibrate
+from aruco_ar.calibration.calibrate import GOOD_COVERAGE, calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
-from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
+from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
+from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen
-MIN_SIDE_PX = 20.0  # the corners of smaller tags are not exact enough
 
 
-def read_board(text):
-    """(columns, rows, marker's side divided by the square's) of a text such as 5x7 or 5x7:0.5."""
+def board(text):
+    """What read_board takes, for argparse."""
     try:
-        size, _, ratio = text.partition(':')
-        columns, rows = (int(part) for part in size.split('x'))
-        ratio = float(ratio or 0.75)
-        if min(columns, rows) < 2 or max(columns, rows) > 50 or not 0.1 < ratio < 1:
-            raise ValueError
+        return read_board(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
             '"%s" is no board; write its squares and the side of a marker as a share of a square\'s, such as '
             '5x7:0.75' % text) from None
-    return columns, rows, ratio
 
 
 def parse(argv):
@@ -48,7 +42,7 @@ def parse(argv):
     option('files', nargs='+', metavar='FILE', help='a video or photos, all of the same size')
     option('--out', metavar='FILE', default='camera.yaml', help='the YAML file to write (default: camera.yaml)')
     option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
-    option('--charuco', type=read_board, metavar='5x7:0.75',
+    option('--charuco', type=board, metavar='5x7:0.75',
            help="the sheet is a ChArUco board of so many squares; the number after the colon is the side of a "
                 "marker, as a share of a square's")
     option('--fisheye', action='store_true', help='the lens is a fisheye')
@@ -87,44 +81,6 @@ class FrameFile:
             number += 1
         if not found:
             raise InputError('The file "%s" is neither a video nor a photo that OpenCV can read.' % self._path)
-
-
-class TagSheet:
-    """Finds the tags of a sheet. ``points``: None, since where they are on the sheet is not known."""
-
-    points = None
-
-    def __init__(self, dictionary):
-        """Raises InputError if there is no such dictionary."""
-        self._detector = Detector(dictionary)
-
-    def view(self, frame):
-        """The View of the sheet in a frame."""
-        tags = [tag for tag in self._detector.detect(frame)
-                if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
-        ids = [tag.id for tag in tags]
-        return View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
-
-
-class CharucoBoard:
-    """Finds the inner corners of a ChArUco board. ``points``: where they are, in squares."""
-
-    def __init__(self, dictionary, columns, rows, ratio):
-        """Raises InputError if there is no such dictionary, or if it has too few tags."""
-        try:
-            board = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, get_dictionary(dictionary))
-        except cv2.error:
-            raise InputError('%s has too few tags for a board of %d x %d squares.'
-                             % (dictionary, columns, rows)) from None
-        self._detector = cv2.aruco.CharucoDetector(board)
-        corners = np.array(board.getChessboardCorners(), np.float64)
-        self.points = {number: corner[None, :2] for number, corner in enumerate(corners)}
-
-    def view(self, frame):
-        """The View of the board in a frame."""
-        corners, ids, _, _ = self._detector.detectBoard(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
-        return View({} if ids is None else {int(number): np.asarray(corner, np.float64).reshape(1, 2)
-                                            for number, corner in zip(np.ravel(ids), corners)})
 
 
 def look(files, sheet):

@@ -21,7 +21,7 @@ PARTS = {
                    'cameras, masters, listeners, disks, and nodes that die, stall, or fill up'),
     'load': Part('stress.load', 'all nodes at once, with cameras that are fast, large, or slow'),
     'endurance': Part('stress.endurance', 'memory, threads, file descriptors, and latency over time'),
-    'door': Part('hostile_input.page_clients',
+    'page': Part('hostile_input.page_clients',
                  'the page with hostile clients, and the sockets that are open to the network'),
 }
 

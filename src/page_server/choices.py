@@ -1,4 +1,4 @@
-"""The choices on the page: which picture is painted, and how the simulation looks."""
+"""The choices on the page: which picture is painted and how, which tags count, and how the simulation looks."""
 import asyncio
 import gc
 import os
@@ -14,7 +14,8 @@ from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.figures import NOBODY
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
-from aruco_node.parameters.settings import TOPIC
+from aruco_node.parameters.parameters import read, ros_values
+from aruco_node.parameters.settings import TOPIC, PictureSettings
 from aruco_node.ros_internals.tolerant import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
@@ -22,11 +23,14 @@ from PIL.Image import DecompressionBombError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-PAINTER, SIMULATION = 'exercise5_6', 'wall_camera'
-SLIDERS = 'noise', 'falloff'
-# Each is a parameter of the painter or of the simulation, with its values for off and on.
-LOOKS = {'foreground': FOREGROUNDS, 'light': LIGHTS, 'grain': GRAINS, 'tags': TAGS}
-PASSERS = {'visitor': (NOBODY, 'person')}
+EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6'
+PAINTER, SIMULATION = EXERCISES[-1:], ('wall_camera',)
+# Which nodes have a parameter; those with a slider are numbers, those with a field are texts.
+SLIDERS = {'opacity': PAINTER, 'noise': SIMULATION, 'falloff': SIMULATION}
+FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
+# The values of a switch that is off or on.
+SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
+            'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
@@ -102,22 +106,24 @@ class Choices:
     def __init__(self, on_change):
         """``on_change`` is called, from any thread, when a choice has changed, on the page or elsewhere."""
         self._worker = ThreadPoolExecutor(1, 'pictures')
-        self._painter = RemoteParameters(PAINTER, on_change)
-        self._simulation = RemoteParameters(SIMULATION, on_change)
+        self._nodes = {name: RemoteParameters(name, on_change) for name in EXERCISES + SIMULATION}
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
         self._drops = 0  # how many pictures were dropped. Only the last one is kept, and can be chosen again
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
-        painter = self._painter.values
-        picture = painter.get('picture')
-        simulation = self._simulation.values
+        values = {name: node.values for name, node in self._nodes.items()}
+
+        def value(parameter, nodes):
+            """Of the first of these nodes that is running, or None."""
+            return next((values[name][parameter] for name in nodes if parameter in values[name]), None)
+        picture = value('picture', PAINTER)
+        switches = {name: (value(name, nodes), on) for name, (nodes, (_, on)) in SWITCHES.items()}
         return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
-                'sliders': {name: simulation[name] for name in SLIDERS if name in simulation},
-                'switches': {name: values[name] == on
-                             for values, switches in ((painter, LOOKS), (simulation, PASSERS))
-                             for name, (_, on) in switches.items() if name in values}}
+                'sliders': _known({name: value(name, nodes) for name, nodes in SLIDERS.items()}),
+                'fields': _known({name: value(name, nodes) for name, nodes in FIELDS.items()}),
+                'switches': {name: now == on for name, (now, on) in switches.items() if now is not None}}
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last."""
@@ -134,7 +140,7 @@ class Choices:
         """Have the picture of that name painted. Raises InputError if there is none."""
         self._check(name)
         dropped = self._drops and name == self._drop_name()
-        await self._painter.set(picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
+        await self._set(PAINTER, picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
 
     async def drop(self, parts):
         """Have a new picture painted. ``parts``: a list with the bytes of its file, which is emptied.
@@ -146,22 +152,27 @@ class Choices:
         self._thumbnails.pop(self._drop_name(), None)
         self._drops += 1
         self._thumbnails[self._drop_name()] = self._in_worker(_shrink, picture)
-        await self._painter.set(picture=self._drop_topic())
+        await self._set(PAINTER, picture=self._drop_topic())
 
     async def slide(self, name, value):
-        """Set one of SLIDERS.
+        """Set one of SLIDERS. Other names and values are ignored. Raises InputError if no node has it."""
+        if isinstance(name, str) and name in SLIDERS and isinstance(value, (int, float)) and abs(value) < 1e6:
+            await self._set(SLIDERS[name], **{name: value})
 
-        Other names and values are ignored. Raises InputError if there is no simulation.
+    async def write(self, name, value):
+        """Set one of FIELDS, in all nodes that have it.
+
+        Other names are ignored. Raises InputError if the value is not allowed, or if no node has it.
         """
-        if name in SLIDERS and isinstance(value, (int, float)) and abs(value) < 1e6:
-            await self._simulation.set(**{name: value})
+        if isinstance(name, str) and name in FIELDS and isinstance(value, str):
+            taken = ros_values(read(PictureSettings, {name: value}.get))[name]  # refused here, with the reason
+            await self._set(FIELDS[name], **{name: taken})
 
     async def switch(self, name, on):
         """Turn a switch on or off. Other names are ignored. Raises InputError if its node is not running."""
-        if isinstance(name, str) and isinstance(on, bool):
-            for node, switches in (self._painter, LOOKS), (self._simulation, PASSERS):
-                if name in switches:
-                    await node.set(**{name: switches[name][on]})
+        if isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
+            nodes, values = SWITCHES[name]
+            await self._set(nodes, **{name: values[on]})
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""
@@ -174,6 +185,11 @@ class Choices:
         except Exception:
             self._thumbnails.pop(name, None)  # the file may be repaired later
             raise
+
+    async def _set(self, names, **values):
+        """Set parameters of those of these nodes that are running."""
+        nodes = [self._nodes[name] for name in names]
+        await asyncio.gather(*[node.set(**values) for node in nodes if node.values] or [nodes[0].set(**values)])
 
     def _drop_name(self):
         return 'dropped %d' % self._drops
@@ -211,6 +227,10 @@ class Choices:
             raise InputError('The picture is too large. Drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
         return decode_picture(data, 'dropped')
+
+
+def _known(values):
+    return {name: value for name, value in values.items() if value is not None}
 
 
 def _shrink(picture):

@@ -4,6 +4,8 @@ from contextlib import contextmanager
 from urllib.parse import quote
 
 from aruco_ar.base.errors import InputError
+from aruco_ar.painting.fit import FITS
+from aruco_ar.tags.tag import DICTIONARY_NAMES
 from tornado.iostream import StreamClosedError
 from tornado.web import Finish, RequestHandler, stream_request_body
 
@@ -143,7 +145,11 @@ class Page(Handler):
             topics = []
         self.set_header('Content-Security-Policy', POLICY % (self.request.host, self.request.host))
         self.set_header('Referrer-Policy', 'no-referrer')
-        self.show('index.html', tiles=self.parts.tiles, topics=topics, quote=quote)
+        tiles = [tile for tile in self.parts.tiles if tile.number]
+        if any(tile.topic in topics for tile in self.parts.tiles if not tile.number):  # calibration
+            tiles = [tile for tile in self.parts.tiles if tile.topic in topics]
+        self.show('index.html', tiles=tiles, topics=topics, quote=quote, fits=FITS,
+                  dictionaries=DICTIONARY_NAMES)
 
 
 class StreamViewer(Handler):

@@ -115,6 +115,9 @@ class Live(BaseHandler, WebSocketHandler):
             elif 'slide' in request:
                 name, value = request['slide']
                 self._start(self._choose(self.parts.choices.slide, name, value))
+            elif 'write' in request:
+                name, value = request['write']
+                self._start(self._choose(self.parts.choices.write, name, value))
             elif 'switch' in request:
                 name, on = request['switch']
                 self._start(self._choose(self.parts.choices.switch, name, on))

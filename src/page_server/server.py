@@ -22,6 +22,7 @@ from tornado.netutil import bind_sockets
 from tornado.web import Application, StaticFileHandler
 
 from .access import is_loopback
+from .advice import Advice
 from .choices import Choices
 from .driving import DriveControl
 from .handlers import STALLED_S, BaseHandler, Page, Picture, Snapshot, Stream, StreamViewer, Unknown
@@ -53,7 +54,11 @@ class PageSettings:
 
 
 class Tile(NamedTuple):
-    """One of the image topics that the page shows. ``tags``: the topic with the tags in sight."""
+    """One of the image topics that the page shows. ``tags``: the topic with the tags in sight.
+
+    Without a ``number``, the tile is there only if its topic is published when the page is opened. Then only
+    tiles with published topics are there.
+    """
 
     number: str
     title: str
@@ -66,7 +71,8 @@ TILES = [('5.1', 'The wall with its tags', CAMERA, 'exercise5_2/tags'),
          ('5.3', 'Centers, as they come', 'exercise5_3/image', 'exercise5_3/tags'),
          ('5.4', 'Centers in order', 'exercise5_4/image', 'exercise5_4/tags'),
          ('5.5', 'The area subtracted', 'exercise5_5/image', 'exercise5_5/tags'),
-         ('5.6', 'A picture in its place', 'exercise5_6/image', 'exercise5_6/tags')]
+         ('5.6', 'A picture in its place', 'exercise5_6/image', 'exercise5_6/tags'),
+         ('', 'Calibration', 'calibrate_live/image', 'calibrate_live/tags')]  # while it is published
 
 
 @dataclass
@@ -76,7 +82,8 @@ class Parts:
     topics: Topics
     drive_control: Optional[DriveControl]
     tiles: List[Tile]
-    choices: Choices = field(init=False)  # set later, since it notifies the browsers of these Parts
+    choices: Choices = field(init=False)  # these two are set later, since they notify the browsers
+    advice: Advice = field(init=False)
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
     viewers: Any = field(default_factory=dict)  # {handler that sends frames by HTTP: its connection}
@@ -88,9 +95,10 @@ class Parts:
         return self.topics.tags(beside[0]) if beside else None
 
     def state(self):
-        """What can be chosen, what is chosen, and whether the page may drive."""
+        """What can be chosen, what is chosen, whether the page may drive, and what to say of each tile."""
         may_drive = self.drive_control is not None and self.drive_control.has_listeners()
-        return dict(self.choices.state(), drive=may_drive)
+        advice = {tile.topic: self.advice.of(tile.topic.rpartition('/')[0]) for tile in self.tiles}
+        return dict(self.choices.state(), drive=may_drive, advice=advice)
 
     def tell_browsers(self):
         """Send the state to all browsers, if it has changed."""
@@ -164,7 +172,10 @@ def serve():
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
     parts = Parts(Topics(), drive_control, tiles)
-    parts.choices = Choices(lambda: loop.call_soon_threadsafe(parts.tell_browsers))
+
+    def tell():
+        loop.call_soon_threadsafe(parts.tell_browsers)
+    parts.choices, parts.advice = Choices(tell), Advice(tell)
     # Nodes announce changes of their parameters, but not that they end. Hence this timer.
     PeriodicCallback(parts.tell_browsers, STATE_MS).start()
     server = _listen(application(parts), parts.viewers, address, port)

@@ -32,7 +32,7 @@ MAX_GROWTH, MAX_LINES, MAX_IDLE = 5, 20, 1  # %, lines, %
 OUTPUTS = {**{'exercise5_%d' % number: {'image': Image, 'tags': TagArray} for number in range(2, 7)},
            'screen': {'image': Image},
            'tag_poses': {'image': Image, 'tags': TagArray, 'poses': TagPoseArray},
-           'camera_relay': {'image_raw': Image}}
+           'calibrate_live': {'image': Image}, 'camera_relay': {'image_raw': Image}}
 OUTPUTS['exercise5_5']['mask'] = Image
 
 

@@ -7,7 +7,7 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners
@@ -91,14 +91,14 @@ def different_views(views: Sequence[View], size: tuple[int, int], least: float =
     return [views[number] for number in sorted(chosen)]
 
 
-def coverage(views: Sequence[View], size: tuple[int, int]) -> float:
-    """The share of the frame's cells in which a point was seen."""
+def cells_of(views: Sequence[View], size: tuple[int, int]) -> Booleans:
+    """CELLS of bool: the cells of the frame in which a point was seen."""
     seen = np.zeros(CELLS, bool)
     for view in views:
         points = np.concatenate(list(view.points.values())) / np.array(size) * CELLS
         cells = np.clip(points.astype(int), 0, np.array(CELLS) - 1)
         seen[cells[:, 0], cells[:, 1]] = True
-    return float(seen.mean())
+    return seen
 
 
 def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = False,
@@ -151,7 +151,7 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         raise InputError('%s %s %s' % (few, fits, SURE))
     if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
-    return Calibrated(lens, rms, held_out, len(kept), coverage(kept, size))
+    return Calibrated(lens, rms, held_out, len(kept), float(cells_of(kept, size).mean()))
 
 
 def _straightened(view: View, lens: Lens) -> View:

@@ -10,6 +10,7 @@ from aruco_ar.tracking.area import Area
 
 LASTING_S = 2.0  # what is true for so long is said
 NEAR = 0.1       # of the area's shortest side: a corner that is so near to a tag's center is at that tag
+NOTES = MANY_TAGS, UPSIDE_DOWN = 'more than four tags', 'upside down'  # the kinds of sentences
 
 
 class AreaHints:
@@ -25,8 +26,8 @@ class AreaHints:
         """Take in a frame at a time, seconds, with the tags in sight and the Area, if it is known."""
         found = {}
         if area is not None:
-            found = {'more than four tags': None if self._ids else _choice(tags, area),
-                     'upside down': _upside_down(area) if self._upright == 'tags' else None}
+            found = {MANY_TAGS: None if self._ids else _choice(tags, area),
+                     UPSIDE_DOWN: _upside_down(area) if self._upright == 'tags' else None}
         self._since = {kind: min(self._since.get(kind, stamp), stamp)
                        for kind, sentence in found.items() if sentence}
         self.sentences = {kind: sentence for kind, sentence in found.items()

@@ -16,6 +16,7 @@ NO_TAGS_S = 10.0     # after so long without a tag in sight, there is a warning
 MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
 BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
 MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
+NONE_SEEN = 'none seen'
 MAX_LATENCY_S = 60.0  # a frame that seems older was stamped by another clock, or comes from a bag
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -127,7 +128,7 @@ class FrameCount:
                     '%.1f' % np.percentile(known, percent) if len(known) else 'unknown'
         if tags is not None:
             values['tags in sight'] = tags if len(recent) else 0
-            values['area last seen (s ago)'] = 'none seen' if area_seen is None else '%.1f' % (now - area_seen)
+            values['area last seen (s ago)'] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # A node that is idle most of the time is not what drops them.

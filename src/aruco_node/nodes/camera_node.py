@@ -72,8 +72,11 @@ class CameraNode(FrameNode):
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
-        if self._hints.warning and level < ERROR:
-            level, sentence = WARN, self._hints.warning
+        warning = self._hints.warning
+        if warning:
+            values['hint'] = warning
+            if level < ERROR:
+                level, sentence = WARN, warning
         for kind, hint in self._hints.notes.items():
             values[kind] = hint
         return level, sentence, values

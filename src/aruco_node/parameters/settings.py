@@ -9,6 +9,7 @@ from typing import Tuple, Union
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
+from aruco_ar.calibration.sheets import read_board
 from aruco_ar.exercise import CORRECT, LENSES
 from aruco_ar.looks.look import CLEAN, FOREGROUNDS, FULL, GRAINS, LIGHTS, PAINT, SHOW, TAGS
 from aruco_ar.painting.fit import FITS
@@ -35,6 +36,7 @@ TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's p
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # stands for the id in the name of a tag's TF frame
 LEARN = 'learn'
+PINHOLE, FISHEYE = 'pinhole', 'fisheye'
 MAX_AREAS = 50  # each takes the memory of its picture
 SIDE = Number(*SIDE_M)
 
@@ -87,6 +89,31 @@ class RelaySettings(FrameSettings):
 
     rate: float = number(0.0, 0, 1000, 'how many frames per second are published at most; 0: all')
     quality: float = number(80.0, 1, 100, 'quality of the JPEG images that are published')
+
+
+def _board(value):
+    if value in ('none', ''):
+        return ''
+    read_board(value)
+    return value
+
+
+@dataclass(frozen=True)
+class CalibrationSettings(FrameSettings):
+    """The parameters of calibrate_live. ``charuco``: see read_board; empty for a sheet of tags."""
+
+    dictionary: str = choice(
+        'DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name', live=False,
+        listed=DICTIONARY_NAMES)
+    charuco: str = parsed(
+        '', 'none, or squares and share such as 5x7:0.75',
+        "the squares of a ChArUco board, and the side of a marker as a share of a square's; none: the sheet "
+        'has tags anywhere, all of the same size', _board, lambda value: value or 'none', live=False)
+    model: str = choice(PINHOLE, (PINHOLE, FISHEYE), 'what the lens is like', live=False)
+    camera_name: str = text('camera', 'a name', 'name of the camera in the file')
+    file: str = text(
+        '~/.ros/camera_info/camera.yaml', 'the path of a file',
+        'file that the service ~save writes; camera drivers look for that of their own name there')
 
 
 @dataclass(frozen=True)

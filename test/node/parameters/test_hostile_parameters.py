@@ -7,7 +7,8 @@ from aruco_node.parameters.settings import PictureSettings
 from hostile.parameters import validation, values
 
 # One node of each settings class.
-NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'camera_relay', 'wall_camera', 'page'
+NODES = 'exercise5_2', 'exercise5_5', 'exercise5_6', 'tag_poses', 'calibrate_live', 'camera_relay', \
+    'wall_camera', 'page'
 
 
 @pytest.mark.parametrize('node', NODES)

@@ -3,7 +3,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError, Lens
-from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, coverage, different_views
+from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, cells_of, different_views
+from aruco_ar.calibration.collection import Collection
 from aruco_ar.calibration.layout import learn_layout
 from aruco_ar.tags.corner_rays import found_corners
 from rig.accuracy.lenses import off_in_frame
@@ -95,7 +96,7 @@ def test_of_a_still_camera_one_view_is_left_and_of_a_moving_one_the_different_on
     with pytest.raises(InputError, match='1 of the 50 views of the sheet differ'):
         calibrate([views[0]] * 50, SIZE)
     assert len(different_views(views * 20, SIZE)) == 3
-    assert 0 < coverage(views[:1], SIZE) < coverage(views, SIZE) <= 1
+    assert 0 < cells_of(views[:1], SIZE).sum() < cells_of(views, SIZE).sum()
 
 
 def test_too_few_or_too_equal_views_are_refused_with_advice():
@@ -113,3 +114,23 @@ def test_a_view_with_wrong_tags_is_left_out(random):
     views[7] = View({key: points + random.normal(0, 6, (4, 2)) for key, points in views[7].points.items()})
     found = calibrate(views, SIZE)
     assert found.views == len(views) - 1 and off_in_frame(found.lens, truth).max() < 0.5
+
+
+def test_a_collection_keeps_still_views_that_differ_and_shows_where_they_were():
+    views = views_of(LENSES['barrel'], sheet(), count=12)
+    collection = Collection(SIZE)
+    for view in views:  # each is seen once, as if the sheet moved all the time
+        assert not collection.offer(view)
+    for view in views[:3]:
+        collection.offer(view)
+        assert collection.offer(view)
+        assert not collection.offer(view)
+    assert len(collection.views) == 3 and not collection.offer(View({}))
+    frame = np.full((*SIZE[::-1], 3), 100, np.uint8)
+    image = collection.draw(frame, View({}))
+    seen = (image != frame).any(axis=2)
+    assert seen.mean() == pytest.approx(collection.coverage, abs=0.01)
+    for view in views[:3]:
+        for points in view.points.values():
+            x, y = points[0].astype(int)
+            assert seen[y, x] and image[y, x, 1] > image[y, x, 2]

@@ -90,7 +90,7 @@ def assert_in_front(image, frame, things, inside):
     assert is_painted(image, around) > 0.99
 
 
-@pytest.mark.parametrize('light, levels', [('full', 0), ('match', 2)])  # with keep, the light is learned more often
+@pytest.mark.parametrize('light, levels', [('full', 0), ('match', 2)])  # with keep, light is learned more often
 def test_where_nothing_is_in_front_every_pixel_is_painted_as_without_keep(wall, light, levels):
     drive, with_it, without = Drive(wall), stage(foreground='keep', light=light), stage(light=light)
     for number in range(20):

@@ -22,8 +22,8 @@ from rig.processes import started
 from rig.processes.started import WAIT_S
 
 CAMERA = '/camera/rgb/image_raw'
-NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'camera_relay', 'wall_camera',
-         'page']
+NODES = [*('exercise5_%d' % number for number in range(2, 7)), 'tag_poses', 'calibrate_live',
+         'camera_relay', 'wall_camera', 'page']
 IMAGES = {name: '/%s/image' % name for name in NODES[:-3]}  # the nodes that answer frames with images
 IMAGES['camera_relay'] = '/camera_relay/image_raw'
 CENTERS = {1: (160, 120), 2: (480, 120), 3: (480, 360), 4: (160, 360)}

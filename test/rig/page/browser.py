@@ -13,7 +13,12 @@ OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-backg
 
 
 class BrowserTest(ServerTest):
-    """Opens the page as ``page``. An error on its console fails the test unless it contains ``expected``."""
+    """Opens the page as ``page``, with so many ``tiles``.
+
+    An error on its console fails the test unless it contains ``expected``.
+    """
+
+    tiles = 6
 
     @classmethod
     def setUpClass(cls):
@@ -41,9 +46,9 @@ class BrowserTest(ServerTest):
         self.page.on('request', lambda request: self.requested.append(request.url))
         self.page.goto('http://localhost:%d/' % self.port)
         self.page.wait_for_function(
-            '''() => document.querySelectorAll('.tile .why[hidden]').length == 6 &&
+            '''(tiles) => document.querySelectorAll('.tile .why[hidden]').length == tiles &&
                      [...document.querySelectorAll('.latency')].every(
-                         (text) => /^[0-9]/.test(text.textContent))''')
+                         (text) => /^[0-9]/.test(text.textContent))''', arg=self.tiles)
 
     def tearDown(self):
         self.assertEqual([each for each in self.errors if not self.expected or self.expected not in each], [])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A small part of the attacks on the page's server; script/torture --only door runs more."""
+"""A small part of the attacks on the page's server; script/torture --only page runs more."""
 import random
 
 import psutil

@@ -27,6 +27,12 @@ class Page(BrowserTest):
         shot = cv2.resize(self.screenshot(PAINTED + ' canvas'), (640, 480))
         return shot, Area(np.float32([(point.x, point.y) for point in corners]))
 
+    def colors(self, *pixels):
+        """What is painted of these pixels of the picture of the earth, (x, y): a list of (3,) BGR."""
+        shot, area = self.painted()
+        seen = cv2.perspectiveTransform(np.float64([pixels]), area.homography(960, 640))[0]
+        return [shot[y - 1:y + 2, x - 1:x + 2].mean(axis=(0, 1)) for x, y in np.int32(np.round(seen))]
+
     def wait_for_color(self, color):
         """Wait until the middle of the area of exercise 5.6 has about this color, (blue, green, red)."""
         self.page.wait_for_function(
@@ -53,14 +59,9 @@ class Page(BrowserTest):
         self.page.get_by_text('earth', exact=True).click()  # another test may have chosen another picture
 
         def shows_the_earth():
-            """Whether the Atlantic is blue, the Sahara brown and the dark sea dark, in one screenshot."""
-            shot, area = self.painted()
-            seen = cv2.perspectiveTransform(np.float64([[(330, 330), (430, 270), (60, 320)]]),
-                                            area.homography(960, 640))[0]
-            atlantic, sahara, dark = [shot[y - 1:y + 2, x - 1:x + 2].mean(axis=(0, 1))
-                                      for x, y in np.int32(np.round(seen))]
+            atlantic, sahara, sea = self.colors((330, 330), (430, 270), (60, 320))
             return (atlantic[0] > atlantic[2] + 25 and sahara[2] > sahara[1] > sahara[0] and sahara[2] > 130
-                    and dark.max() < 70)
+                    and sea.max() < 70)
         until(shows_the_earth)
 
     def test_each_picture_has_its_rate_latency_and_tags_and_all_files_are_local(self):
@@ -145,6 +146,41 @@ class Page(BrowserTest):
             for value, turn in (on, switch.check), (off, switch.uncheck):
                 turn()
                 until(lambda: rospy.get_param('/' + name) == value)
+
+    def test_fields_change_how_the_area_is_filled_and_which_tags_count(self):
+        fit = self.page.get_by_label('How it fills the area')
+        self.assertEqual(fit.input_value(), 'stretch')
+        opacity = self.page.get_by_role('slider', name='Opacity')
+        for value in 'cover', 'stretch':
+            fit.select_option(value)
+            until(lambda: rospy.get_param('/exercise5_6/fit') == value)
+        self.page.get_by_text('earth', exact=True).click()
+        self.wait_for_chosen('earth.jpg')
+        for value in 0, 1:  # the pale wall, and then the dark sea
+            opacity.fill(str(value))
+            until(lambda: (self.colors((60, 320))[0].max() > 110) == (value == 0))
+        ids = self.page.get_by_label('Ids of the four')
+        self.assertEqual(ids.input_value(), 'any')
+        ids.fill('1,2,3')
+        ids.press('Enter')
+        self.wait_for_text('#status', 'The parameter ~ids is "1,2,3"; it must be')
+        until(lambda: ids.input_value() == 'any')
+        ids.fill('1, 2,3 ,4')
+        ids.press('Enter')
+        until(lambda: all(rospy.get_param('/exercise5_%d/ids' % number) == '1,2,3,4' for number in range(2, 7)))
+        until(lambda: ids.input_value() == '1,2,3,4')
+        ids.fill('any')
+        ids.press('Enter')
+        until(lambda: rospy.get_param('/exercise5_6/ids') == 'any')
+
+    def test_tags_of_another_dictionary_are_told_of_on_the_picture_until_it_is_chosen(self):
+        dictionary = self.page.get_by_label('Dictionary')
+        self.assertEqual(dictionary.input_value(), 'DICT_6X6_250')
+        dictionary.select_option('DICT_4X4_50')
+        self.wait_for_text(PAINTED + ' .advice:not([hidden])', 'dictionary:=DICT_6X6_')
+        dictionary.select_option('DICT_6X6_250')
+        self.page.wait_for_selector(PAINTED + ' .advice', state='hidden')
+        self.wait_for_text(PAINTED + ' .tags', 'tags 1 2 3 4')
 
     def test_on_a_phone_nothing_is_wider_than_the_screen(self):
         self.page.set_viewport_size({'width': 360, 'height': 740})

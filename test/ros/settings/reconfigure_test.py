@@ -35,7 +35,8 @@ OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
            'tag_poses': AREA | {'tag_size', 'tag_sizes', 'wall'},
            'wall_camera': {'noise', 'blur', 'falloff', 'exposure', 'swing', 'hand', 'shutter', 'visitor',
                            'jpeg'},
-           'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'}}
+           'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'},
+           'calibrate_live': {'folder', 'camera_name', 'file'}}
 RED, BLUE = (0, 0, 255), (255, 0, 0)
 LEFT, RIGHT, TOP, BOTTOM = ((slice(None), slice(0, 40)), (slice(None), slice(-40, None)),
                             (slice(0, 40), slice(None)), (slice(-40, None), slice(None)))
