@@ -211,12 +211,21 @@ class _Solver:
         errors = []
         for view in views:
             sheet, points = self._points(view)
-            found, turn, shift = cv2.solvePnP(sheet, lens.rays(points), np.eye(3), NO_ARRAY,
-                                              flags=cv2.SOLVEPNP_IPPE)
-            if found:
-                turn, shift = cv2.solvePnPRefineLM(sheet, lens.rays(points), np.eye(3), NO_ARRAY, turn, shift)
-                errors.append(_error(lens, sheet, points, turn, shift))
+            errors.append(pose_error(lens, sheet[:, :2], points))
         return float(np.sqrt(np.mean(np.square(errors)))) if errors else np.inf
+
+
+def pose_error(lens: Lens, sheet: Floats, points: Floats) -> float:
+    """How far points are off in the pose that fits them best, pixels; inf if there is none.
+
+    ``sheet``: (n, 2), where they are on it. ``points``: (n, 2) pixels.
+    """
+    flat, rays = np.column_stack([sheet, np.zeros(len(sheet))]), lens.rays(points)
+    found, turn, shift = cv2.solvePnP(flat, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
+    if not found:
+        return np.inf
+    turn, shift = cv2.solvePnPRefineLM(flat, rays, np.eye(3), NO_ARRAY, turn, shift)
+    return _error(lens, flat, points, turn, shift)
 
 
 def _error(lens: Lens, sheet: Floats, points: Floats, turn: Image, shift: Image) -> float:

@@ -1,14 +1,17 @@
 """A node that runs an exercise on a camera's frames."""
+from concurrent.futures import ThreadPoolExecutor
+
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.exercise import TRACKER, Stage
 from aruco_ar.hints.hints import HINT_PARAMETERS, Hints
+from aruco_ar.hints.lens_check import LensCheck
 from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
 from aruco_node.health.diagnostics import ERROR, WARN
-from aruco_node.health.faults import log_once, note_fault
+from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LensSettings, load_areas
@@ -37,6 +40,7 @@ class CameraNode(FrameNode):
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
         self._hints = self._new_hints(self.settings)
+        self._lens_check, self._checker, self._checking = LensCheck(), ThreadPoolExecutor(1, 'lens check'), None
         self._tags = self.advertise('~tags', TagArray)
         self._calibration = None
         if isinstance(self.settings, LensSettings):
@@ -72,7 +76,7 @@ class CameraNode(FrameNode):
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
-        warning = self._hints.warning
+        warning = self._warning
         if warning:
             values['hint'] = warning
             if level < ERROR:
@@ -152,11 +156,24 @@ class CameraNode(FrameNode):
         """Tell what a user may have overlooked, if anything, once."""
         tags = [tag for result in results for tag in result.tags]
         self._hints.update(frame, stamp, tags, [result.area for result in results])
-        warning = self._hints.warning
+        if self.needs_calibration:
+            self._check_lens(stamp, tags)
+        warning = self._warning
         if warning:  # once for each remedy, its last word: the tags in it may change with each frame
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
+
+    @property
+    def _warning(self):
+        return self._hints.warning or self._lens_check.hint
+
+    def _check_lens(self, stamp, tags):
+        """Find out, in another thread, whether the calibration fits the tags of the usual size."""
+        others = {tag_id for tag_id, _ in self.settings.tag_sizes}
+        self._lens_check.update(stamp, [tag for tag in tags if tag.id not in others], self.lens)
+        if self._lens_check.is_due and (self._checking is None or self._checking.done()):
+            self._checking = self._checker.submit(fault_barrier(self._lens_check.check))
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

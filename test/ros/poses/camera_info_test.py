@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
 """tag_poses with a camera_info or a wall that is missing, late or wrong, and with a distorting lens."""
+import itertools
+import pathlib
 import tempfile
 
 import numpy as np
@@ -12,7 +14,9 @@ from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import image_from_frame
 from aruco_node.messages.wall_messages import camera_info
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rig.accuracy.sheets import frames_of
 from rig.nodes.case import NodeTest
+from rig.nodes.topics import until
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
@@ -86,6 +90,20 @@ class CameraInfos(NodeTest):
             self.assertEqual(len(warnings), 1, warnings)
             self.assertIn('/eye/camera_info', warnings[0])
             self.assertIn('WARN', warnings[0])
+
+    def test_a_calibration_of_another_focal_length_is_told(self):
+        self.start_poses('/eye/image', '/eye/camera_info')
+        self.infos.publish(camera_info(Camera(fov=1.3), Header()))
+        with tempfile.TemporaryDirectory() as folder:
+            frames = list(frames_of(Camera(), pathlib.Path(folder, 'wall.yaml')))
+        stamps = itertools.count(100)
+
+        def is_told():
+            for frame in frames:
+                self.images.publish(image_from_frame(frame, Header(stamp=rospy.Time(next(stamps)))))
+                self.seen['tags'].next()
+            return any('The calibration does not fit this camera' in line for line in self.node.lines)
+        until(is_told)
 
     def test_the_distortion_of_the_lens_is_corrected(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')

@@ -1,0 +1,50 @@
+"""A calibration that does not fit the camera is told from views of tags in one plane."""
+import numpy as np
+import pytest
+from aruco_ar import Lens, Tag
+from aruco_ar.hints.lens_check import LensCheck
+from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
+
+
+def show(check, views, lens):
+    """Show views to a LensCheck, through a lens that is taken for theirs."""
+    for number, view in enumerate(views):
+        tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
+        check.update(float(number), tags, lens)
+        if check.is_due:
+            check.check()
+
+
+def checked(lens, truth, noise=0.15, tilt=0.5):
+    """The hint after many views of four tags through a lens that is taken for another."""
+    check = LensCheck()
+    show(check, views_of(truth, sheet(2, 2, gap=3.0), count=50, noise=noise, tilt=tilt), lens)
+    return check.hint
+
+
+@pytest.mark.parametrize('name', ['no distortion', 'barrel', 'webcam'])
+def test_the_right_calibration_fits(name):
+    assert checked(LENSES[name], LENSES[name]) is None
+    assert checked(LENSES[name], LENSES[name], noise=1.0) is None
+
+
+@pytest.mark.parametrize('factor', [0.6, 0.8, 1.2, 2.0])
+def test_another_focal_length_does_not_fit(factor):
+    wrong = Lens(*SIZE, MATRIX * [[factor, 1, 1], [1, factor, 1], [1, 1, 1]], np.zeros(5))
+    hint = checked(wrong, LENSES['no distortion'])
+    assert hint.startswith('The calibration does not fit this camera: with it, the tags are off by ')
+    assert hint.endswith('Calibrate it with calibrate_live.launch.')
+
+
+def test_nothing_is_said_of_tags_that_all_face_the_camera():
+    wrong = Lens(*SIZE, MATRIX * [[1.2, 1, 1], [1, 1.2, 1], [1, 1, 1]], np.zeros(5))
+    assert checked(wrong, LENSES['no distortion'], tilt=0.05) is None
+
+
+def test_another_calibration_is_checked_anew():
+    truth = LENSES['no distortion']
+    check, views = LensCheck(), views_of(truth, sheet(2, 2, gap=3.0), count=50)
+    wrong = Lens(*SIZE, MATRIX * [[1.5, 1, 1], [1, 1.5, 1], [1, 1, 1]], np.zeros(5))
+    for lens in wrong, truth:
+        show(check, views, lens)
+        assert (check.hint is None) == (lens is truth)
