@@ -61,7 +61,7 @@ class Matrix:
         """Like Rostest.run."""
         begin = time.monotonic()
         with open('%s/matrix.log' % REPORTS, 'w') as file:
-            cases = run_pytest('matrix', '-q', '-n', '3', MATRIX, stdout=file)
+            cases = run_pytest('matrix', '-q', '-n', '2', MATRIX, stdout=file)
         return cases, time.monotonic() - begin
 
 

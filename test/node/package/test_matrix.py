@@ -17,8 +17,7 @@ LOWEST = ['--resolution', 'lowest-direct', '-r', 'requirements.txt']
 NEWEST = ['-r', 'pyproject.toml', '--extra', 'print']
 # Tests marked "long" run in .venv and with the oldest versions. They hardly depend on the versions between.
 ALL, SHORT = 'not clips', 'not clips and not long'
-WAYS = {'3.8, lowest': (OLDEST, LOWEST, ALL), 'system, lowest': (SYSTEM, LOWEST, SHORT),
-        'system, newest': (SYSTEM, NEWEST, SHORT)}
+WAYS = {'3.8, lowest': (OLDEST, LOWEST, ALL), 'system, newest': (SYSTEM, NEWEST, SHORT)}
 
 
 def interpreter(which):

@@ -9,6 +9,8 @@ from aruco_ar.calibration.layout import learn_layout
 from rig.accuracy.lenses import off_in_frame
 from rig.accuracy.views import LENSES, SIZE, sheet, views_of
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize('name', LENSES)
 def test_a_lens_is_found_from_a_sheet_that_nobody_has_measured(name):

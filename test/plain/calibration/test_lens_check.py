@@ -5,6 +5,8 @@ from aruco_ar import Lens, Tag
 from aruco_ar.hints.lens_check import LensCheck
 from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 
+pytestmark = pytest.mark.long
+
 
 def show(check, views, lens):
     """Show views to a LensCheck, through a lens that is taken for theirs."""

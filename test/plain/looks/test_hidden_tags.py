@@ -8,6 +8,7 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Pose, wall_to_camera
 from test_looks import BENT, FRAMES_PER_S, STRAIGHT, Drive, core, is_kept, painted, stage
 
+pytestmark = pytest.mark.long
 CLEAR = 0, 0, 0, 0  # a picture that cannot be seen, and so hides no part of the tags
 
 

@@ -14,6 +14,7 @@ from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
 
+pytestmark = pytest.mark.long
 GREEN, SKIN = (40, 160, 60), (118, 150, 200)
 FRAMES_PER_S = 15
 BENT = Camera(distortion=[-0.25, 0.08, 0, 0, 0])
