@@ -9,6 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
 from aruco_ar.painting.paint import area_mask, put_in, warp
+from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
@@ -88,8 +89,7 @@ class HiddenTags:
         """Take in where the tags are in the area, which is the unit square."""
         from_frame = homography_from(area.undistorted)
         for tag in tags:
-            corners = tag.corners if area.lens is None else area.lens.undistort(tag.corners)
-            place = transform(from_frame, np.asarray(corners, np.float64))
+            place = transform(from_frame, straight_corners(tag, area.lens))
             patch = self._patches.get(tag.id)
             if patch is None or not patch.is_at(place):
                 self._patches[tag.id] = _Patch(place, len(self._patches))  # so that they take turns

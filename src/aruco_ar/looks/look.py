@@ -9,6 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Image
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.painting.paint import warp
+from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
@@ -139,8 +140,7 @@ class Look:
         image = np.zeros(self._size[::-1], np.uint8)
         from_frame = np.diag([*self._size, 1.0]) @ homography_from(area.undistorted)
         for tag in tags:
-            corners = tag.corners if area.lens is None else area.lens.undistort(tag.corners)
-            corners = transform(from_frame, np.asarray(corners, np.float64))
+            corners = transform(from_frame, straight_corners(tag, area.lens))
             middle = corners.mean(axis=0)
             cv2.fillConvexPoly(image, np.round(middle + TAG_SCALE * (corners - middle)).astype(np.int32), (1,))
         return image > 0

@@ -9,6 +9,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.lines import crossing
 
 from .edges import PROFILE_POSITIONS
+from .tag import Tag
 
 
 def corner_rays(lens: Lens, quads: Numbers) -> Floats:
@@ -36,6 +37,11 @@ def undistort_corners(lens: Lens, quads: Numbers) -> Floats:
                       borderMode=cv2.BORDER_REPLICATE)
     rays = lens.rays_of_undistorted(first)
     return lens.undistorted_of_rays(rays + lens.ray_steps(rays, quads - found_corners(lens, rays)))
+
+
+def straight_corners(tag: Tag, lens: Lens | None) -> Floats:
+    """(4, 2) float64: the corners of a Tag in undistorted pixels. ``lens``: that of the frame, or None."""
+    return np.asarray(tag.corners, np.float64) if lens is None else undistort_corners(lens, tag.corners[None])[0]
 
 
 def found_corners(lens: Lens, rays: Floats) -> Floats:
