@@ -41,7 +41,9 @@ def undistort_corners(lens: Lens, quads: Numbers) -> Floats:
 
 def straight_corners(tag: Tag, lens: Lens | None) -> Floats:
     """(4, 2) float64: the corners of a Tag in undistorted pixels. ``lens``: that of the frame, or None."""
-    return np.asarray(tag.corners, np.float64) if lens is None else undistort_corners(lens, tag.corners[None])[0]
+    if lens is None:
+        return np.asarray(tag.corners, np.float64)
+    return undistort_corners(lens, tag.corners[None])[0]
 
 
 def found_corners(lens: Lens, rays: Floats) -> Floats:
