@@ -57,8 +57,19 @@ class Viewer:
         except Exception as error:  # the caller reports it
             self.fault = repr(error)
 
+    async def _connect(self):
+        """The websocket of the page, which may begin to listen after its node is ready."""
+        end = time.monotonic() + WAIT_S
+        while True:
+            try:
+                return await websocket_connect('ws://localhost:%d/live' % self._port)
+            except ConnectionRefusedError:
+                if time.monotonic() > end:
+                    raise
+                await asyncio.sleep(0.1)
+
     async def _view(self):
-        page = await websocket_connect('ws://localhost:%d/live' % self._port)
+        page = await self._connect()
         await page.write_message(json.dumps({'look': self._topics}))
         while True:
             message = await page.read_message()
