@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 from collections import deque
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 
 import numpy as np
 import psutil
@@ -58,18 +58,14 @@ class Viewer:
             self.fault = repr(error)
 
     async def _connect(self):
-        """The websocket of the page, which may begin to listen after its node is ready."""
-        end = time.monotonic() + WAIT_S
-        while True:
-            try:
-                return await websocket_connect('ws://localhost:%d/live' % self._port)
-            except ConnectionRefusedError:
-                if time.monotonic() > end:
-                    raise
-                await asyncio.sleep(0.1)
+        """The websocket of the page, or None if it does not listen yet."""
+        with suppress(ConnectionRefusedError):
+            return await websocket_connect('ws://localhost:%d/live' % self._port)
 
     async def _view(self):
-        page = await self._connect()
+        page, end = None, time.monotonic() + WAIT_S
+        while page is None and time.monotonic() < end:  # its node may be ready a moment earlier
+            page = await self._connect() or await asyncio.sleep(0.1)
         await page.write_message(json.dumps({'look': self._topics}))
         while True:
             message = await page.read_message()
