@@ -35,7 +35,7 @@ NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_
 PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
 
 
-# What every node has; the tables of nodes leave it out.
+# What the page says of all nodes, above the table, which leaves it out.
 COMMON = re.compile(r'/diagnostics|~parameter_\w+|~set_parameters|.*/compressed')
 
 

@@ -84,10 +84,14 @@ export function choices(send, say) {
   }
 
   for (const label of document.querySelectorAll('[data-field]')) {
+    let byPointer = false;
+    label.addEventListener('pointerdown', () => { byPointer = true; });
+    label.addEventListener('keydown', () => { byPointer = false; });
     label.addEventListener('change', ({ target }) => {
+      target.value = target.value.replace(/\s/g, '');  // as the node writes it
       changes.set(label, performance.now());
       send({ write: [label.dataset.field, target.value] });
-      target.blur();  // so that the arrow keys drive again
+      if (byPointer || target.type === 'text') target.blur();  // the arrow keys drive again
     });
   }
 

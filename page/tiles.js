@@ -8,7 +8,7 @@ export function tiles(send) {
     const tile = { element, topic: element.dataset.topic, inView: false,
                    canvas: element.querySelector('canvas'), button: element.querySelector('.view'),
                    why: element.querySelector('.why'), advice: element.querySelector('.advice'),
-                   problem: '', advised: '' };
+                   problem: '', advised: '', failed: false };
     all.set(tile.topic, tile);
     tile.button.addEventListener('click', () => enlarge(tile.element.classList.contains('large') ? null : tile));
   }
@@ -74,18 +74,18 @@ export function tiles(send) {
     clear(tile);
   }
 
-  // What the nodes say of themselves: {topic: sentence}.
+  // What the nodes say of themselves: {topic: [sentence, whether it says why there are no frames]}.
   function advise(sentences) {
     for (const tile of all.values()) {
-      tile.advised = sentences[tile.topic] ?? '';
+      [tile.advised, tile.failed] = sentences[tile.topic] ?? ['', false];
       explain(tile);
     }
   }
 
-  // Without frames, the reason is where the picture should be; the node knows it better than the server.
-  function explain({ why, advice, problem, advised }) {
+  // Without frames, the reason is where the picture should be; the node may know it better than the server.
+  function explain({ why, advice, problem, advised, failed }) {
     why.hidden = !problem;
-    why.textContent = problem && (advised || problem);
+    why.textContent = problem && (failed ? advised : problem);
     advice.hidden = Boolean(problem) || !advised;
     advice.textContent = advised;
   }

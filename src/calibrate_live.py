@@ -41,9 +41,9 @@ class LiveCalibration(FrameNode):
         self._begin((0, 0))
 
     def process(self, frame, header, stamp):
-        if self._collection.size != frame.shape[1::-1]:
-            self._begin(frame.shape[1::-1])
-        collection, view = self._collection, self._sheet.view(frame)
+        collection, view = self._collection, self._sheet.view(frame)  # read once, since ~reset may change it
+        if collection.size != frame.shape[1::-1]:
+            collection = self._begin(frame.shape[1::-1])
         if collection.offer(view) and len(collection.views) >= MIN_VIEWS:
             self._solver.submit(self._solve, collection, len(collection.views))
         return Answer([collection.draw(frame, view)], lambda: None)
@@ -59,8 +59,11 @@ class LiveCalibration(FrameNode):
         rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
 
     def _begin(self, size):
+        """Begin anew, for frames of a size, (width, height). Returns the new Collection."""
+        collection = Collection(size)
         with self._lock:
-            self._collection, self._found, self._why = Collection(size), None, ''
+            self._collection, self._found, self._why, self._saved = collection, None, '', ''
+        return collection
 
     @fault_barrier
     def _solve(self, collection, count):
@@ -75,12 +78,12 @@ class LiveCalibration(FrameNode):
             why = str(error)
         with self._lock:
             if collection is self._collection:
-                self._found, self._why = found, why
+                self._found, self._why, self._saved = found, why, ''
 
     def _progress(self):
         """What there is so far, and what to do, in sentences."""
         with self._lock:
-            collection, found, why = self._collection, self._found, self._why
+            collection, found, why, saved = self._collection, self._found, self._why, self._saved
         if not collection.views:
             return SHOW
         count = len(collection.views)
@@ -89,22 +92,28 @@ class LiveCalibration(FrameNode):
             return '%s %s' % (views, why or SHOW)
         ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
             views, found.lens.matrix[0, 0], found.rms, found.held_out)
+        if saved:
+            return '%s It is saved as %s.' % (ready, saved)
         if collection.coverage < GOOD_COVERAGE:
             return ready + ' Show the sheet near the rims of the image, too.'
         return '%s To save it: rosservice call %s' % (ready, rospy.resolve_name('~save'))
 
     def _on_save(self, request):
         with self._lock:
-            found, why = self._found, self._why
+            found, why, is_begun = self._found, self._why, bool(self._collection.views)
         if found is None:
-            return TriggerResponse(False, 'Nothing is saved. %s' % (why or SHOW))
+            return TriggerResponse(False, 'Nothing is saved. %s' % (
+                why or (SHOW if is_begun else self.report()[1])))
         path = os.path.expanduser(self.settings.file)
         try:
             os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
             write_whole(path, camera_yaml(found.lens, self.settings.camera_name).encode())
         except (InputError, OSError) as error:
             return TriggerResponse(False, 'Nothing is saved. %s' % error)
-        return TriggerResponse(True, 'Saved %s. %s' % (path, self._progress()))
+        with self._lock:
+            if found is self._found:
+                self._saved = path
+        return TriggerResponse(True, self._progress())
 
     def _on_reset(self, request):
         self._begin((0, 0))

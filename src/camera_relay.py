@@ -70,6 +70,7 @@ class CameraRelay(FrameNode):
 if __name__ == '__main__':
     keep_memory()
     run_node('camera_relay', lambda: CameraRelay().spin(), Manual(
-        [*CAMERA_TOPICS, (CAMERA.replace(IMAGE, INFO), 'sensor_msgs/CameraInfo', 'the calibration')],
+        [*CAMERA_TOPICS, (CAMERA.replace(IMAGE, INFO), 'sensor_msgs/CameraInfo',
+                          'the calibration of the camera')],
         [*image_topics([IMAGE]), ('~' + INFO, 'sensor_msgs/CameraInfo', 'the same, for each frame')],
         FRAME_SERVICES, RelaySettings, 'robot'))

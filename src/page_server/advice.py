@@ -3,51 +3,60 @@ import time
 
 import rospy
 from aruco_ar.hints.area_hints import NOTES
-from aruco_node.health.diagnostics import ERROR, NONE_SEEN
+from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
 from aruco_node.ros_internals.tolerant import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
-OLD_S = 5.0      # a node that has been silent for so long has ended
-MAX_NODES = 100  # more are ignored
+OLD_S = 5.0   # a node that has been silent for so long has ended
 MAX_TEXT = 400
-LOST_S = 1.0     # an area is missed once it has not been seen for so long
+LOST_S = 1.0  # an area is missed once it has not been seen for so long
+NOTHING = '', False
 
 
 class Advice:
-    """The newest sentence of each node that has anything to say."""
+    """The newest sentences of some nodes."""
 
-    def __init__(self, on_change):
-        """``on_change`` is called, from another thread, when a sentence has changed."""
-        self._said, self._on_change = {}, on_change  # {node: (when, sentence)}
+    def __init__(self, nodes, on_change):
+        """``nodes``: their full names.
+
+        ``on_change`` is called, from another thread, when a sentence has changed.
+        """
+        self._said, self._on_change = dict.fromkeys(nodes, (0.0, NOTHING)), on_change
         self._subscriber = rospy.Subscriber('/diagnostics', tolerant(DiagnosticArray), self._on_message)
 
     def of(self, node):
-        """The sentence of a node, by its full name, or '' if it has none."""
-        when, sentence = self._said.get(node, (0.0, ''))
-        return sentence if time.monotonic() - when < OLD_S else ''
+        """(sentence, whether it says why there are no frames) of a node; '' without a sentence."""
+        when, said = self._said.get(node, (0.0, NOTHING))
+        return said if time.monotonic() - when < OLD_S else NOTHING
 
     @fault_barrier
     def _on_message(self, message):
         for status in message.status:
             node = '/' + status.name.partition(':')[0].lstrip('/')
-            if node in self._said or len(self._said) < MAX_NODES:
-                sentence = sentence_of(status)[:MAX_TEXT]
-                has_changed = sentence != self.of(node)
-                self._said[node] = time.monotonic(), sentence
-                if has_changed:
+            if node in self._said:
+                said, before = sentence_of(status), self.of(node)
+                self._said[node] = time.monotonic(), said
+                if said != before:
                     self._on_change()
 
 
 def sentence_of(status):
     """What a user should know of a DiagnosticStatus: an error, a hint, why there is no area, what may surprise.
 
-    That frames are dropped is not among it: the page shows the rate.
+    Returns (sentence, whether it is an error). That frames are dropped is not said: the page shows the rate.
     """
     if status.level == ERROR:
-        return status.message
+        return status.message[:MAX_TEXT], True
     values = {item.key: item.value for item in status.values}
-    seen = values.get('area last seen (s ago)', '')
-    if 'hint' not in values and 'area' in values and (seen == NONE_SEEN or float(seen) > LOST_S):
-        return values['area']
-    return ' '.join(values[name] for name in ('hint', *NOTES, 'calibration') if name in values)
+    if 'hint' not in values and values.get('area in the last frame') == NO and _is_lost(values.get(AREA_SEEN)):
+        return values.get('area', '')[:MAX_TEXT], False
+    said = ' '.join(values[name] for name in ('hint', *NOTES, 'calibration') if name in values)
+    return said[:MAX_TEXT], False
+
+
+def _is_lost(seen):
+    try:
+        return seen == NONE_SEEN or float(seen) > LOST_S
+    except (TypeError, ValueError):  # the status is not one of ours
+        return False

@@ -5,7 +5,8 @@ The browser sends JSON objects:
   {"shown": topic}             it shows the last frame of this topic, so it can take the next one
   {"drive": [forward, left]}   each from -1 to 1
   {"picture": name}            the picture to paint
-  {"slide": [name, value]}     a slider of the simulation
+  {"slide": [name, value]}     a slider
+  {"write": [name, text]}      a field: how the picture fills the area, the dictionary, or the ids
   {"switch": [name, on]}       a switch for the look of the picture
 
 The server sends JSON objects:

@@ -65,6 +65,11 @@ class Tile(NamedTuple):
     topic: str
     tags: str
 
+    @property
+    def node(self):
+        """The full name of the node that publishes it."""
+        return self.topic.rpartition('/')[0]
+
 
 TILES = [('5.1', 'The wall with its tags', CAMERA, 'exercise5_2/tags'),
          ('5.2', 'Tags detected', 'exercise5_2/image', 'exercise5_2/tags'),
@@ -97,7 +102,7 @@ class Parts:
     def state(self):
         """What can be chosen, what is chosen, whether the page may drive, and what to say of each tile."""
         may_drive = self.drive_control is not None and self.drive_control.has_listeners()
-        advice = {tile.topic: self.advice.of(tile.topic.rpartition('/')[0]) for tile in self.tiles}
+        advice = {tile.topic: self.advice.of(tile.node) for tile in self.tiles}
         return dict(self.choices.state(), drive=may_drive, advice=advice)
 
     def tell_browsers(self):
@@ -175,7 +180,7 @@ def serve():
 
     def tell():
         loop.call_soon_threadsafe(parts.tell_browsers)
-    parts.choices, parts.advice = Choices(tell), Advice(tell)
+    parts.choices, parts.advice = Choices(tell), Advice([tile.node for tile in tiles], tell)
     # Nodes announce changes of their parameters, but not that they end. Hence this timer.
     PeriodicCallback(parts.tell_browsers, STATE_MS).start()
     server = _listen(application(parts), parts.viewers, address, port)

@@ -208,11 +208,10 @@ class _Solver:
 
     def error(self, lens: Lens, views: Sequence[View]) -> float:
         """How far points are off in views that the lens is not from, pixels."""
-        errors = []
-        for view in views:
-            sheet, points = self._points(view)
-            errors.append(pose_error(lens, sheet[:, :2], points))
-        return float(np.sqrt(np.mean(np.square(errors)))) if errors else np.inf
+        errors = np.array([pose_error(lens, sheet[:, :2], points)
+                           for sheet, points in map(self._points, views)])
+        known = errors[np.isfinite(errors)]
+        return float(np.sqrt(np.mean(known**2))) if len(known) else np.inf
 
 
 def pose_error(lens: Lens, sheet: Floats, points: Floats) -> float:

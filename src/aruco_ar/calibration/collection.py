@@ -8,7 +8,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 
 from .calibrate import ALIKE, CELLS, MAX_VIEWS, MIN_POINTS, View, cells_of
 
-SEEN_COLOR = np.array([90, 200, 60.0])  # BGR, the tint of what was seen
+SEEN_COLOR = np.array([90, 200, 60, 0.0])  # BGR, the tint of what was seen
 SEEN_SHARE = 0.25
 POINT_COLOR = (0, 220, 255)
 STILL = 0.004  # of the frame: in a view of a sheet that moves faster, corners are blurred or late
@@ -48,9 +48,9 @@ class Collection:
 
     def draw(self, frame: Image, view: View) -> Image:
         """A frame, (h, w, 3) BGR uint8, with a tint where the sheet was seen, and the points of a View."""
-        seen = cv2.resize(self._seen.T.astype(np.uint8), self.size, interpolation=cv2.INTER_NEAREST) > 0
-        image = frame.copy()
-        image[seen] = (1 - SEEN_SHARE) * frame[seen] + SEEN_SHARE * SEEN_COLOR
+        seen = cv2.resize(self._seen.T.astype(np.uint8), self.size, interpolation=cv2.INTER_NEAREST)
+        tinted = cv2.add(cv2.convertScaleAbs(frame, alpha=1 - SEEN_SHARE), SEEN_SHARE * SEEN_COLOR)
+        image = cv2.copyTo(tinted, seen, frame.copy())
         for points in view.points.values():
             for x, y in np.round(points).astype(int).tolist():
                 cv2.circle(image, (x, y), 3, POINT_COLOR, -1, cv2.LINE_AA)

@@ -1,4 +1,5 @@
-/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. wall_model.py calls this. */
+/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. difference.py and
+   wall_model.py in looks/ call this. */
 #include "frame.h"
 
 /* Light changes the brightness of a pixel, and its color a little: by this share of the brightness. Besides, a pixel
@@ -27,7 +28,7 @@ static inline void compare_channel(float seen, float wall, float light, float co
     *excess = larger(*excess, off / (SHARE * lit + RIM_SHARE * contrast * light + noise));
 }
 
-/* The part of compare that looks at a pixel alone. Without inner loops, the compiler makes it four times as fast. */
+/* The part of compare that looks at a pixel alone. */
 static void compare_pixels(const uint8_t *restrict seen, const float *restrict look, const float whole[3],
                            const uint8_t *restrict contrast, const float *restrict variance, int64_t count,
                            float *restrict planes)
@@ -52,9 +53,10 @@ static void compare_pixels(const uint8_t *restrict seen, const float *restrict l
 
 /* Compare a frame with the wall. Returns in how many pixels something seems to stand before it.
 
-   seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look. contrast: the
-   largest differences in it near each pixel, in this light. variance: of the noise. usable: where both are known.
-   darkest, lightest: limits of the light at a pixel, relative to that on the whole wall: a shadow, a spot. Writes the planes, and into front where something seems to stand. */
+   seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look.
+   contrast: the largest differences in it near each pixel, in this light. variance: of the noise.
+   usable: where both are known. darkest, lightest: limits of the light at a pixel, relative to that on the whole wall,
+   in a shadow and in a spot. Writes the planes, and into front where something seems to stand. */
 int64_t compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
                 const float *variance, const uint8_t *usable, int width, int height, float darkest, float lightest,
                 float *planes, uint8_t *front)

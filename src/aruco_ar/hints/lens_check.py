@@ -1,7 +1,8 @@
 """Whether a calibration fits the tags: a camera of another focal length cannot see flat squares in this way."""
 from __future__ import annotations
 
-from typing import Sequence
+from functools import partial
+from typing import Callable, Sequence
 
 import cv2
 import numpy as np
@@ -22,64 +23,77 @@ class LensCheck:
 
     A homography shows how well the tags fit a plane that any pinhole sees. If the plane with the lens fits much
     worse, the lens is wrong. Tags that are not in one plane fit neither, so nothing is said of them.
-
-    ``hint``: a sentence, or None.
     """
 
     def __init__(self) -> None:
-        self.hint: str | None = None
-        self._lens: Lens | None = None
-        self._begin()
+        self._begin(None)
 
-    def _begin(self) -> None:
-        self.hint = None
+    def _begin(self, lens: Lens | None) -> None:
+        self._lens = lens
         self._views: list[View] = []
         self._considered = -np.inf
         self._checks = 0
+        self._result: tuple[Lens | None, str | None] = lens, None
 
     @property
-    def is_due(self) -> bool:
-        """Whether there are enough new views for ``check``."""
-        return self._checks < len(CHECKED) and len(self._views) >= CHECKED[self._checks]
+    def hint(self) -> str | None:
+        """A sentence about the lens of the last frame, if it does not fit."""
+        lens, hint = self._result
+        return hint if lens is self._lens else None
 
-    def update(self, stamp: float, tags: Sequence[Tag], lens: Lens | None) -> None:
-        """Take in a frame at a time, seconds, with tags of the same size, and its Lens, if it is known."""
+    def update(self, stamp: float, tags: Sequence[Tag], lens: Lens | None) -> Callable[[], None] | None:
+        """Take in a frame at a time, seconds, with tags of the same size, and its Lens, if it is known.
+
+        Returns None or, if there are enough new views, a function that compares the errors. This takes some
+        tenths of a second; it may be called in another thread, and changes the hint.
+        """
         if lens is not self._lens:
-            self._lens = lens
-            self._begin()
-        if lens is None or self.is_due or self._checks == len(CHECKED) or \
-                0 <= stamp - self._considered < EVERY_S:
-            return
+            self._begin(lens)
+        if lens is None or self._checks == len(CHECKED) or 0 <= stamp - self._considered < EVERY_S:
+            return None
         self._considered = stamp
-        view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags})
+        ids = [tag.id for tag in tags]
+        view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
         if 4 * len(view.points) < MIN_POINTS:
-            return
+            return None
         size = lens.width, lens.height
         kind = view.describe(size)
-        if all(np.linalg.norm(other.describe(size) - kind) >= ALIKE for other in self._views):
-            self._views.append(view)
-
-    def check(self) -> None:
-        """Compare the errors. It takes some tenths of a second, and may be called in another thread."""
-        lens, views = self._lens, list(self._views)
+        if any(np.linalg.norm(other.describe(size) - kind) < ALIKE for other in self._views):
+            return None
+        self._views.append(view)
+        if len(self._views) < CHECKED[self._checks]:
+            return None
         self._checks += 1
-        if lens is None:
-            return
-        with_lens, at_best = misfit(lens, views)
-        fits = with_lens < max(OFF_PX, FACTOR * at_best)
-        self.hint = None if fits else (
-            'The calibration does not fit this camera: with it, the tags are off by %.1f px, and could be '
-            'within %.1f px. So poses are wrong. Calibrate it with calibrate_live.launch.'
-            % (with_lens, at_best))
+        return partial(self._check, lens, list(self._views))
+
+    def _check(self, lens: Lens, views: Sequence[View]) -> None:
+        self._result = lens, hint_of(*misfit(lens, views))
+
+
+def hint_of(with_lens: float, at_best: float) -> str | None:
+    """What to say of these errors, pixels: see misfit."""
+    if with_lens < max(OFF_PX, FACTOR * at_best):
+        return None
+    off = 'the tags are off by %.1f px, and could be within %.1f px' % (with_lens, at_best) \
+        if np.isfinite(with_lens) else 'the tags could not be seen where they are'
+    return 'The calibration does not fit this camera: with it, %s. So poses are wrong. Calibrate it with ' \
+           'calibrate_live.launch.' % off
 
 
 def misfit(lens: Lens, views: Sequence[View]) -> tuple[float, float]:
-    """By how many pixels tags in one plane are off: as the lens sees planes, and as any pinhole does."""
+    """By how many pixels tags in one plane are off: as the lens sees planes, and as any pinhole does.
+
+    The first is inf if the lens cannot see most of the tags where they are.
+    """
     straight = [{tag_id: lens.undistort(corners) for tag_id, corners in view.points.items()} for view in views]
-    layout = learn_layout(straight)
+    visible = [{tag_id: corners for tag_id, corners in view.items() if np.all(np.isfinite(corners))}
+               for view in straight]
+    if 2 * sum(map(len, visible)) < sum(map(len, straight)):
+        return np.inf, 0.0
+    layout = learn_layout([view for view in visible if view])
     errors = []
-    for view, undistorted in zip(views, straight):
-        ids = [tag_id for tag_id in view.points if tag_id in layout]
+    for view, undistorted in zip(views, visible):
+        ids = [tag_id for tag_id in undistorted if tag_id in layout]
         if ids:
             sheet = np.concatenate([layout[tag_id] for tag_id in ids])
             pixels, flat = (np.concatenate([points[tag_id] for tag_id in ids])
@@ -87,5 +101,8 @@ def misfit(lens: Lens, views: Sequence[View]) -> tuple[float, float]:
             seen = transform(np.asarray(cv2.findHomography(sheet, flat)[0], np.float64), sheet)
             errors.append((pose_error(lens, sheet, pixels),
                            np.sqrt(np.mean(np.sum((seen - flat)**2, axis=1)))))
-    with_lens, at_best = np.sqrt(np.mean(np.square(errors), axis=0))
+    known = np.array([each for each in errors if np.all(np.isfinite(each))]).reshape(-1, 2)
+    if 2 * len(known) < len(views):
+        return np.inf, 0.0
+    with_lens, at_best = np.sqrt(np.mean(known**2, axis=0))
     return float(with_lens), float(at_best)

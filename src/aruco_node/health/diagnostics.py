@@ -16,7 +16,8 @@ NO_TAGS_S = 10.0     # after so long without a tag in sight, there is a warning
 MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
 BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
 MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
-NONE_SEEN = 'none seen'
+NONE_SEEN, YES, NO = 'none seen', 'yes', 'no'
+AREA_SEEN = 'area last seen (s ago)'
 MAX_LATENCY_S = 60.0  # a frame that seems older was stamped by another clock, or comes from a bag
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -65,11 +66,12 @@ class FrameCount:
         self._recent: deque[tuple[float, float, float, int]] = deque()
         self._tags = 0 if looks_for_tags else None
         self._tag_seen, self._area_seen = time.monotonic(), None
+        self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
 
     def restart(self):
         """Start measuring again. Frames of a pause do not count as dropped."""
         with self._lock:
-            self._sequence, self._tag_seen = None, time.monotonic()
+            self._sequence, self._tag_seen, self._has_area = None, time.monotonic(), None
             self._recent.clear()
             self._dropped_since_answer = 0
 
@@ -105,6 +107,7 @@ class FrameCount:
             self._tags = tags
             if tags:
                 self._tag_seen = now
+            self._has_area = has_area
             if has_area:
                 self._area_seen = now
 
@@ -118,7 +121,7 @@ class FrameCount:
             unseen, area_seen = now - self._tag_seen, self._area_seen
             values: dict[str, object] = {
                 'frames in': self._arrived, 'frames out': self._answered, 'frames dropped': self._dropped}
-            tags = self._tags
+            tags, has_area = self._tags, self._has_area
         rate = (len(recent) - 1) / max(np.ptp(recent[:, 0]), 1e-3) if len(recent) > 1 else 0.0
         values['frame rate (Hz)'] = '%.1f' % rate
         for name, column in ('pipeline', recent[:, 1]), ('latency', recent[:, 2]):
@@ -128,7 +131,9 @@ class FrameCount:
                     '%.1f' % np.percentile(known, percent) if len(known) else 'unknown'
         if tags is not None:
             values['tags in sight'] = tags if len(recent) else 0
-            values['area last seen (s ago)'] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
+            values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
+            if has_area is not None:
+                values['area in the last frame'] = YES if has_area else NO
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # A node that is idle most of the time is not what drops them.

@@ -40,7 +40,7 @@ class CameraNode(FrameNode):
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
         self._hints = self._new_hints(self.settings)
-        self._lens_check, self._checker, self._checking = LensCheck(), ThreadPoolExecutor(1, 'lens check'), None
+        self._lens_check, self._checker = LensCheck(), ThreadPoolExecutor(1, 'lens check')
         self._tags = self.advertise('~tags', TagArray)
         self._calibration = None
         if isinstance(self.settings, LensSettings):
@@ -171,9 +171,9 @@ class CameraNode(FrameNode):
     def _check_lens(self, stamp, tags):
         """Find out, in another thread, whether the calibration fits the tags of the usual size."""
         others = {tag_id for tag_id, _ in self.settings.tag_sizes}
-        self._lens_check.update(stamp, [tag for tag in tags if tag.id not in others], self.lens)
-        if self._lens_check.is_due and (self._checking is None or self._checking.done()):
-            self._checking = self._checker.submit(fault_barrier(self._lens_check.check))
+        check = self._lens_check.update(stamp, [tag for tag in tags if tag.id not in others], self.lens)
+        if check is not None:
+            self._checker.submit(fault_barrier(check))
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

@@ -10,6 +10,7 @@ from hostile.page.client import WAIT_S, closed, connect, get, say, statuses, upg
 
 TOPIC = '/eye/image'  # the tests must publish images on it
 FLOODS = {'drive': ['{"drive": [1, 0]}'], 'picture': ['{"picture": "x"}'], 'slide': ['{"slide": ["noise", 1]}'],
+          'write': ['{"write": ["dictionary", "DICT_%dX%d_50"]}' % (cells, cells) for cells in (4, 5)],
           'shown': ['{"shown": "/x"}'], 'look': ['{"look": ["/x%d", "%s"]}' % (number, TOPIC * (number % 2))
                                                  for number in range(50)]}
 STREAM = b'GET /stream?topic=%s HTTP/1.1\r\nHost: localhost\r\n\r\n' % TOPIC.encode()

@@ -44,7 +44,11 @@ SAYINGS = [
     '{"picture": "\\n%s"}' % FORGED, '{"picture": "../package.xml"}', '{"slide": [1, 2, 3]}',
     '{"slide": ["noise", NaN]}', '{"slide": ["noise", 1e308]}', '{"slide": [["noise"], 1]}',
     '{"slide": ["falloff", "1"]}', '{"switch": ["light"]}', '{"switch": ["light", 1]}',
-    '{"switch": [[], true]}', '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00',
+    '{"switch": [[], true]}', '{"write": ["ids"]}', '{"write": ["ids", 5]}', '{"write": [[], "x"]}',
+    '{"write": ["ids", "\\ud800"]}', '{"write": ["ids", "%s"]}' % ('1,' * 30000),
+    '{"write": ["dictionary", "\\n%s"]}' % FORGED,
+    '{"write": ["picture", "/etc/passwd"]}', '{"slide": ["opacity", 1e6]}', '{"slide": ["picture", 1]}',
+    '[' * 30000, '{"a":' * 10000, b'\xff\xfe', '{"look"', '\x00',
     '{"look": ["/%s"]}' % ('x' * 60000)]
 
 

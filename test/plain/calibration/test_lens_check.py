@@ -12,9 +12,9 @@ def show(check, views, lens):
     """Show views to a LensCheck, through a lens that is taken for theirs."""
     for number, view in enumerate(views):
         tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
-        check.update(float(number), tags, lens)
-        if check.is_due:
-            check.check()
+        work = check.update(float(number), tags, lens)
+        if work is not None:
+            work()
 
 
 def checked(lens, truth, noise=0.15, tilt=0.5):
@@ -50,3 +50,24 @@ def test_another_calibration_is_checked_anew():
     for lens in wrong, truth:
         show(check, views, lens)
         assert (check.hint is None) == (lens is truth)
+
+
+def test_a_late_result_says_nothing_of_another_calibration():
+    truth = LENSES['no distortion']
+    wrong = Lens(*SIZE, MATRIX * [[1.5, 1, 1], [1, 1.5, 1], [1, 1, 1]], np.zeros(5))
+    check, work = LensCheck(), None
+    for number, view in enumerate(views_of(truth, sheet(2, 2, gap=3.0), count=30)):
+        tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
+        work = work or check.update(float(number), tags, wrong)
+    check.update(100.0, [], truth)
+    work()
+    assert check.hint is None
+
+
+@pytest.mark.parametrize('bend', [-0.6, -0.9, -3.0])
+def test_a_lens_that_cannot_see_the_tags_where_they_are_does_not_fit(bend):
+    wrong = Lens(*SIZE, MATRIX, np.array([bend, 0, 0, 0, 0]))
+    hint = checked(wrong, LENSES['no distortion'])
+    assert hint is None or ('nan' not in hint and 'inf' not in hint)
+    if bend == -3.0:
+        assert 'could not be seen where they are' in hint

@@ -1,0 +1,80 @@
+"""Comparing with the wall, and learning it: the C functions against the same in NumPy."""
+import cv2
+import numpy as np
+import pytest
+from aruco_ar.looks.difference import DARKEST, LIGHTEST, PLANES, C, difference
+from aruco_ar.looks.wall_model import VARIANCE_RATE
+
+STEP = 5  # of the planes
+SHAPES = [(1, 1), (1, 40), (33, 1), (37, 53), (64, 64)]
+
+
+def scene(shape, seed=0):
+    """(seen, look, whole, variance, usable): pixels of any brightness, and a part that differs."""
+    random = np.random.RandomState(seed)
+    look = cv2.GaussianBlur(random.uniform(-50, 300, (*shape, 3)), (0, 0), 2).clip(0.2, 255).astype(np.float32)
+    whole = np.float32([0.9, 1.0, 1.2])
+    seen = look * whole * random.uniform(0.8, 1.2, (*shape, 1)) + random.normal(0, 2, look.shape)
+    seen[shape[0] // 3:shape[0] // 2, shape[1] // 3:] = random.choice([0, 255])
+    variance = random.uniform(1, 9, shape).astype(np.float32)
+    seen = np.clip(np.round(seen), 0, 255).astype(np.uint8)
+    return seen, look, whole, variance, random.uniform(size=shape) < 0.9
+
+
+def in_numpy(seen, look, whole, variance, contrast):
+    """{name: plane} of what the comments of wall.c say, and where something is in front."""
+    wall = look * whole
+    gray, wall_gray = seen.mean(axis=2), np.maximum(wall.mean(axis=2), 1)
+    light, noise = gray / wall_gray, 2 + 3.5 * np.sqrt(variance)
+    off = np.abs(seen - wall * light[..., None])
+    allowed = 0.08 * wall * light[..., None] + 0.5 * contrast * light[..., None] + noise[..., None]
+    excess, error, rim = (off / allowed).max(axis=2), off.max(axis=2), 0.5 * contrast.mean(axis=2)
+    square, slack = np.ones((3, 3), np.uint8), (noise * 2 / 3 + rim) / wall_gray
+    bright = np.maximum(light, 0.02)
+    change = np.log(cv2.dilate(bright, square) / cv2.erode(bright, square))
+    step = (change - 2 * slack / np.maximum(light, 0.1)) / 0.22
+    front = (excess > 1) | (light < DARKEST - slack) | (light > LIGHTEST + slack) | (step > 1)
+    return [gray, wall_gray, light, error, excess, step, noise, rim], front
+
+
+@pytest.mark.parametrize('shape', SHAPES)
+def test_comparing_finds_what_the_same_in_numpy_finds(shape):
+    seen, look, whole, variance, usable = scene(shape)
+    wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
+    square = np.ones((5, 5), np.uint8)
+    contrast = cv2.subtract(cv2.dilate(wall, square), cv2.erode(wall, square)).reshape(*shape, 3)
+    found = difference(seen, look, whole, variance, usable)
+    expected, front = in_numpy(seen.astype(float), look, whole, variance, contrast.astype(float))
+    assert len(found.planes) == len(expected) == PLANES
+    for plane, (got, wanted) in enumerate(zip(found.planes, expected)):
+        least = 0.5 if plane == STEP else 0  # smaller changes of the light are not computed: they are no rims
+        np.testing.assert_allclose(np.maximum(got, least), np.maximum(wanted, least), rtol=2e-3, atol=2e-3,
+                                   err_msg=str(plane))
+    flags, planes = np.zeros(shape, bool), np.empty((PLANES, *shape), np.float32)
+    count = C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
+                      variance.ctypes.data, usable.ctypes.data, *shape[::-1], DARKEST, LIGHTEST,
+                      planes.ctypes.data, flags.ctypes.data)
+    assert np.count_nonzero(flags != (front & usable)) <= 0.001 * front.size  # those at a limit
+    assert count == np.count_nonzero(flags)
+
+
+@pytest.mark.parametrize('shape', SHAPES)
+def test_learning_is_the_same_as_in_numpy(shape):
+    seen, look, whole, variance, certain = scene(shape, 1)
+    planes = difference(seen, look, whole, variance, certain).planes
+    random = np.random.RandomState(2)
+    wall, known = certain | (random.uniform(size=shape) < 0.5), random.uniform(size=shape) < 0.8
+    certain = certain & known
+    seconds = random.uniform(0, 30, shape).astype(np.float32)
+    unlit, new = seen / whole, (wall & ~known)[..., None]
+    usual = (certain & (np.abs(planes[2] - 1) < 0.1))[..., None]
+    expected = np.where(new, unlit, np.where(usual, look + 0.25 * (unlit - look), look))
+    varied = np.where(certain, variance + VARIANCE_RATE * (planes[3]**2 - variance), variance)
+    longer = np.minimum(seconds + 0.5 * wall, 30)
+    C.learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
+            wall.size, 0.5, 30.0, 0.25, VARIANCE_RATE, look.ctypes.data, variance.ctypes.data,
+            known.ctypes.data, seconds.ctypes.data)
+    np.testing.assert_allclose(look, expected, rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(variance, varied, rtol=1e-4, atol=1e-3)
+    np.testing.assert_allclose(seconds, longer, rtol=1e-5)
+    assert known[wall].all()
