@@ -28,7 +28,8 @@ from std_msgs.msg import Header
 SIMULATED = '/simulated/image_raw'
 NEWEST = 20  # images that wait to be looked at; within minutes, all of them would fill the memory
 LEAST_RATE_HZ = 0.2  # a node that is to publish less often answers too late to be waited for
-OUTPUTS = {'wall_camera': SIMULATED}  # the topic to watch, if it is not ~image
+# The topic to watch, if it is not ~image.
+OUTPUTS = {'wall_camera': SIMULATED, 'camera_relay': '/camera_relay/image_raw'}
 
 
 class Live:
