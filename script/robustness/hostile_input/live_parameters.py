@@ -138,7 +138,8 @@ class Live:
         stamp = rospy.Time.now()
         while time.monotonic() < end:
             if node != 'wall_camera':
-                self._camera.publish(image_from_frame(scene(), Header(stamp=stamp, frame_id='eye')))
+                # With the time of now, since camera_relay waits until the next frame is due.
+                self._camera.publish(image_from_frame(scene(), Header(stamp=rospy.Time.now(), frame_id='eye')))
             try:
                 if inbox.get(timeout=0.5).header.stamp >= stamp:
                     return
