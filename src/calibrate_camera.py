@@ -16,7 +16,7 @@ import cv2
 from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.base.progress import progress
-from aruco_ar.calibration.calibrate import GOOD_COVERAGE, calibrate
+from aruco_ar.calibration.calibrate import calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_ar.tags.tag import DICTIONARY_NAMES
@@ -118,8 +118,9 @@ def main(argv):
     print('error         %.2f px in %d views; %.2f px in views that were held out'
           % (found.rms, found.views, found.held_out))
     print('coverage      %.0f %% of the frame' % (100 * found.coverage))
-    if found.coverage < GOOD_COVERAGE:
-        print('This lens is not sure near the rims of the frame: show the sheet there, too.')
+    print('corners       within %.2f px, by lenses from two halves of the views' % found.corners)
+    if found.lacks():
+        print('This lens is not sure yet. ' + found.lacks())
     print('Wrote %s' % args.out)
 
 

@@ -13,7 +13,7 @@ import aruco_program  # noqa: F401  before all else
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import write_whole
-from aruco_ar.calibration.calibrate import GOOD_COVERAGE, MIN_VIEWS, calibrate
+from aruco_ar.calibration.calibrate import MIN_VIEWS, calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.collection import Collection
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
@@ -94,9 +94,7 @@ class LiveCalibration(FrameNode):
             views, found.lens.matrix[0, 0], found.rms, found.held_out)
         if saved:
             return '%s It is saved as %s.' % (ready, saved)
-        if collection.coverage < GOOD_COVERAGE:
-            return ready + ' Show the sheet near the rims of the image, too.'
-        return '%s To save it: rosservice call %s' % (ready, rospy.resolve_name('~save'))
+        return '%s %s' % (ready, found.lacks() or 'To save it: rosservice call ' + rospy.resolve_name('~save'))
 
     def _on_save(self, request):
         with self._lock:

@@ -7,17 +7,16 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners
 
 from .layout import learn_layout
+from .views import MIN_POINTS, View, cells_of, different_views
 
 MIN_VIEWS = 8
-MAX_VIEWS = 60
-LEAST, ALIKE = 0.002, 0.04  # between two views (see View.describe): both are used, and both count
-MIN_POINTS = 8              # of a view
+LEAST = 0.002               # between two views (see View.describe) that are both used
 ROUNDS = 3, 16              # of lens and layout in turn, at least and at most
 SMALL_GAIN = 0.995          # no further round if the error is not less than this share of the one before
 HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
@@ -26,11 +25,10 @@ BETTER = 0.998              # a lens with more coefficients must fit held-out vi
 MAX_FOCAL_DEVIATION = 0.02  # standard deviation of the focal length, as a share of it
 MAX_BEND_PX = 3.0           # by which bent edges move a corner
 MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
-CELLS = 8, 6                # of the frame, for the coverage
 SURE = ('Show the sheet larger and in all corners of the frame, from the left, the right, above and below, '
         'tilted by up to 45 degrees.')
-
 GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
+GOOD_CORNERS_PX = 0.5       # see Calibrated.corners
 FISHEYE_GUESS = 0.6         # of the frame's longer side: the focal length to begin with
 
 # What is fixed in OpenCV's models, simplest first. p1 and p2 of a pinhole are always free.
@@ -42,27 +40,13 @@ FISHEYE = (ALWAYS | cv2.fisheye.CALIB_FIX_K2 | cv2.fisheye.CALIB_FIX_K3 | cv2.fi
 
 
 @dataclass(frozen=True)
-class View:
-    """What one frame shows of the sheet. ``points``: {key: (n, 2) float64 pixels}.
-
-    A key is the id of a tag, whose four corners are the pixels, or that of a single point of a board.
-    """
-
-    points: dict[int, Floats]
-
-    def describe(self, size: tuple[int, int]) -> Floats:
-        """(5,): where in a frame of that size, how large and how slanted the sheet is seen."""
-        points = np.concatenate(list(self.points.values())) / np.array(size)
-        spread = np.cov(points.T)
-        return np.array([*points.mean(axis=0), *np.sqrt(spread.diagonal()), 4 * spread[0, 1]])
-
-
-@dataclass(frozen=True)
 class Calibrated:
     """The result. ``lens``: the Lens. ``rms``: how far its points are off, pixels (root of the mean square).
 
     ``held_out``: the same for views that a lens from the others has not seen. ``views``: how many were used.
-    ``coverage``: the share of the frame's cells with points.
+    ``coverage``: the share of the frame's cells with points. ``corners``: by how many pixels the lens may be
+    off at the corners of the frame. Lenses from two halves of the views are about twice as far apart; it is
+    infinite if a half does not tell a lens.
     """
 
     lens: Lens
@@ -70,35 +54,15 @@ class Calibrated:
     held_out: float
     views: int
     coverage: float
+    corners: float
 
-
-def different_views(views: Sequence[View], size: tuple[int, int], least: float = ALIKE) -> list[View]:
-    """The most different ones of many views, by where and how large they show the sheet, at most MAX_VIEWS.
-
-    ``size``: (width, height) of the frames. ``least``: the difference between any two of them.
-    """
-    if not views:
-        return []
-    kinds = np.array([view.describe(size) for view in views])
-    chosen = [0]
-    away = np.linalg.norm(kinds - kinds[0], axis=1)
-    while len(chosen) < min(MAX_VIEWS, len(views)):
-        farthest = int(np.argmax(away))
-        if away[farthest] < least:
-            break
-        chosen.append(farthest)
-        away = np.minimum(away, np.linalg.norm(kinds - kinds[farthest], axis=1))
-    return [views[number] for number in sorted(chosen)]
-
-
-def cells_of(views: Sequence[View], size: tuple[int, int]) -> Booleans:
-    """CELLS of bool: the cells of the frame in which a point was seen."""
-    seen = np.zeros(CELLS, bool)
-    for view in views:
-        points = np.concatenate(list(view.points.values())) / np.array(size) * CELLS
-        cells = np.clip(points.astype(int), 0, np.array(CELLS) - 1)
-        seen[cells[:, 0], cells[:, 1]] = True
-    return seen
+    def lacks(self) -> str:
+        """What the views do not show well enough, and the remedy, in a sentence; empty if nothing is lacking."""
+        if self.coverage < GOOD_COVERAGE:
+            return 'Show the sheet near the rims of the image, too.'
+        if self.corners > GOOD_CORNERS_PX:
+            return 'The corners of the image are not sure yet. Show more views, tilted to all sides.'
+        return ''
 
 
 def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = False,
@@ -151,7 +115,35 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         raise InputError('%s %s %s' % (few, fits, SURE))
     if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
-    return Calibrated(lens, rms, held_out, len(kept), float(cells_of(kept, size).mean()))
+    return Calibrated(lens, rms, held_out, len(kept), float(cells_of(kept, size).mean()),
+                      _doubt(solver, kept, best))
+
+
+def _doubt(solver: _Solver, views: Sequence[View], model: int) -> float:
+    """By how many pixels the lens of some views may be off at the corners of the frame: see Calibrated."""
+    try:
+        one, other = (solver.solve(views[half::2], model)[0] for half in range(2))
+    except InputError:
+        return np.inf
+    return float(corners_apart(one, other).max()) / 2
+
+
+def corners_apart(lens: Lens, other: Lens) -> Floats:
+    """(4,) by how many pixels two lenses differ at the corners of the frame; infinite where one sees no ray.
+
+    A calibration may turn the whole camera a little: that changes no measurement, so it is taken away.
+    """
+    width, height = other.width - 1, other.height - 1
+    grid = np.stack(np.meshgrid(np.linspace(0, width, 9), np.linspace(0, height, 7)), axis=-1).reshape(-1, 2)
+    rays, other_rays = (np.column_stack([each.rays(grid), np.ones(len(grid))]) for each in (lens, other))
+    seen = np.isfinite(rays[:, 0]) & np.isfinite(other_rays[:, 0])
+    rays, other_rays = (each[seen] / np.linalg.norm(each[seen], axis=1, keepdims=True)
+                        for each in (rays, other_rays))
+    left, _, right = np.linalg.svd(rays.T @ other_rays)
+    turned = rays @ (left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right)
+    off = np.full(len(grid), np.inf)
+    off[seen] = np.nan_to_num(np.linalg.norm(other.project(turned) - grid[seen], axis=1), nan=np.inf)
+    return off[[0, 8, -9, -1]]
 
 
 def _straightened(view: View, lens: Lens) -> View:

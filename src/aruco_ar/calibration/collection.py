@@ -6,7 +6,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
 
-from .calibrate import ALIKE, CELLS, MAX_VIEWS, MIN_POINTS, View, cells_of
+from .views import ALIKE, CELLS, MAX_VIEWS, MIN_POINTS, View, cells_of
 
 SEEN_COLOR = np.array([90, 200, 60, 0.0])  # BGR, the tint of what was seen
 SEEN_SHARE = 0.25

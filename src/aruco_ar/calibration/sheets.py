@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.tag import get_dictionary
 
-from .calibrate import View
+from .views import View
 
 MIN_SIDE_PX = 20.0  # the corners of smaller tags are not exact enough
 MAX_SQUARES = 50    # of a board, along a side

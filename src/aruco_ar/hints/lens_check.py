@@ -7,8 +7,9 @@ from typing import Callable, Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.calibration.calibrate import ALIKE, MIN_POINTS, View, pose_error
+from aruco_ar.calibration.calibrate import pose_error
 from aruco_ar.calibration.layout import learn_layout
+from aruco_ar.calibration.views import ALIKE, MIN_POINTS, View
 from aruco_ar.geometry.homography import transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.tag import Tag

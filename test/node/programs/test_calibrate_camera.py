@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from aruco_ar.calibration.calibrate import corners_apart
 from aruco_ar.simulation.robot import Camera
 from calibrate_camera import main
-from rig.accuracy.lenses import off_in_frame
 from rig.accuracy.sheets import BARREL, frames_of, lens_of_file
 
 
@@ -24,7 +24,7 @@ def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
     assert 'Wrote %s' % out in said
     lens = lens_of_file(out)
     assert lens.matrix[0, 0] == pytest.approx(BARREL.matrix[0, 0], rel=0.01)
-    assert off_in_frame(lens, BARREL.lens).max() < 0.5
+    assert corners_apart(lens, BARREL.lens).max() < 0.5
     with open(out) as file:
         assert yaml.safe_load(file)['camera_name'] == 'webcam'
 
@@ -43,7 +43,7 @@ def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
     main([*paths, '--fisheye', '--charuco', '6x5:0.7', '--dictionary', 'DICT_5X5_100', '--out', out])
     lens = lens_of_file(out)
     assert lens.fisheye and lens.matrix[0, 0] == pytest.approx(camera.matrix[0, 0], rel=0.01)
-    assert off_in_frame(lens, camera.lens).max() < 0.5
+    assert corners_apart(lens, camera.lens).max() < 0.5
 
 
 @pytest.mark.parametrize('arguments, words', [

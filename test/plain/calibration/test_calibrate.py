@@ -2,12 +2,12 @@
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import InputError
-from aruco_ar.calibration.calibrate import MIN_VIEWS, View, calibrate, cells_of, different_views
+from aruco_ar import InputError, Lens
+from aruco_ar.calibration.calibrate import MIN_VIEWS, calibrate, corners_apart
 from aruco_ar.calibration.collection import Collection
 from aruco_ar.calibration.layout import learn_layout
-from rig.accuracy.lenses import off_in_frame
-from rig.accuracy.views import LENSES, SIZE, sheet, views_of
+from aruco_ar.calibration.views import View, cells_of, different_views
+from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 
 pytestmark = pytest.mark.long
 
@@ -19,8 +19,9 @@ def test_a_lens_is_found_from_a_sheet_that_nobody_has_measured(name):
     found = calibrate(views, SIZE, truth.fisheye)
     assert found.lens.matrix[0, 0] == pytest.approx(truth.matrix[0, 0], rel=0.01)
     assert found.lens.matrix[1, 1] == pytest.approx(truth.matrix[1, 1], rel=0.01)
-    assert off_in_frame(found.lens, truth).max() < 0.5
+    assert corners_apart(found.lens, truth).max() < 0.5
     assert found.rms < 0.25 and found.held_out < 0.3 and found.coverage > 0.8
+    assert found.corners < 0.5 and not found.lacks()
 
 
 def test_a_known_board_is_enough(random):
@@ -38,7 +39,24 @@ def test_a_known_board_is_enough(random):
     views = [view for view in views if len(view.points) > 8]
     found = calibrate(views, SIZE, board=layout)
     assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01)
-    assert off_in_frame(found.lens, truth).max() < 0.5
+    assert corners_apart(found.lens, truth).max() < 0.5
+
+
+def test_a_lens_is_not_sure_where_the_sheet_was_not_or_where_few_views_are_noisy():
+    truth = LENSES['barrel']
+    middle = calibrate(views_of(truth, sheet(), 12, away=0.1), SIZE)
+    assert middle.coverage < 0.8 and 'near the rims' in middle.lacks()
+    noisy = calibrate(views_of(truth, sheet(), 10, noise=1.5), SIZE)
+    assert noisy.corners > 0.5 and 'Show more views' in noisy.lacks()
+
+
+def test_two_lenses_are_apart_at_the_corners_but_a_turn_of_the_camera_does_not_count():
+    truth = LENSES['no distortion']
+    longer = Lens(*SIZE, np.diag([1.01, 1.01, 1]) @ MATRIX - [[0, 0, 3.22], [0, 0, 2.36], [0, 0, 0]], np.zeros(5))
+    away = np.hypot(*(np.array([[0, 0], [639, 0], [0, 479], [639, 479]]) - MATRIX[:2, 2]).T)
+    np.testing.assert_allclose(corners_apart(longer, truth), 0.01 * away, rtol=0.05)
+    turned = Lens(*SIZE, MATRIX + [[0, 0, 5], [0, 0, 0], [0, 0, 0]], np.zeros(5))
+    assert corners_apart(turned, truth).max() < 3
 
 
 def test_the_layout_of_tags_is_learned_from_tilted_views():
@@ -75,7 +93,7 @@ def test_a_view_with_wrong_tags_is_left_out(random):
     views = views_of(truth, sheet())
     views[7] = View({key: points + random.normal(0, 6, (4, 2)) for key, points in views[7].points.items()})
     found = calibrate(views, SIZE)
-    assert found.views == len(views) - 1 and off_in_frame(found.lens, truth).max() < 0.5
+    assert found.views == len(views) - 1 and corners_apart(found.lens, truth).max() < 0.5
 
 
 def test_a_collection_keeps_still_views_that_differ_and_shows_where_they_were():

@@ -2,7 +2,7 @@
 import cv2
 import numpy as np
 from aruco_ar import Lens
-from aruco_ar.calibration.calibrate import View
+from aruco_ar.calibration.views import View
 from aruco_ar.tags.corner_rays import found_corners
 
 SIZE = 640, 480
@@ -26,15 +26,18 @@ def sheet(columns=4, rows=3, gap=1.4):
     return layout
 
 
-def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0):
-    """Views of a sheet that is moved and tilted at random, as a Detector finds its tags in the frame."""
+def views_of(lens, layout, count=40, noise=0.05, tilt=0.6, seed=0, away=0.45):
+    """Views of a sheet that is moved and tilted at random, as a Detector finds its tags in the frame.
+
+    ``away``: from the middle of the frame, at most, as a share of its width.
+    """
     random, views = np.random.RandomState(seed), []
     middle = np.concatenate(list(layout.values())).mean(axis=0)
     reach = 2 if lens.fisheye else 1
     while len(views) < count:
         turn = cv2.Rodrigues(random.uniform(-tilt, tilt, 3) * (1, 1, 0.5))[0]
         depth = random.uniform(4, 9) / reach
-        shift = np.array([*(random.uniform(-0.45, 0.45, 2) * (1.1, 0.8) * depth * reach), depth])
+        shift = np.array([*(random.uniform(-away, away, 2) * (1.1, 0.8) * depth * reach), depth])
         view = {}
         for tag_id, corners in layout.items():
             seen = np.column_stack([corners - middle, np.zeros(4)]) @ turn.T + shift

@@ -9,8 +9,8 @@ import tempfile
 import rospy
 import rostest
 import yaml
+from aruco_ar.calibration.calibrate import corners_apart
 from aruco_node.messages.images import image_from_frame
-from rig.accuracy.lenses import off_in_frame
 from rig.accuracy.sheets import BARREL, frames_of, lens_of_file
 from rig.nodes.case import CAMERA
 from rig.nodes.topics import until
@@ -65,7 +65,7 @@ class CalibrateLive(BrowserTest):
         self.wait_for_text(TILE + ' .advice', 'It is saved as')
         lens = lens_of_file(self.file)
         self.assertAlmostEqual(lens.matrix[0, 0] / BARREL.matrix[0, 0], 1, delta=0.01)
-        self.assertLess(off_in_frame(lens, BARREL.lens).max(), 0.5)
+        self.assertLess(corners_apart(lens, BARREL.lens).max(), 0.5)
         with open(self.file) as file:
             self.assertEqual(yaml.safe_load(file)['camera_name'], 'webcam')
         self.shown = self.frames[:1]
