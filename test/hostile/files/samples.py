@@ -130,7 +130,7 @@ def _good_pictures():
     yield 'two\nlines.jpg', jpeg(), True
     yield 'a video.jpg', video('.avi', 'MJPG'), True
     for kind, mode in (('JPEG', 'CMYK'), ('JPEG', 'L'), ('PNG', '1'), ('PNG', 'P'), ('PNG', 'LA'),
-                       ('PNG', 'RGBA'), ('PNG', 'I'), ('WEBP', 'RGBA'), ('BMP', 'P'),
+                       ('PNG', 'RGBA'), ('PNG', 'I;16'), ('WEBP', 'RGBA'), ('BMP', 'P'),
                        ('PPM', '1'), ('GIF', 'L')):
         yield '%s of %s' % (mode, kind), picture(kind, mode), True
     yield '16 bits.png', cv2.imencode('.png', np.full((9, 9, 4), 0x8080, np.uint16))[1].tobytes(), True
