@@ -12,8 +12,9 @@ from aruco_ar.base.files import in_package
 from aruco_ar.exercise import PICTURE
 
 from .bag_reader import pieces_of
+from .drafts import drafted
 from .pieces import join_bags, join_tables, make_video
-from .task import COLUMNS, annotate, drafted
+from .task import COLUMNS, annotate
 
 HIDDEN = '.unit5'      # subfolder of the output folder: drafts, and notes on what is done
 LOCK = '.lock'         # no bag can have this name

@@ -1,7 +1,6 @@
 """Runs an exercise on the frames of a piece of a bag."""
 import csv
 import os
-from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +20,7 @@ from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import CameraInfo
 
 from .bag_reader import decoder_of, messages
+from .drafts import drafted
 
 CORNERS = [(number, axis) for number in range(4) for axis in 'xy']
 COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in CORNERS),
@@ -139,20 +139,3 @@ def _numbers(pose):
     message = pose_message(pose)
     return ['%.6f' % number for part in (message.position, message.orientation)
             for number in (getattr(part, name) for name in part.__slots__)]
-
-
-@contextmanager
-def drafted(path, folder):
-    """A context manager with the path of a new draft in a folder. After the block, the draft becomes ``path``.
-
-    No other process has the same draft. When a cluster loses contact with a worker, another worker starts the
-    same piece, although the first one may still be writing.
-    """
-    draft = os.path.join(folder, os.urandom(8).hex() + os.path.splitext(path)[1])
-    try:
-        yield draft
-        if os.path.exists(draft):
-            os.replace(draft, path)
-    finally:
-        with suppress(FileNotFoundError):
-            os.unlink(draft)
