@@ -1,1 +1,1 @@
-"""Basics: array types, errors, files, progress, dicts of limited size, and the required versions."""
+"""Basics: array types, errors, files, progress, stale frames, dicts of limited size, and required versions."""

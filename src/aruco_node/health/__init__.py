@@ -1,1 +1,1 @@
-"""How a node reports on itself: faults, diagnostics, why no frames arrive, stale frames, and snapshots."""
+"""How a node reports on itself: faults, diagnostics, why no frames arrive, and snapshots."""

@@ -6,10 +6,10 @@ from typing import Any, Callable, Optional, Sequence
 
 import rospy
 from aruco_ar.base.errors import InputError
+from aruco_ar.base.lateness import Lateness
 
 from aruco_node.health.diagnostics import ERROR, OK, Diagnostics, FrameCount
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
-from aruco_node.health.lateness import Lateness
 from aruco_node.health.silence import SILENCE_S, explain_silence
 from aruco_node.health.snapshot import SnapshotService
 from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS

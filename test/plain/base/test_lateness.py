@@ -1,6 +1,6 @@
 """Which frames are too old to be shown: few, and only if the node keeps up with its camera."""
 import pytest
-from aruco_node.health.lateness import Lateness
+from aruco_ar.base.lateness import Lateness
 
 PERIOD = 1 / 30
 
