@@ -24,8 +24,7 @@ from aruco_node.health.diagnostics import ERROR, WARN
 from aruco_node.health.faults import log_once
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages import pose_messages
-from aruco_node.messages.frame_names import frame_name
-from aruco_node.messages.wall_messages import WALL_FRAME
+from aruco_node.messages.frame_names import WALL_FRAME, frame_name
 from aruco_node.nodes.camera_node import CameraNode
 from aruco_node.nodes.manual import camera_manual
 from aruco_node.nodes.node import run_node

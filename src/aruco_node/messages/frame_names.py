@@ -2,6 +2,8 @@
 import rospy
 from rosgraph.names import ns_join
 
+WALL_FRAME = 'wall'
+
 
 def frame_name(name):
     """The name of a TF frame of this node, with the node's namespace before it, as for topics.

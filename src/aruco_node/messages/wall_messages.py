@@ -8,13 +8,12 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-from .frame_names import frame_name
+from .frame_names import WALL_FRAME, frame_name
 from .images import polygon_from_pixels, tags_from_pixels
 
 ODOMETRY_FRAME = 'odom'
 ROBOT_FRAME = 'base_link'
 CAMERA_FRAME = 'camera_rgb_optical_frame'
-WALL_FRAME = 'wall'
 
 
 def observe(wall, camera, pose, linear, angular, stamp, first, last):

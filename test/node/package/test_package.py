@@ -1,4 +1,4 @@
-"""The package for ROS: catkin_lint, launch arguments, the benchmark, and an install space."""
+"""The package for ROS: catkin_lint, launch arguments, the benchmark, what nodes load, an install space."""
 import os
 import shutil
 import subprocess
@@ -49,6 +49,13 @@ def test_the_benchmark_lists_its_options(package):
     done = subprocess.run([package + '/script/bench', '--help'], env=clean, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0 and '--video FILE' in done.stdout, done.stdout
+
+
+def test_the_nodes_of_a_real_robot_load_nothing_of_the_simulation(package):
+    script = 'import sys, camera_relay, exercise5_6, tag_poses; ' \
+             'print([name for name in sys.modules if name.startswith("aruco_ar.simulation")])'
+    done = subprocess.run([sys.executable, '-c', script], cwd=package + '/src', capture_output=True, text=True)
+    assert done.stdout == '[]\n', done
 
 
 def test_an_install_space_is_complete(package, tmp_path):
