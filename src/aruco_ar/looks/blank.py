@@ -9,22 +9,23 @@ from aruco_ar.base.arrays import Booleans, Floats
 from .parts import grown, parts_of, shrunk
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
-ROUNDS = 12           # of the fit
-DEVIATION = 0.05      # of a blank wall's pixels from the surface, as a share of the brightness
+ROUNDS = 12           # rounds of the iterative fit
+DEVIATION = 0.05      # how far pixels of a blank wall are off the surface, as a share of the brightness
 HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall
-BLANK_SHARE = 0.4     # of a blank wall, at least so much follows the surface
-MAX_OUTLINE = 10      # of things that hide the wall, relative to the root of their size; patterns have more
-MAX_OTHER_SHARE = 0.2  # of a blank wall, so much may be something else that hangs there
-RIM_PX = 7             # so near to what hides the wall, pixels may be mixtures with it
-MAX_HIDING = 3        # more things that reach over the rim of the area are a pattern
+BLANK_SHARE = 0.4     # share of a blank wall's pixels that must follow the surface
+# Longest outline of things that hide the wall, divided by the root of their size. Patterns have a longer one.
+MAX_OUTLINE = 10
+MAX_OTHER_SHARE = 0.2  # share of a blank wall that may be something else that hangs there
+RIM_PX = 7            # pixels this near to what hides the wall may be mixtures with it
+MAX_HIDING = 3        # more things than this that reach over the rim of the area are a pattern
 
 
 def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None:
     """The blank wall behind all that hides it, and where it is hidden; None if the wall is not blank.
 
     ``seen``: (h, w, 3) float32, the rectified area. ``usable``: (h, w), where the frame shows it, without tags.
-    Returns (h, w, 3) float32 and (h, w). Only what reaches over the rim of the area hides the wall, as a hand
-    or a person does; what lies within hangs on it.
+    Returns (h, w, 3) float32 and (h, w). Only a thing that reaches over the rim of the area hides the wall, as
+    a hand or a person does. A thing within the area hangs on the wall.
     """
     surface = _surface(seen, usable)
     if surface is None:
@@ -46,8 +47,8 @@ def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None
 def _surface(seen: Floats, usable: Booleans) -> Floats | None:
     """(h, w, 3) float32: a smooth surface that most pixels follow, or None.
 
-    It is a polynomial of the second order for the logarithm, fitted by iteratively reweighted least squares,
-    with the squares of Cauchy's weights, so that what differs has hardly any influence.
+    It is a polynomial of the second order for the logarithm. It is fitted by iteratively reweighted least
+    squares. The weights are the squares of Cauchy's, so pixels that differ have hardly any influence.
     """
     height, width = seen.shape[:2]
     chosen = usable[::STEP_PX, ::STEP_PX]

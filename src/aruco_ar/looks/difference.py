@@ -12,19 +12,21 @@ from aruco_ar.compiled import library
 
 from .parts import closed, grown, shrunk
 
-DARKEST, LIGHTEST = 0.36, 2.6  # the light at a pixel, relative to that on the whole wall: a shadow, a spot
-RIM_PX = 5            # the rims of a pattern may be off: the contrast within so many pixels counts
-NEAR_PX = 5           # so near to what is surely in front, weaker evidence is enough
-BRIDGE_PX = 21        # and between it, where the light is not the usual one around
-AROUND_PX = 61        # of the window that shows the usual light
-RIM_MARGIN_PX = 8     # around the things in front, for their rims
-MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that show a pixel's share
-LIKE = 0.8            # the correlation with the wall's pattern, if that is seen
-PATTERN_PX = 15       # of the window for the correlation
-PATTERN_LEVELS = 6.0  # standard deviation of a pattern that can be recognized
+# The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
+DARKEST, LIGHTEST = 0.36, 2.6
+RIM_PX = 5            # edges of a pattern may be displaced, so the contrast in a window of this width counts
+NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
+# Gaps up to this wide between such pixels are filled where the light differs from that around.
+BRIDGE_PX = 21
+AROUND_PX = 61        # width of the window that shows the usual light around a pixel
+RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
+MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
+LIKE = 0.8            # least correlation with the wall's pattern where that pattern is seen
+PATTERN_PX = 15       # width of the window for the correlation
+PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recognized, in gray levels
 
 
-C = library('wall')  # its comments say what differs how much
+C = library('wall')  # its comments explain the limits for each pixel
 C.compare.restype = ctypes.c_int64
 C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
                       *[ctypes.c_void_p] * 2]
@@ -84,7 +86,7 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
         slice(max(x - RIM_MARGIN_PX, 0), x + width + RIM_MARGIN_PX)
     seen, wall, front = seen[part], wall[part], front[part]
     core = shrunk(front, 5)
-    weight = core + np.float32(0.01) * front  # the color of the core nearby, or of what there is without a core
+    weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
     weights = np.maximum(cv2.blur(weight, (7, 7)), 1e-4)
     both = length = np.zeros(front.shape, np.float32)
     for color, wall_color in zip(cv2.split(seen), cv2.split(wall)):

@@ -9,46 +9,48 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
 from aruco_ar.tags.tag import Tag
 
-# Edges. The black border of a tag is one cell wide, and so is the white rim around it, at least about.
-CELLS = 8                  # of the side of a tag, about: the reach of a profile is a share of one
-REACH = 0.75               # of a cell, to both sides of an edge
-STEPS = 24                 # places along a profile
-ALONG = np.linspace(0.2, 0.8, 6)  # of a side: where its profiles are
+# Edges. The black border of a tag is one cell wide. The white rim around it is about as wide, at least.
+CELLS = 8                  # assumed width of a tag in cells
+REACH = 0.75               # length of a profile on each side of an edge, in cells
+STEPS = 24                 # number of places along a profile
+ALONG = np.linspace(0.2, 0.8, 6)  # places of the profiles along a side, from 0 to 1
 # Soft edges of neighboring cells run into each other. In the mean, the cells inside a tag are gray, and a wall
-# is a little darker than the paper. Then edges of these deviations seem to have those below; all are in cells.
+# is a little darker than the paper. So an edge with the deviation TRUE seems to have the deviation SEEN. Both
+# are in cells.
 TRUE = 0.0, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5
 SEEN = 0.0, 0.099, 0.143, 0.181, 0.214, 0.240, 0.261, 0.277, 0.289, 0.299
-MIN_CONTRAST = 40.0        # gray levels between paper and ink
+MIN_CONTRAST = 40.0        # least contrast of paper and ink, in gray levels
 MIN_CELL_PX = 2.5          # the edges of smaller cells run into each other
-MAX_SIDES = 12             # of the largest tags
-# Painted and filtered as it is (see painting.warp), a picture has edges of this variance, in square pixels,
-# as they are measured here. So the wall's edges are softer by what they have more.
+MAX_SIDES = 12             # only this many sides of tags are measured, the longest
+# The edges of a painted picture have this variance, in square pixels (see painting.warp).
+# Only the variance beyond this has to be added to the picture.
 OWN_VARIANCE = 0.40
-MIN_VARIANCE = 0.05        # less is not worth a filter
-SAME = 0.005               # of the weight of what is measured: that blur is alike across and down
-RATE = 0.3                 # of the running mean from frame to frame: motion blur changes quickly
+MIN_VARIANCE = 0.05        # a smaller variance is not worth a filter
+# Weight of the assumption that blur is equal in both directions, as a share of the measurements' weight.
+SAME = 0.005
+RATE = 0.3                 # weight of a new frame in the running mean; motion blur changes quickly
 
 # Noise. The kernel takes constant and linear brightness away: J. Immerkaer, Fast noise variance estimation,
-# 1996. The norm of its weights is 6. A share of all that is left comes from edges and patterns, so the
-# smaller part of it counts: this share of a normal distribution is within so many standard deviations.
+# 1996. The norm of its weights is 6. Edges and patterns also remain after filtering. So the noise is estimated
+# from the smaller values: 40 % of a normal distribution lie within 0.5244 standard deviations.
 KERNEL = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
 SHARE, WITHIN = 40, 0.5244
-PATCHES, PATCH_PX = 4, 32  # along each direction of what is looked at, in every few frames
-EVERY = 5
-CLIPPED = 8.0              # gray levels from black and from white, where noise is clipped
-NOISE_RATE = 0.3
-GRAY = np.array([0.114, 0.587, 0.299])  # the weights of the colors in OpenCV's gray
-UNIT = 32.0                # the standard deviation of stored noise, gray levels
-MIDDLE = 128
-SHIFTS = 61                # pixels by which the stored noise is moved from frame to frame, at most
-BLOCK_PX = 128             # it is made in sizes that are multiples of this
+PATCHES, PATCH_PX = 4, 32  # number of patches in each direction, and their side
+EVERY = 5                  # noise is measured in every fifth frame
+CLIPPED = 8.0              # noise is clipped this near to black and to white, in gray levels
+NOISE_RATE = 0.3           # weight of a new measurement in the running mean
+GRAY = np.array([0.114, 0.587, 0.299])  # weights of blue, green and red in OpenCV's gray
+UNIT = 32.0                # standard deviation of the stored noise, in gray levels
+MIDDLE = 128               # mean of the stored noise
+SHIFTS = 61                # the stored noise is moved by fewer pixels than this from frame to frame
+BLOCK_PX = 128             # stored noise is made in sizes that are multiples of this
 
 
 class Grain:
     """Measures the grain of frames, and gives it to the picture.
 
-    ``softness``: (2,), the variance of the edges across and down, square pixels, beyond a painted picture's.
-    ``noise``: the standard deviations of the noise of a color and of gray, in gray levels.
+    ``softness``: (2,) square pixels, how much the variance of the frame's edges, across and down, exceeds that
+    of a painted picture. ``noise``: the standard deviations of the noise of a color and of gray, gray levels.
     """
 
     def __init__(self) -> None:
@@ -70,10 +72,10 @@ class Grain:
         self._count += 1
 
     def apply(self, picture: Image, mask: Image) -> tuple[Image, Image]:
-        """A warped picture with the grain of the camera, and its mask, both as soft and noisy as the frame.
+        """A warped picture, as soft and noisy as the frame, and its mask, which is as soft.
 
         ``picture``: (h, w, 3) or (h, w, 4), uint8. ``mask``: (h, w, 3). The result is BGRA, so that it is mixed
-        in softly. Its alpha is white; that of the picture is in the mask.
+        in softly. Its own alpha is white, since the returned mask contains the picture's alpha.
         """
         colors, alpha = picture[:, :, :3], np.full(picture.shape[:2], 255, np.uint8)
         if picture.shape[2] == 4:
@@ -90,7 +92,7 @@ class Grain:
         if self.noise is None or not picture.size:
             return picture
         color, gray = self.noise**2
-        # The noise of a color is that of its own and a common one, and gray is the weighted sum of the colors.
+        # Each color has noise of its own and noise in common. Gray is the weighted sum of the colors.
         own = np.clip((color - gray) / (1 - (GRAY**2).sum()), 0, color)
         for stored, deviation in zip(self._noise_for(picture), np.sqrt([own, color - own])):
             if deviation > 0.1:
@@ -98,7 +100,7 @@ class Grain:
         return picture
 
     def _noise_for(self, picture: Image) -> list[Image]:
-        """Noise of each color's own, and noise that is common to the colors, for a picture."""
+        """Two images of noise for a picture: one differs between the colors, one is common to them."""
         height, width = picture.shape[:2]
         if not self._stored or self._stored[0].shape[0] < height + SHIFTS or \
                 self._stored[0].shape[1] < width + SHIFTS:
@@ -112,9 +114,9 @@ class Grain:
 def edge_variance(frame: Image, tags: Sequence[Tag]) -> Floats | None:
     """(2,) square pixels: the variance of the blur across and down, as the edges of tags show it, or None.
 
-    ``frame``: (h, w, 3) BGR uint8. If p goes from 0 to 1 across an edge that is blurred by a normal
-    distribution, the integral of p(1 - p) is its standard deviation divided by the root of pi. It hardly
-    depends on noise, nor on where exactly the edge is.
+    ``frame``: (h, w, 3) BGR uint8. Let p go from 0 to 1 across an edge that a normal distribution blurs. Then
+    the integral of p(1 - p) is the standard deviation divided by the root of pi. It hardly depends on noise,
+    nor on where exactly the edge is.
     """
     sides = [(begin, end) for tag in tags for begin, end in zip(tag.corners, np.roll(tag.corners, -1, axis=0))]
     begin, end = np.array(sides, np.float64).reshape(-1, 2, 2).transpose(1, 0, 2)
@@ -142,16 +144,17 @@ def edge_variance(frame: Image, tags: Sequence[Tag]) -> Floats | None:
     known = count >= len(ALONG) // 2
     if not known.any():
         return None
-    medians = np.sort(width, axis=1)[known, count[known] // 2]  # of the finite ones
+    medians = np.sort(width, axis=1)[known, count[known] // 2]  # the medians of the finite widths
     cells = lengths[known] / CELLS
     deviations = cells * np.interp(np.sqrt(np.pi) * medians / cells, SEEN, TRUE)
     return _across_and_down(outward[known]**2, deviations**2, lengths[known])
 
 
 def _across_and_down(shares: Floats, variances: Floats, weights: Floats) -> Floats:
-    """(2,): the variances across and down that explain those along (n, 2) directions, whose squares are given.
+    """(2,): the variances across and down that explain n variances measured along other directions.
 
-    Where the directions do not tell the two apart, they are the same.
+    ``shares``: (n, 2), the squares of these directions' components. If the directions do not tell the two
+    apart, both results are the same.
     """
     matrix = (shares * weights[:, None]).T @ shares
     matrix += SAME * np.trace(matrix) * np.array([[1, -1], [-1, 1]])
@@ -159,7 +162,7 @@ def _across_and_down(shares: Floats, variances: Floats, weights: Floats) -> Floa
 
 
 def noise_of(window: Image) -> Floats | None:
-    """(2,): the standard deviations of the noise of a color and of gray, or None where nothing shows it.
+    """(2,): the standard deviations of the noise of a color and of gray, or None if nothing shows it.
 
     ``window``: (h, w, 3) BGR uint8.
     """
@@ -184,7 +187,7 @@ def noise_of(window: Image) -> Floats | None:
 
 
 def _mean(before: Floats | None, now: Floats | None, rate: float, less: float = 0.0) -> Floats | None:
-    """The running mean with a new value, or as before without one."""
+    """The running mean, updated by a new value unless that is None. ``less`` is subtracted from the value."""
     if now is None:
         return before
     now = now - less

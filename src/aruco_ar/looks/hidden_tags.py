@@ -16,38 +16,44 @@ from aruco_ar.tracking.area import Area
 from .difference import DARKEST, LIGHTEST, difference, soft_rim
 from .parts import grown, parts_of
 
-SIZE = 64, 64          # pixels of a patch, which shows the wall straight from the front
-SCALE = 2.5            # of a patch, in sides of its tag
-SAME_PLACE = 0.1       # of a tag's side: what moves farther on the wall does not hang on it
-PLACE_OF = 30          # frames: a tag's place is a running mean
-MEAN_OF = 60           # frames: the wall's look is the mean of the last so many, about
-ALIKE = 0.15           # of the brightness: a color that differs by less is the same
-INPAINT_AFTER = 1, 4, 16, 64  # frames of that mean
-REPLACED, AGAIN_AFTER = 0.01, 8  # if so much of a patch was not the wall, it is inpainted again; frames
-EVERY = 2, 4           # one of so many frames is for measuring light, and one for learning a known wall
-KNOWN_AFTER = 16       # frames
+SIZE = 64, 64          # size of a patch, which shows the wall straight from the front, in pixels
+SCALE = 2.5            # width of the wall in a patch, in sides of its tag
+# A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
+SAME_PLACE = 0.1
+PLACE_OF = 30          # a tag's place is the running mean of about this many frames
+MEAN_OF = 60           # the wall's look is the running mean of about this many frames
+ALIKE = 0.15           # colors are alike if they differ by less than this share of their brightness
+INPAINT_AFTER = 1, 4, 16, 64  # numbers of learned frames after which a patch is inpainted
+# If more than this share of a patch turned out not to be the wall, it is inpainted again.
+# This takes place at least so many learned frames after the last time.
+REPLACED, AGAIN_AFTER = 0.01, 8
+EVERY = 2, 4           # light is measured in every second frame, and a known wall is learned in every fourth
+KNOWN_AFTER = 16       # number of learned frames after which a wall is known
 INPAINT_PX = 3
 SMOOTHINGS, SMOOTH_PX = 20, 15
-PAPER_SCALE = 1.15     # around the tag, this ring shows the color of its paper,
-PAPER_LEVELS = 0.1     # which differs by less than this share of it
-REACH_PX = 4           # paper that reaches so near to the patch's rim has no end in sight
-MARGIN_PX = 7          # of what is filled in around the paper, for its blurred rim: half of it on each side
-BARE_SCALE = 1.25      # of what is filled in around a tag without a paper of its own, in sides of the tag
-SOFT_PX = 5            # of the rim of what is filled in
-CELLS = 8              # along each side of a patch: for each of them, the light is measured
-MIN_COVER = 0.1        # of a cell, if it shows the wall around the tag
+PAPER_SCALE = 1.15     # outer width of the ring that shows the color of the tag's paper, in sides of the tag
+PAPER_LEVELS = 0.1     # the paper's color varies by less than this share of it
+REACH_PX = 4           # paper that reaches this near to the patch's rim has no end in sight
+MARGIN_PX = 7          # the filled part is wider than the paper by half of this on each side: the rim is blurred
+BARE_SCALE = 1.25      # least width of the filled part, in sides of the tag, whatever paper is found
+SOFT_PX = 5            # width of the soft rim of the filled part
+CELLS = 8              # number of cells along each side of a patch; the light is measured in each
+MIN_COVER = 0.1        # share of a cell that must show the wall around the tag
 SAME_COLOR = 0.15      # light changes a color by less than this share of its brightness
-ENOUGH = 0.1           # of the wall around a tag shows the light
-ANOTHER_AFTER = 15     # frames without enough of them: this is another wall
-VARIANCE = 4.0         # of the noise
-DARK = 40.0            # gray levels: the brightness of what is darker, for ALIKE
+ENOUGH = 0.1           # share of the wall around a tag that must show the light
+ANOTHER_AFTER = 15     # after this many frames in which less of it shows the light, it is another wall
+VARIANCE = 4.0         # assumed variance of the noise
+DARK = 40.0            # ALIKE takes darker colors to have this brightness, in gray levels
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 PATCH = (SQUARE - 0.5) * SCALE + 0.5  # (4, 2): the corners of a patch; those of its tag are the unit square
 
 
 class HiddenTags:
-    """Covers the tags of a wall. What it looks like without them is inpainted once, from around them."""
+    """Covers the tags of a wall.
+
+    Each tag's place is inpainted from the wall around it, and again as the average improves.
+    """
 
     def __init__(self) -> None:
         self._patches: dict[int, _Patch] = {}
@@ -113,7 +119,7 @@ class _Patch:
         return True
 
     def _begin(self) -> None:
-        self._look: Floats = np.zeros((*SIZE, 3), np.float32)  # in the light in which it was first seen
+        self._look: Floats = np.zeros((*SIZE, 3), np.float32)  # the wall in the light of its first frame
         self._known = np.zeros(SIZE, bool)
         self._light: Floats = np.ones((*SIZE, 3), np.float32)
         self._votes = np.zeros(SIZE, np.float32)
@@ -160,7 +166,8 @@ class _Patch:
         """Take colors into the look. Returns (h, w), where they replace it.
 
         Somebody may have stood here at first. So each pixel takes a majority vote, as in R. Boyer and J. Moore,
-        MJRTY, 1981: it counts votes for the look, less those against it. At none, the other color is the look.
+        MJRTY, 1981: it counts votes for the look, less those against it. When the votes run out, the other
+        color replaces the look.
         """
         away = np.abs(colors - self._look).max(axis=2)
         alike = valid & (away < ALIKE * np.maximum(self._look.mean(axis=2), DARK))
@@ -174,7 +181,7 @@ class _Patch:
         return replaced
 
     def _measure_light(self, colors: Floats, valid: Booleans) -> None:
-        """The light on the wall around the tag, and from there under it: factors of that in ``look``."""
+        """Measure the light around the tag, relative to ``look``, and extend it under the tag."""
         shown = self._around * (valid & self._known)
         cover = _cells(shown)
         ratio = _cells(colors * shown[..., None]) / np.maximum(_cells(self._look * shown[..., None]), 0.1)
@@ -198,7 +205,7 @@ class _Patch:
         self._replaced, self._inpainted_at = 0, self._count
         look = np.clip(np.round(self._look), 0, 255).astype(np.uint8)
         to_patch = np.diag([*SIZE, 1.0]) @ homography_from(PATCH) @ homography_from(self.place)
-        tags = np.zeros(SIZE, np.uint8)  # also those nearby
+        tags = np.zeros(SIZE, np.uint8)  # all tags in the patch: neighbors must not bleed into the wall
         for square in squares:
             corners = transform(to_patch @ homography_to(square), (SQUARE - 0.5) * BARE_SCALE + 0.5)
             cv2.fillConvexPoly(tags, np.round(corners).astype(np.int32), (1,))
@@ -220,13 +227,13 @@ class _Patch:
 
 
 def _square(scale: float) -> Booleans:
-    """(h, w): the middle of a patch, in sides of its tag."""
+    """(h, w): a square in the middle of a patch. ``scale``: its width, in sides of the tag."""
     places = np.abs((np.arange(SIZE[0]) + 0.5) / SIZE[0] - 0.5) * SCALE < scale / 2
     return places & places[:, None]
 
 
 def _paper(look: Image) -> Booleans:
-    """(h, w): the paper around a tag in its patch; empty where it has no end in sight."""
+    """(h, w): the paper around a tag in its patch; empty if the paper has no end in sight."""
     ring = _square(PAPER_SCALE) & ~_square(1.02)
     color = np.maximum(np.median(look[ring], axis=0), 1)
     like = np.abs(look / color - 1).max(axis=2) < PAPER_LEVELS
@@ -243,7 +250,7 @@ def _cells(image: Floats) -> Floats:
 
 
 def _nearness() -> Floats:
-    """(CELLS**2, CELLS**2): how much each cell counts for each."""
+    """(CELLS**2, CELLS**2): the weight of each cell in the mean for each other cell."""
     y, x = np.divmod(np.arange(CELLS**2), CELLS)
     return 1 / ((x[:, None] - x)**2 + (y[:, None] - y)**2 + 0.5)**1.5
 

@@ -15,12 +15,12 @@ from aruco_ar.tags.tag import Tag
 from .wall_model import WallModel
 
 COARSE = 4            # the light is measured on an image that is smaller by this factor
-TAG_PX = 24           # of the rectified image of a tag
-TAG_SCALE = 1.2       # of it, relative to the tag: it shows some of the white rim
+TAG_PX = 24           # side of the rectified image of a tag
+TAG_SCALE = 1.2       # width of that image in sides of the tag; it shows some of the white rim
 WHITE_PERCENTILE, BLACK_PERCENTILE = 92, 8
-MIN_WHITE = 20.0      # gray levels: in less light a tag shows nothing
-WINDOWS_PX = 121, 25, 3  # the smallest window in which enough of the wall is free shows the light
-ENOUGH = 0.08         # this share
+MIN_WHITE = 20.0      # least level of white paper, in gray levels; in less light a tag shows nothing
+WINDOWS_PX = 121, 25, 3  # the smallest of these windows in which enough of the wall is free shows the light
+ENOUGH = 0.08         # share of a window in which the wall must be free
 
 
 def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tuple[Floats, Floats]:
@@ -41,11 +41,11 @@ def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tup
 class WallLight:
     """The light on a wall that a WallModel knows.
 
-    ``black``: the level of ink as a share of that of paper, which a printed picture would have, too.
+    ``black``: the level of ink as a share of that of paper. A printed picture would not be darker than ink.
     """
 
     def __init__(self, places: Floats, white: Floats, black: Floats, model: WallModel) -> None:
-        """Begin with levels in the light in which the model has seen the wall first.
+        """Begin with the levels of the paper and of the ink in the light in which the model first saw the wall.
 
         ``places``: (n, 2), the tags' centers in the area, which is the unit square. ``white``, ``black``: see
         white_and_black.
@@ -65,8 +65,8 @@ class WallLight:
 
         ``image``: (h, w, 3) BGR uint8, the rectified frame, which the model has taken in.
         """
-        color = self._coarse(model.look) / self._first  # of the wall, as a share of white
-        if self._plain is not None:  # What looks like a color that varies over a blank wall is light.
+        color = self._coarse(model.look) / self._first  # the wall's color, as a share of white
+        if self._plain is not None:  # on a blank wall, a color that varies is light
             mean = (color * self._plain).sum(axis=(0, 1)) / max(self._plain.sum(), 1e-3)
             color += self._plain * (mean - color)
         free, seen = self._share(model.free), self._coarse(image)

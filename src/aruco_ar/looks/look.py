@@ -19,9 +19,9 @@ from .light import COARSE, WallLight, white_and_black
 from .wall_model import WallModel
 
 MAX_STEP_S = 0.5        # a longer time between frames counts as this
-PIXELS = 40_000         # of the rectified area
-SHAPES = 0.1, 10        # limits of its width divided by its height
-TAG_SCALE = 1.5         # of what belongs to a tag: it and its white rim
+PIXELS = 40_000         # number of pixels of the rectified area
+SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
+TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
 PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
 FULL, MATCH = LIGHTS = 'full', 'match'
 CLEAN, MATCH = GRAINS = 'clean', 'match'
@@ -30,15 +30,15 @@ AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
 
 def asks_for_look(settings: Any) -> bool:
-    """Whether settings ask for more than the course does; for these, see Look."""
+    """Whether settings ask for more than the course does. ``settings``: see Look."""
     return (settings.foreground, settings.light, settings.grain, settings.tags) != AS_IN_COURSE
 
 
 class Look:
     """Learns how the wall of an area looks, so that a picture on it looks as if it hung there.
 
-    The wall is learned from frame to frame. It is learned anew if the time jumps. What the settings ask for
-    tells what is learned and done: ``foreground``, ``light``, ``grain`` and ``tags``, each one of the values
+    The wall is learned from frame to frame. It is learned anew if the time goes back. The settings decide what
+    is learned and done. They are ``foreground``, ``light``, ``grain`` and ``tags``, each one of the values
     above, and ``settle`` (see WallModel.update).
     """
 
@@ -51,7 +51,8 @@ class Look:
         self._light: WallLight | None = None
         self._grain, self._hidden_tags = Grain(), HiddenTags()
         self._stamp: float | None = None
-        self._unlearned_s, self._is_turn = 0.0, False  # since the model's last frame; whether it takes the next
+        # The time since the model learned a frame, and whether it was the turn of the last one to be learned.
+        self._unlearned_s, self._is_turn = 0.0, False
         self._size = 0, 0
         self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
 
@@ -61,7 +62,7 @@ class Look:
 
         ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``stamp``: its time, seconds. ``area``: the Area
         in it. ``tags``: those in sight. ``settings``: see above. ``sure``: whether the frame shows
-        where the area is. If not, nothing is learned from it, and what was in front before is so still.
+        where the area is. If not, nothing is learned from it, and what was in front before stays in front.
         """
         if self._stamp is not None and stamp < self._stamp:
             self.reset()
@@ -79,7 +80,7 @@ class Look:
         if not self._model.look.size:
             shape = np.clip(area.ratio or 1.0, *SHAPES)
             sides = np.sqrt([PIXELS * shape, PIXELS / shape])
-            width, height = (COARSE * round(side / COARSE) for side in sides)  # which OpenCV shrinks fast
+            width, height = (COARSE * round(side / COARSE) for side in sides)  # OpenCV shrinks such sizes fast
             self._size = width, height
         image = area.rectified(frame, self._size)
         begun = self._model.begun

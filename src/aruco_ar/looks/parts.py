@@ -22,7 +22,7 @@ def shrunk(mask: Booleans, px: int) -> Booleans:
 
 
 def closed(mask: Booleans, px: int) -> Booleans:
-    """The mask with smaller gaps than that filled, but not gaps between a part and the rim of the image."""
+    """The mask without gaps narrower than ``px``. Gaps between a part and the rim of the image stay."""
     margin = px // 2 + 1
     wide = cv2.copyMakeBorder(mask.astype(np.uint8), margin, margin, margin, margin, cv2.BORDER_REPLICATE)
     wide = cv2.morphologyEx(wide, cv2.MORPH_CLOSE, np.ones((px, px), np.uint8))
@@ -42,7 +42,7 @@ def parts_of(mask: Booleans) -> tuple[Integers, int]:
 
 
 def still_parts(labels: Integers, count: int, before: Booleans, share: float) -> Booleans:
-    """The parts whose outlines have hardly moved: by more than a pixel at less than that share of their pixels.
+    """The parts whose outlines have hardly moved: at most ``share`` of an outline by more than a pixel.
 
     ``labels``, ``count``: see parts_of. ``before``: (h, w), where parts were in the frame before.
     """
@@ -57,7 +57,7 @@ def still_parts(labels: Integers, count: int, before: Booleans, share: float) ->
 
 
 def _parts_of_size(mask: Booleans, least: int, most: int) -> Booleans:
-    """The connected parts with so many pixels."""
+    """The connected parts with ``least`` to ``most`` pixels."""
     _, labels, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
     pixels = stats[:, cv2.CC_STAT_AREA]
     wanted = (pixels >= least) & (pixels <= most)

@@ -17,21 +17,23 @@ from .blank import blank_wall
 from .difference import C, Difference, difference, largest_difference, soft_rim
 from .parts import grown, parts_of, still_parts
 
-MEAN_OF = 30                    # frames: the wall's look is a running mean
-KNOWN_S = 0.25                  # a look that was seen for a shorter time may be that of anything
-GUESS_S = 10.0                  # a blank wall counts as if it was seen for so long before, also behind things
-SURE_S = 2.0                    # a look that was seen for a shorter time gives way to any that stays
-SAME_LEVELS = 16.0              # colors that differ less are the same
-STILL_S = 1.0                   # a thing is still if its outline is where it was so long ago, and longer,
-MOVED_SHARE = 0.03              # but for this share
-VARIANCE = 4.0                  # of the noise, until it is known
-VARIANCE_RATE = 0.03
-# If so much of the wall is in front at once, after so little was before, it is another wall, or another light.
+MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
+KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
+GUESS_S = 10.0                  # a blank wall counts as seen for this time at first, also behind things
+SURE_S = 2.0                    # a color seen for less time than this gives way to any color that stays
+SAME_LEVELS = 16.0              # colors are the same if they differ by less than this, in gray levels
+# A thing is still if at most MOVED_SHARE of its outline has moved for STILL_S seconds.
+STILL_S = 1.0
+MOVED_SHARE = 0.03
+VARIANCE = 4.0                  # assumed variance of the noise until it is known
+VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of the variance
+# The wall or the light is another one if more than the first share of the wall differs, and less than the second
+# share did in the frame before.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
-SAMPLE_PX = 8                   # every eighth pixel shows the light on the whole wall
-MIN_SAMPLE = 0.05               # if so much of them is free
-MIN_LIGHT = 0.02
-NEAR_PX = 5                     # so near to things in front, a pixel may be a mixture with them
+SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
+MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light
+MIN_LIGHT = 0.02                # least light, as a factor of the look
+NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
 
 C.learn.restype = None
 C.learn.argtypes = [*[ctypes.c_void_p] * 5, ctypes.c_int64, *[ctypes.c_float] * 4, *[ctypes.c_void_p] * 4]
@@ -104,11 +106,11 @@ class WallModel:
         self._seen_s = np.zeros(shape, np.float32)  # for how long it was seen
         self._other = self.look.copy()              # another look, which was seen for a shorter time
         self._other_s = np.zeros(shape, np.float32)
-        self._was_wall = np.zeros(shape, bool)      # whether that was the wall once
+        self._was_wall = np.zeros(shape, bool)      # whether that other look was once the wall's
         self._variance = np.full(shape, VARIANCE, np.float32)
         self._before = np.zeros(shape, bool)        # where something was in front in the frame before
         self._earlier = [self._before] * 2          # the same, earlier
-        self._age = 0.0                             # seconds since the later of them
+        self._age = 0.0                             # seconds since the later of those two
         self._count = 0
         found = blank_wall(self.look, valid & ~tags())
         if found is not None:
@@ -138,7 +140,7 @@ class WallModel:
                 self._seen_s.ctypes.data)
 
     def _learn_front(self, seen: Floats, labels: Integers, count: int, passed: float) -> None:
-        """Learn what stays in front: it becomes the wall once it was seen for a longer time than the wall."""
+        """Learn what stays in front. It becomes the wall when it has been seen for longer than the wall was."""
         front = labels > 0
         unlit = _times(seen, 1 / self.light)
         same = front & (largest_difference(unlit, self._other) < SAME_LEVELS)
