@@ -8,8 +8,8 @@ import numpy as np
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
-LASTING_S = 2.0  # what is true for so long is said
-NEAR = 0.1       # of the area's shortest side: a corner that is so near to a tag's center is at that tag
+LASTING_S = 2.0  # a hint is given when it has been true for this time
+NEAR = 0.1       # a corner this near to a tag's center is at that tag; a share of the area's shortest side
 NOTES = MANY_TAGS, UPSIDE_DOWN = 'more than four tags', 'upside down'  # the kinds of sentences
 
 

@@ -18,7 +18,7 @@ class Hints:
     """Watches frames and what is found in them.
 
     ``warning``: a sentence about what keeps tags from being found, with the remedy, or None. ``notes``:
-    {kind: sentence} about what may surprise.
+    {kind: sentence} about what may surprise the user.
     """
 
     def __init__(self, dictionary: str, ids: Sequence[int], search: str, upright: str | None) -> None:

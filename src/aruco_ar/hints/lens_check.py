@@ -14,16 +14,17 @@ from aruco_ar.geometry.homography import transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.tag import Tag
 
-EVERY_S = 0.3           # one frame in so many seconds is considered
+EVERY_S = 0.3           # at most one frame is considered within this time
 CHECKED = 12, 18, 24    # numbers of different views at which the lens is checked
-OFF_PX, FACTOR = 0.6, 2.5  # it does not fit if tags are off by more, and by so many times more than need be
+# A lens does not fit if it puts the tags off by more than OFF_PX, and FACTOR times as far as any camera would.
+OFF_PX, FACTOR = 0.6, 2.5
 
 
 class LensCheck:
     """Collects views of tags, and compares two errors: with the lens, and with any camera at all.
 
-    A homography shows how well the tags fit a plane that any pinhole sees. If the plane with the lens fits much
-    worse, the lens is wrong. Tags that are not in one plane fit neither, so nothing is said of them.
+    A homography shows how well any pinhole camera can see the tags in one plane. If the lens fits much worse,
+    it is wrong. Tags that are not in one plane fit neither, so there is no hint about them.
     """
 
     def __init__(self) -> None:
@@ -72,19 +73,19 @@ class LensCheck:
 
 
 def hint_of(with_lens: float, at_best: float) -> str | None:
-    """What to say of these errors, pixels: see misfit."""
+    """A sentence for the user if these errors, pixels, show a wrong lens, or None: see misfit."""
     if with_lens < max(OFF_PX, FACTOR * at_best):
         return None
-    off = 'the tags are off by %.1f px, and could be within %.1f px' % (with_lens, at_best) \
-        if np.isfinite(with_lens) else 'the tags could not be seen where they are'
-    return 'The calibration does not fit this camera: with it, %s. So poses are wrong. Calibrate it with ' \
+    off = 'The tags are off by %.1f px; a correct calibration would leave %.1f px.' % (with_lens, at_best) \
+        if np.isfinite(with_lens) else 'With it, the tags could not be seen where they are.'
+    return 'The calibration does not fit this camera, so poses are wrong. %s Calibrate it with ' \
            'calibrate_live.launch.' % off
 
 
 def misfit(lens: Lens, views: Sequence[View]) -> tuple[float, float]:
-    """By how many pixels tags in one plane are off: as the lens sees planes, and as any pinhole does.
+    """By how many pixels tags in one plane are off: seen through the lens, and through any pinhole camera.
 
-    The first is inf if the lens cannot see most of the tags where they are.
+    The first number is inf if the lens cannot see most of the tags where they are.
     """
     straight = [{tag_id: lens.undistort(corners) for tag_id, corners in view.points.items()} for view in views]
     visible = [{tag_id: corners for tag_id, corners in view.items() if np.all(np.isfinite(corners))}

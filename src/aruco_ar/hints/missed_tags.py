@@ -6,10 +6,10 @@ from typing import AbstractSet, Iterable
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.detector import Detector
 
-WAIT_S = 3.0    # with less than four tags in sight, before others are looked for
-LOOK_S = 2.0    # between two looks, since such a search takes long
-LOOKS = 3       # in a row that find the same tags
-FOUR = 4        # tags are enough
+WAIT_S = 3.0    # less than four tags must be in sight for this time before others are looked for
+LOOK_S = 2.0    # time between two searches, since such a search takes long
+LOOKS = 3       # number of searches in a row that must find the same tags
+FOUR = 4        # with this number of tags in sight, no others are looked for
 THOROUGH = 'thorough'
 
 
@@ -27,7 +27,7 @@ class MissedTags:
     def reset(self) -> None:
         """Forget what was seen."""
         self.hint: str | None = None
-        self._since: float | None = None  # when four tags or an area were last in sight, or the first frame
+        self._since: float | None = None  # when four tags or an area were last in sight, or at first
         self._looked, self._hits = 0.0, 0
         self._missed: frozenset[int] = frozenset()
 

@@ -9,16 +9,16 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, get_dictionary
 
-WAIT_S = 2.0     # without any tag, before others are looked for
-LOOK_S = 0.25    # between two looks: each is for the tags of one family of dictionaries
-ENOUGH = 2       # different tags, which must be seen again: some dictionaries find a tag in anything
-LOOKS = 3        # in a row
+WAIT_S = 2.0     # no tag must be in sight for this time before others are looked for
+LOOK_S = 0.25    # time between two searches; each is for the tags of one family of dictionaries
+ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything
+LOOKS = 3        # number of searches in a row that must find them
 LARGE_PX = 1000  # frames with longer sides are halved
-FORGET_S = 10.0  # after which a hint that is not confirmed is withdrawn
+FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
 
 
 class OtherTags:
-    """Looks for other tags, seldom and cheaply, while none of those that are wanted is in sight.
+    """Looks for other tags, seldom and cheaply, while no wanted tag is in sight.
 
     ``hint``: a sentence about the tags that are in sight, with what to do; None without such tags.
     """
@@ -39,7 +39,7 @@ class OtherTags:
         self.hint: str | None = None
         self._next, self._hits = 0, 0
         self._seen: frozenset[int] = frozenset()
-        self._since: float | None = None  # when the last wanted tag was seen, or the first frame
+        self._since: float | None = None  # time when a wanted tag was last seen, or of the first frame
         self._looked = self._hinted = 0.0
 
     def update(self, frame: Image, stamp: float, found_wanted: bool) -> None:

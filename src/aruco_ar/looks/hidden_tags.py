@@ -34,7 +34,7 @@ SMOOTHINGS, SMOOTH_PX = 20, 15
 PAPER_SCALE = 1.15     # outer width of the ring that shows the color of the tag's paper, in sides of the tag
 PAPER_LEVELS = 0.1     # the paper's color varies by less than this share of it
 REACH_PX = 4           # paper that reaches this near to the patch's rim has no end in sight
-MARGIN_PX = 7          # the filled part is wider than the paper by half of this on each side: the rim is blurred
+MARGIN_PX = 7          # the filled part is wider than the paper by half of this on each side: its rim is soft
 BARE_SCALE = 1.25      # least width of the filled part, in sides of the tag, whatever paper is found
 SOFT_PX = 5            # width of the soft rim of the filled part
 CELLS = 8              # number of cells along each side of a patch; the light is measured in each
@@ -135,11 +135,11 @@ class _Patch:
         ``squares``: the places of all tags. ``seen``: whether the tag is. ``keep``: see HiddenTags.hide.
         """
         colors = np.asarray(image, np.float32)
-        new = valid & ~self._known
         self._frames += 1
         light_turn, learning_turn = (self._frames % every == 0 for every in EVERY)
         if self._count and (light_turn or self._count < KNOWN_AFTER):
-            self._measure_light(colors, valid)
+            self._measure_light(colors, valid)  # it may find another wall, of which nothing is known
+        new = valid & ~self._known
         if seen and (learning_turn or self._count < KNOWN_AFTER or new.any()):
             self._known |= new
             self._count += 1

@@ -120,6 +120,7 @@ class Look:
         if settings.foreground == KEEP and self._model.front.any():
             free = np.round(255 * (1 - self._model.front)).astype(np.uint8)
             alpha = self._warped(np.dstack([free] * 3), area_mask, part)[:, :, 0]
+            alpha[area_mask[:, :, 0] == 0] = 255  # a soft mask reaches beyond the area, where nothing is known
             if picture.shape[2] == 4:
                 alpha = cv2.multiply(alpha, picture[:, :, 3], scale=1 / 255)
             picture = np.dstack([picture[:, :, :3], alpha])

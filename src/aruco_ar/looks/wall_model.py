@@ -19,7 +19,7 @@ from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
-GUESS_S = 10.0                  # a blank wall counts as seen for this time at first, also behind things
+GUESS_S = 10.0                  # a blank wall counts at first as seen for this time, even if hidden
 SURE_S = 2.0                    # a color seen for less time than this gives way to any color that stays
 SAME_LEVELS = 16.0              # colors are the same if they differ by less than this, in gray levels
 # A thing is still if at most MOVED_SHARE of its outline has moved for STILL_S seconds.
@@ -27,8 +27,8 @@ STILL_S = 1.0
 MOVED_SHARE = 0.03
 VARIANCE = 4.0                  # assumed variance of the noise until it is known
 VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of the variance
-# The wall or the light is another one if more than the first share of the wall differs, and less than the second
-# share did in the frame before.
+# The wall or the light is another one if more than the first share of the wall differs, and less than the
+# second share did in the frame before.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
 MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light

@@ -15,9 +15,9 @@ from .belief import mixture
 from .observations import WallFit
 
 AREA_PX = 0.1       # the standard deviation of a corner of the area
-# The steps for numerical derivatives: by the wall's pose, and by the corners, in units of AREA_PX.
-WALL_STEP = 1e-6    # meters and radians
-CORNER_STEP = 1e-3
+# The steps for numerical derivatives.
+WALL_STEP = 1e-6    # step of the wall's pose, in meters and radians
+CORNER_STEP = 1e-3  # step of the corners, in units of AREA_PX
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,8 @@ def _area_on(rotation: Floats, translation: Floats,
              rays: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats] | None:
     """An area on m walls: corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,); or None.
 
-    ``rotation``: (m, 3, 3) and ``translation``: (m, 3), of the walls. ``rays``: (m, 4, 2), to its corners.
+    ``rotation``: (m, 3, 3) and ``translation``: (m, 3), the poses of the walls. ``rays``: (m, 4, 2), those to
+    the area's corners.
     """
     normal = rotation[..., 2]
     lines = np.concatenate([rays, np.ones(rays.shape[:2] + (1,))], axis=2)

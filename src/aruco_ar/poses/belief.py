@@ -1,4 +1,4 @@
-"""Which of its two poses a flat object has, judged by all frames together.
+"""Which of two possible poses a flat object has, judged by all frames together.
 
 A square looks nearly the same from the left as from the right. So two poses
 explain its corners almost equally well. How well each pose explains them is
@@ -25,7 +25,7 @@ EVIDENCE = 0.5
 LEAP = 1e-4          # the probability that the camera has moved in any other way
 SWITCH = 0.9         # the other pose must be at least this probable to become the believed one
 GAP_S = 0.5          # if an object was out of sight for longer, its earlier evidence is not used
-SAME = 0.1           # of a pose's variance: if the two poses differ by less, they are the same
+SAME = 0.1           # two poses are the same if they differ by less than this share of a pose's variance
 MIN_LOG_WEIGHT = -60.0  # the natural logarithm of the smallest weight
 
 
@@ -33,8 +33,8 @@ class Belief:
     """The evidence for the poses of objects, by their keys, up to when they were last in sight."""
 
     def __init__(self) -> None:
-        # For each key: the time, and for both poses the logarithm of the weight, the camera's place, and its
-        # covariance; and which pose was believed.
+        # For each key: the time; for both poses the logarithm of the weight, the camera's place, and the
+        # covariance of that place; and which pose was believed.
         self._before: Recent[Hashable, tuple[float, Floats, Floats, Floats, int]] = Recent()
 
     def weigh(self, keys: Sequence[Hashable], poses: Pose, costs: Floats,
@@ -47,7 +47,7 @@ class Belief:
         """
         rotation, translation, covariance = poses
         inverse = rotation.swapaxes(-1, -2)
-        place = -(inverse @ translation[..., None])[..., 0]  # the camera's, in the object's own axes
+        place = -(inverse @ translation[..., None])[..., 0]  # the camera's place in the object's own axes
         jacobian = np.concatenate([inverse, inverse @ cross_matrices(translation)], axis=-1)
         spread = jacobian @ covariance @ jacobian.swapaxes(-1, -2)
         weight = np.maximum(-EVIDENCE / 2 * (costs - costs.min(axis=1, keepdims=True)), MIN_LOG_WEIGHT)
@@ -90,10 +90,10 @@ class Belief:
 
 
 def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:
-    """The covariance of the first of two poses, (6, 6), if the other one has that weight; and the weight.
+    """The covariance of the pose ``one``, (6, 6), which allows for the ``other`` pose, and that pose's weight.
 
-    Each pose is (rotation, translation, covariance). The returned weight is 0
-    if the two poses cannot be told apart.
+    ``weight``: the weight of the other pose. Each pose is (rotation, translation,
+    covariance). The returned weight is 0 if the two poses cannot be told apart.
     """
     leap = np.concatenate([other[1] - one[1], rotation_vector(other[0] @ one[0].T)])
     if leap[3:] @ leap[3:] < SAME * np.trace(one[2][3:, 3:]):

@@ -28,11 +28,11 @@ from .wall_estimator import WallEstimator
 # and in addition SMALL_TAG_PX for a tag whose shortest side is SMALL_PX. For larger tags the addition is less.
 CORNER_PX, SMALL_TAG_PX, SMALL_PX, MAX_CORNER_PX = 0.03, 0.05, 20.0, 0.5
 # If a tag's corners fit no pose well, their deviation is larger. It is estimated from about the last
-# MEMORY_FRAMES; PRIOR_FRAMES with usual corners are assumed before the first one.
+# MEMORY_FRAMES frames. PRIOR_FRAMES frames with usual corners are assumed before the first one.
 MEMORY_FRAMES, PRIOR_FRAMES = 20, 2
 FADE = 1 - 1 / MEMORY_FRAMES
-IMPOSSIBLE_COST = 1e30   # of a pose that is impossible
-MAX_COST = 1e4           # the cost is limited to this in that estimate: with more, it is no tag of that size
+IMPOSSIBLE_COST = 1e30   # cost of an impossible pose
+MAX_COST = 1e4           # that estimate limits costs to this: a higher cost means that the tag has another size
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,8 +61,8 @@ class CameraPose:
     """The pose of the camera: wall point = rotation @ point in the optical frame + translation.
 
     ``rotation``: (3, 3). ``translation``: (3,), meters. ``covariance``: (6, 6),
-    m² and rad², as in TagPose, but about the wall's axes. ``ids``: of the tags
-    that it was computed from.
+    m² and rad², as in TagPose, but about the wall's axes. ``ids``: the ids of
+    the tags that it was computed from.
     """
 
     rotation: Floats
@@ -77,7 +77,7 @@ class CameraPose:
         """
         arm = self.rotation @ translation
         jacobian = np.eye(6)
-        jacobian[:3, 3:] = -cross_matrices(arm)  # a turn of the camera moves it, more if it is farther away
+        jacobian[:3, 3:] = -cross_matrices(arm)  # a turn of the camera moves what is far from it more
         return CameraPose(self.rotation @ rotation, self.translation + arm,
                           jacobian @ self.covariance @ jacobian.T, self.ids)
 
@@ -162,7 +162,7 @@ class PoseEstimator:
         return None if self._wall.fit is None else area_pose(self._wall.fit, area, lens)
 
     def _seen_tags(self, tags: Sequence[Tag], lens: Lens) -> SeenTags | None:
-        """The SeenTags of those tags whose corners can be a square's, or None if there are none."""
+        """The SeenTags of the tags whose corners can be those of a square, or None if there are none."""
         quads = np.array([tag.corners for tag in tags], np.float64)
         real = np.isfinite(quads).all(axis=(1, 2))
         quads[~real] = 0
@@ -214,7 +214,7 @@ class PoseEstimator:
 
 
 def corner_deviation(quads: Floats) -> Floats:
-    """(n,) pixels: the standard deviation of the corners of tags, (n, 4, 2), that the Detector finds."""
+    """(n,) pixels: the standard deviation of corners that the Detector finds, for tags at (n, 4, 2) pixels."""
     lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
     sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
     shortest = np.maximum(sides.min(axis=1), 1e-9)

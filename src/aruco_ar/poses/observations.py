@@ -69,12 +69,12 @@ class SeenTags:
 class WallFit:
     """A wall fitted to the tags of one frame: its two poses, the believed one first.
 
-    ``ids``: of the tags. ``rotation``: (2, 3, 3), ``translation``: (2, 3),
-    from wall to camera. ``amounts``: (2, q), of the deviations of the tags'
-    places, see refine. ``covariance``: (2, 6 + q, 6 + q), of pose and amounts.
+    ``ids``: the tags' ids. ``rotation``: (2, 3, 3), ``translation``: (2, 3),
+    from wall to camera. ``amounts``: (2, q), how far the tags' places deviate,
+    see refine. ``covariance``: (2, 6 + q, 6 + q), of pose and amounts.
     ``errors``: (n,), the squared errors of the tags. ``cost``: (2,), the total
     cost of each pose. ``scale``: the cost relative to the expected one; the
-    covariance takes it into account. ``weight``: of the second pose.
+    covariance takes it into account. ``weight``: that of the second pose.
     """
 
     ids: tuple[int, ...]
@@ -98,7 +98,7 @@ class WallFit:
 
 
 def poses_of_tags(fit: WallFit, places: Places) -> dict[int, tuple[Pose, Pose, float]]:
-    """{id: (pose, other pose, the other one's weight)} of the tags of a WallFit, by all tags together."""
+    """{id: (pose, other pose, the other one's weight)} of the tags of a WallFit, from all tags together."""
     rotation, center, spread = places.poses(fit.ids)
     found: dict[int, list[Pose]] = {tag_id: [] for tag_id in fit.ids}
     for which in (0, 1):
@@ -149,7 +149,7 @@ def off_plane(one: Pose, others: Pose) -> tuple[Floats, Floats]:
     other_rotation, other_translation, other_covariance = others
     toward, between, normals = rotation.T, other_translation - translation, other_rotation[..., 2]
     off = np.concatenate([(between @ rotation)[:, 2:], (normals @ rotation)[:, :2]], axis=1)
-    # The derivatives by both poses. The plane turns about its origin, a tag's normal with the tag.
+    # The derivatives by both poses. The plane turns about its origin, and a tag's normal turns with the tag.
     jacobian, other_jacobian = np.zeros((2, len(off), 3, 6))
     other_jacobian[:, 0, :3], other_jacobian[:, 1:, 3:] = toward[2], -toward[:2] @ cross_matrices(normals)
     jacobian[:] = -other_jacobian

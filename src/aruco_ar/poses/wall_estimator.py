@@ -24,7 +24,7 @@ from .observations import SeenTags, WallFit, height_deviation, off_others, off_p
 MIN_SIGHTINGS = 3        # tags must be seen in one plane this many times to be learned
 FORGET_S = 0.5           # a tag seen elsewhere for this time, and MIN_SIGHTINGS times, loses its place
 LEARN_PX = 2.0           # places are learned only if a tag has moved this far in the frame since the last time
-LEARN_ALWAYS = 3         # but this many times in any case
+LEARN_ALWAYS = 3         # places are learned this many times at first, even if no tag has moved
 # A tag is in its place if the root mean square error of its corners is less than this: some standard
 # deviations, and the error that even a good wall, lens and print leave.
 OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
@@ -32,14 +32,17 @@ OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
 # deviations of 3 numbers (1 in 30 is more). Their heights must also be known as exactly as HEIGHT_M: from far
 # away, any tags seem to be in one plane, even if one is on a box.
 COPLANAR, HEIGHT_M = 9.0, 0.0125
-HEIGHT_SHARE = 0.005     # of the distance: the limit for heights far away, except of two tags alone
-MAX_LEFT_OUT = 6         # if tags contradict each other, this many, the worst, are left out in turn
-JUMP_M = 0.2             # if two tags contradict each other, the right one leaves the camera within this
-GAP_S = 0.5              # of its last place, known at most this long ago
+# Far away, this share of the distance is the limit instead of HEIGHT_M, except for two tags alone.
+HEIGHT_SHARE = 0.005
+MAX_LEFT_OUT = 6         # if tags contradict each other, this many of them, the worst, are left out in turn
+# Of two contradicting tags, one is believed if it puts the camera within JUMP_M of its place at most GAP_S
+# earlier.
+JUMP_M = 0.2
+GAP_S = 0.5
 NOT_FLAT = 12.0          # if a learned tag is off by more (1 in 140 is), the wall is learned anew
 MAX_SEEN = 24            # more tags in a frame would add little, and take long
 MAX_LEARNED = 100        # beyond this number, the learned tag that was used longest ago is forgotten
-ALL_TAGS = -1            # instead of an id, among the tags that are not in their places
+ALL_TAGS = -1            # in place of an id: all tags together are not in their places
 
 
 class WallEstimator:
@@ -97,7 +100,7 @@ class WallEstimator:
             if self._is_flat(seen, fit):
                 self._learn_more(seen, fit)
             else:
-                self.reset()  # it is unknown which of the tags is off the plane
+                self.reset()  # nothing shows which of the tags is off the plane
         elif len(known) > 1:
             self._count_elsewhere(ALL_TAGS, now)
             if self._is_gone(ALL_TAGS, now):

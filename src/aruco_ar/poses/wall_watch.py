@@ -9,13 +9,13 @@ from aruco_ar.walls.wall import Wall
 
 from .estimator import CameraPose, TagPose
 
-PATIENCE_S = 3.0     # what is wrong for a shorter time is not reported
-NO_CAMERA_POSE = -1  # instead of a tag's id: the tags do not agree on the camera's pose
+PATIENCE_S = 3.0     # a fault is reported only if it lasts for this time
+NO_CAMERA_POSE = -1  # in place of a tag's id: the tags do not agree on the camera's pose
 OFF_M, OFF_SHARE = 0.02, 0.02  # meters, and relative to the distance: a tag off by more is misplaced
 
 
 class WallWatch:
-    """Finds the tags that do not fit a Wall. ``name``: of the wall's file. Without a wall, all tags fit."""
+    """Finds the tags that do not fit a Wall. ``name``: its file's name. Without a wall, all tags fit."""
 
     def __init__(self, wall: Wall | None, name: str) -> None:
         self._name = name

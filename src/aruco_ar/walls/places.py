@@ -19,7 +19,7 @@ from aruco_ar.tags.tag import square
 from .wall import Wall
 
 NEGLIGIBLE = 1e-12              # meters and radians: smaller deviations are dropped
-GUESS_DEVIATION = 1.0, 1.0, 1.0  # m, m, rad: of the place of a new tag, which is only a guess
+GUESS_DEVIATION = 1.0, 1.0, 1.0  # standard deviations of a new tag's place, which is only a guess: m, m, rad
 
 # The errors of corners are not independent from frame to frame. So all frames together
 # make a place at most as certain as this many frames with independent errors would.
@@ -103,8 +103,8 @@ class Places:
         base = self._base(ids)
         concerned = self._deviation @ base
         self._places = self._places + (concerned @ own[:-1]).reshape(-1, 3)
-        # Each deviation had a variance of 1 before, which never grows: where this view shows nothing, it
-        # stays. For example, all tags but the first may be off together while the first is out of sight.
+        # Each deviation had a variance of 1 before. It never grows, and it stays if this view shows nothing of
+        # it. For example, all tags but the first may be off together while the first is out of sight.
         variance, axes = np.linalg.eigh(covariance[:-1, :-1])
         factors = np.sqrt(np.clip(variance * (1 + 1 / INDEPENDENT_FRAMES), 0, 1))
         change = (axes * factors) @ axes.T - np.eye(len(axes))

@@ -34,7 +34,7 @@ def test_the_right_calibration_fits(name):
 def test_another_focal_length_does_not_fit(factor):
     wrong = Lens(*SIZE, MATRIX * [[factor, 1, 1], [1, factor, 1], [1, 1, 1]], np.zeros(5))
     hint = checked(wrong, LENSES['no distortion'])
-    assert hint.startswith('The calibration does not fit this camera: with it, the tags are off by ')
+    assert hint.startswith('The calibration does not fit this camera, so poses are wrong. The tags are off by ')
     assert hint.endswith('Calibrate it with calibrate_live.launch.')
 
 
