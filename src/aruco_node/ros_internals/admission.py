@@ -9,8 +9,9 @@ import socket
 import threading
 from contextlib import suppress
 
-import rospy
 from rospy.impl import tcpros_base
+
+from . import warn_of_other
 
 HEADER_S = 5.0  # a client has so long to send its header
 # Unsent bytes that the kernel may hold for one client. By default Linux holds megabytes. On a slow network
@@ -27,8 +28,7 @@ def admit_concurrently():
         server = tcpros_base._tcpros_server.tcp_ros_server
         admit = server.inbound_handler
     except AttributeError:
-        rospy.logwarn('This rospy is not one that unit5 knows. A client that connects and says nothing can '
-                      'lock out all others.')
+        warn_of_other('rospy', 'A client that connects and says nothing can lock out all others.')
         return
 
     def admit_in_thread(connection, address):

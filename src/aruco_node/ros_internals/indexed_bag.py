@@ -10,7 +10,10 @@ Seen with: rosbag 1.15 and 1.17. It can go when rosbag reads the index of a part
 import genpy
 import rosbag
 
+from . import warn_of_other
+
 PRIVATE = '_chunks', '_connections', '_connection_indexes', '_get_connections', '_reader'
+PRIVATE_OF_READER = '_read_connection_index_records'
 
 
 class IndexedBag:
@@ -18,10 +21,10 @@ class IndexedBag:
 
     def __init__(self, path):
         self._bag = rosbag.Bag(path, skip_index=True)
-        if all(hasattr(self._bag, name) for name in PRIVATE):
-            # Bags from before ROS Electric have no chunks; their whole index has been read.
+        if _is_known(self._bag):
             self._chunks, self._connections = self._bag._chunks, dict(self._bag._connections)
-        else:  # another rosbag
+        else:
+            warn_of_other('rosbag', 'Reading a long bag takes much time and memory.')
             self._bag.close()
             self._bag, self._chunks = rosbag.Bag(path), []
 
@@ -74,4 +77,15 @@ class IndexedBag:
 
 def forget_written(bag):
     """Drop the index in memory of what has been written to a rosbag.Bag. The file keeps its own."""
-    getattr(bag, '_connection_indexes', {}).clear()
+    try:
+        bag._connection_indexes.clear()
+    except AttributeError:
+        warn_of_other('rosbag', 'Writing a long bag takes much memory.')
+
+
+def _is_known(bag):
+    """Whether an open rosbag.Bag has the private parts."""
+    if not all(hasattr(bag, name) for name in PRIVATE):
+        return False
+    # Bags from before ROS Electric have no chunks; their whole index has been read, by another reader.
+    return not bag._chunks or hasattr(bag._reader, PRIVATE_OF_READER)

@@ -9,6 +9,8 @@ import select
 
 import rospy
 
+from . import warn_of_other
+
 # rospy drops stale messages only within what one read of the socket returned. So a read must have room for more
 # than the largest frame: here one of 4K in 16 bits and three colors, with some to spare.
 BUFFER_BYTES = 64 * 1024 * 1024
@@ -26,7 +28,11 @@ def is_more_pending(subscriber, seconds=0.0):
     ``subscriber`` may be None: then nothing is pending.
     """
     try:
-        sockets = [connection.socket for connection in subscriber.impl.connections]
+        impl = None if subscriber is None else subscriber.impl  # None, too, if it was unregistered meanwhile
+        sockets = [] if impl is None else [connection.socket for connection in impl.connections]
         return bool(select.select(sockets, [], [], seconds)[0])
-    except (AttributeError, OSError, TypeError, ValueError):  # closed meanwhile, or another rospy
-        return False
+    except AttributeError:
+        warn_of_other('rospy', 'If frames arrive faster than the node can work, their results come late.')
+    except (OSError, TypeError, ValueError):  # closed meanwhile
+        pass
+    return False

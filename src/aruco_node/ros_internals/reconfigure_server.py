@@ -4,14 +4,17 @@ Symptom: dynamic_reconfigure's own server starts with unchecked values from the 
 number beyond its bounds without a word, fails for a group that it does not know, and waits forever where the
 master hangs.
 Private: the methods of ``dynamic_reconfigure.server.Server`` in PRIVATE, which are overridden. Without them,
-parameters can be changed, but with these symptoms.
-Seen with: dynamic_reconfigure 1.7. It can go when the server has a hook before and after a change.
+parameters can be changed, but with these symptoms. Also ``_connection_header`` of a request, without which
+dynparam is not told that it is refused.
+Seen with: dynamic_reconfigure 1.7, rospy 1.15 and 1.17. It can go when the server has a hook before and after a
+change.
 """
 import rospy
 from aruco_ar.base.errors import InputError
 from dynamic_reconfigure.encoding import encode_config
 from dynamic_reconfigure.server import Server
 
+from . import sender, warn_of_other
 from .master import ask
 
 # dynparam prints nothing about an answer, only about a service that fails. rqt_reconfigure must not see such a
@@ -26,8 +29,7 @@ class CheckedServer(Server):
     def __init__(self, description, on_change):
         """``description``, ``on_change``: the type and the callback that Server takes."""
         if not all(hasattr(Server, name) for name in PRIVATE):
-            rospy.logwarn('This dynamic_reconfigure is not one that unit5 knows. Numbers beyond their bounds '
-                          'may be clipped without a word.')
+            warn_of_other('dynamic_reconfigure', 'Numbers beyond their bounds may be clipped without a word.')
         super().__init__(description, on_change)
 
     def live_values(self):
@@ -63,7 +65,8 @@ class CheckedServer(Server):
             self.refuse(error)
             wanted = {}
         answer = encode_config(self.update_configuration(wanted))
-        if self._refusal is not None and request._connection_header.get('callerid', '').startswith(DYNPARAM):
+        if self._refusal is not None and \
+                sender(request, 'dynparam does not print why it changes nothing.').startswith(DYNPARAM):
             raise rospy.ServiceException(self._refusal)
         return answer
 

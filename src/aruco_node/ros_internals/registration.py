@@ -14,6 +14,7 @@ import rospy
 from aruco_ar.base.errors import InputError
 from rospy.core import is_shutdown_requested
 
+from . import warn_of_other
 from .master import ask
 
 try:
@@ -57,7 +58,7 @@ def keep_registered():
 
 
 def _warn():
-    rospy.logwarn('This rospy is not one that unit5 knows. If the ROS master restarts, restart this node, too.')
+    warn_of_other('rospy', 'If the ROS master restarts, restart this node, too.')
 
 
 def _watch():

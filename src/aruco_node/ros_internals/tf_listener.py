@@ -5,10 +5,12 @@ ends the process, and every process that listens. It also prints a line for each
 while the stamps of a camera stand still or go back.
 Private: ``_connection_header`` of a message, which rospy's documentation names. Without it, the node's own
 transforms are taken in, too.
-Seen with: tf2_ros 0.7. It can go when tf2 checks stamps.
+Seen with: tf2_ros 0.7, rospy 1.15 and 1.17. It can go when tf2 checks stamps.
 """
 import rospy
 import tf2_ros
+
+from . import sender
 
 LATEST_S = 2**32 - 24 * 3600
 
@@ -23,6 +25,6 @@ class OthersFrames(tf2_ros.TransformListener):
 
     def callback(self, data):
         """Take in the transforms of a tf2_msgs/TFMessage: those that have a possible stamp."""
-        if getattr(data, '_connection_header', {}).get('callerid') != rospy.get_name():
+        if sender(data, 'The node takes in its own TF frames, too.') != rospy.get_name():
             data.transforms = [each for each in data.transforms if is_time(each.header.stamp)]
             super().callback(data)

@@ -2,7 +2,8 @@
 
 Symptom: where a message does not fit its type, rospy tries to read the same bytes again, once a second,
 forever. It never gets to the messages after it.
-Private: nothing but that rospy calls ``deserialize`` of the class that it was given.
+Private: nothing but that rospy calls ``deserialize`` of the class that it was given. The node would not notice
+if it no longer did; the test would.
 Seen with: rospy 1.15 and 1.17. It can go when rospy drops such a message.
 """
 from functools import lru_cache

@@ -1,13 +1,18 @@
 """The private parts of ROS that the package uses still exist; without them, nodes warn, and still work."""
+import io
+import re
 import socket
 import struct
 import threading
+from contextlib import contextmanager
 from types import SimpleNamespace
 from unittest import mock
 
 import genpy
 import pytest
 import rosbag
+import rospy
+from aruco_ar import InputError
 from aruco_node.ros_internals import (
     admission,
     indexed_bag,
@@ -15,21 +20,33 @@ from aruco_node.ros_internals import (
     reconfigure_server,
     registration,
     tf_listener,
+    warn_of_other,
 )
 from aruco_node.ros_internals.indexed_bag import IndexedBag, forget_written
+from aruco_node.ros_internals.tolerant import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, GroupState
 from dynamic_reconfigure.server import Server
+from dynamic_reconfigure.srv import Reconfigure
+from rospy.exceptions import TransportException
 from rospy.impl import tcpros_base
+from rospy.impl.tcpros_base import TCPROSTransport
+from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Header, UInt8
 from tf2_msgs.msg import TFMessage
 
 WAIT_S = 20
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def warnings():
+    warn_of_other.cache_clear()  # what other tests have said
     with mock.patch('rospy.logwarn') as said:
         yield said
+
+
+def assert_warned_once(warnings, package, words):
+    said, = warnings.call_args_list
+    assert re.match('This %s is not one that unit5 knows. .*%s' % (package, words), said[0][0] % said[0][1:])
 
 
 @pytest.fixture
@@ -67,11 +84,12 @@ def test_a_silent_connection_does_not_lock_out_others(server, is_admitted_alone,
 
 def test_another_server_causes_a_warning(monkeypatch, warnings):
     monkeypatch.setattr(tcpros_base, '_tcpros_server', SimpleNamespace())
-    admission.admit_concurrently()
-    assert 'can lock out all others' in warnings.call_args[0][0]
+    for _ in range(2):
+        admission.admit_concurrently()
+    assert_warned_once(warnings, 'rospy', 'can lock out all others')
 
 
-def test_more_is_pending_after_bytes_have_arrived():
+def test_more_is_pending_after_bytes_have_arrived(warnings):
     # The test below checks that rospy.Subscriber has these attributes.
     here, there = socket.socketpair()
     with here, there:
@@ -81,15 +99,50 @@ def test_more_is_pending_after_bytes_have_arrived():
         assert newest.is_more_pending(subscriber)
     assert not newest.is_more_pending(subscriber)  # closed
     assert not newest.is_more_pending(None)
-    assert not newest.is_more_pending(SimpleNamespace())
+    warnings.assert_not_called()
 
 
-def test_a_subscriber_has_connections_with_sockets():
-    from rospy.impl.tcpros_base import TCPROSTransport
-    from rospy.topics import _SubscriberImpl
-    assert _SubscriberImpl('/topic', UInt8).connections == []
-    transport = TCPROSTransport(tcpros_base.TCPROSTransportProtocol('/topic', UInt8), '/topic')
-    assert hasattr(transport, 'socket')
+@pytest.mark.parametrize('subscriber', [
+    SimpleNamespace(), SimpleNamespace(impl=SimpleNamespace()),
+    SimpleNamespace(impl=SimpleNamespace(connections=[SimpleNamespace()]))])
+def test_nothing_is_pending_for_another_subscriber_and_a_warning_says_so(subscriber, warnings):
+    for _ in range(2):
+        assert not newest.is_more_pending(subscriber)
+    assert_warned_once(warnings, 'rospy', 'results come late')
+
+
+def test_a_subscriber_has_connections_with_sockets(warnings):
+    subscriber = rospy.Subscriber('/topic', UInt8)
+    impl = subscriber.impl
+    assert impl.connections == []
+    impl.connections = [TCPROSTransport(TCPROSSub('/topic', UInt8), '/topic')]
+    assert impl.connections[0].socket is None  # not yet connected
+    assert not newest.is_more_pending(subscriber)
+    subscriber.unregister()
+    assert subscriber.impl is None and not impl.connections
+    assert not newest.is_more_pending(subscriber)
+    assert not newest.is_more_pending(SimpleNamespace(impl=impl))
+    warnings.assert_not_called()
+
+
+@pytest.mark.parametrize('is_tolerant', [True, False])
+def test_a_message_that_cannot_be_read_does_not_hold_up_those_after_it(is_tolerant):
+    good = io.BytesIO()
+    Header(seq=3).serialize(good)
+    data = b''.join(struct.pack('<I', len(each)) + each for each in (b'bad', b'', good.getvalue()))
+    kind = tolerant(Header) if is_tolerant else Header
+    transport = TCPROSTransport(TCPROSSub('/topic', kind), '/topic')
+    here, there = socket.socketpair()
+    with here, there, mock.patch('rospy.logerr') as said:
+        transport.set_socket(here, 'there')
+        there.sendall(data)
+        if is_tolerant:
+            assert [message.seq for message in transport.receive_once()] == [0, 0, 3]
+            assert said.call_count == 1
+        else:
+            for _ in range(2):  # the fault of rospy; if this fails, tolerant is no longer needed
+                with pytest.raises(TransportException, match='DeserializationError'):
+                    transport.receive_once()
 
 
 def test_a_node_registers_all_its_topics_and_services(monkeypatch):
@@ -121,30 +174,42 @@ def test_a_service_manager_has_the_private_attribute(name):
 def test_another_rospy_causes_a_warning_and_nothing_is_watched(monkeypatch, warnings):
     monkeypatch.setattr(registration, 'IS_KNOWN', False)
     before = threading.active_count()
-    registration.keep_registered()
+    for _ in range(2):
+        registration.keep_registered()
     assert threading.active_count() == before
-    assert 'restart this node, too' in warnings.call_args[0][0]
+    assert_warned_once(warnings, 'rospy', 'restart this node, too')
 
 
-def test_only_transforms_of_others_are_received():
+def test_only_transforms_of_others_are_received(warnings):
     frames = object.__new__(tf_listener.OthersFrames)
     frames.tf_sub = frames.tf_static_sub = mock.Mock()
     with mock.patch('rospy.get_name', return_value='/we'), \
             mock.patch('tf2_ros.TransformListener.callback') as taken:
-        for header in {'callerid': '/we'}, {'callerid': '/others'}, None:
+        for header in {'callerid': '/we'}, {'callerid': '/others'}:
             message = TFMessage()
-            if header:
-                message._connection_header = header
+            message._connection_header = header
             frames.callback(message)
-    assert taken.call_count == 2
+        assert taken.call_count == 1
+        warnings.assert_not_called()
+        for _ in range(2):  # of another rospy
+            frames.callback(TFMessage())
+    assert taken.call_count == 3
+    assert_warned_once(warnings, 'rospy', 'its own TF frames, too')
 
 
-def check_request_with_unknown_group():
-    """Send a request with an unknown group to a CheckedServer without a running ROS."""
+@contextmanager
+def checked_server():
+    """A context manager with a CheckedServer without a running ROS."""
     with mock.patch.multiple('dynamic_reconfigure.server.Server', __init__=mock.Mock(return_value=None),
                              update_configuration=lambda self, wanted: wanted):
         server = reconfigure_server.CheckedServer('description', None)
         server.check_names = lambda names: None
+        yield server
+
+
+def check_request_with_unknown_group():
+    """Send a request with an unknown group to a CheckedServer."""
+    with checked_server() as server:
         request = SimpleNamespace(config=Config(doubles=[DoubleParameter('noise', 200.0)],
                                                 groups=[GroupState(name='of nobody')]))
         assert [(each.name, each.value) for each in server._set_callback(request).doubles] == [('noise', 200.0)]
@@ -159,8 +224,24 @@ def test_requests_with_unknown_groups_are_accepted(warnings):
 
 def test_another_dynamic_reconfigure_causes_a_warning(monkeypatch, warnings):
     monkeypatch.setattr(reconfigure_server, 'PRIVATE', ['_not_there'])
-    check_request_with_unknown_group()
-    assert 'clipped without a word' in warnings.call_args[0][0]
+    for _ in range(2):
+        check_request_with_unknown_group()
+    assert_warned_once(warnings, 'dynamic_reconfigure', 'clipped without a word')
+
+
+def test_only_dynparam_sees_a_refusal_as_a_failure(warnings):
+    with checked_server() as server, mock.patch('rospy.logerr'):
+        server.check_names = mock.Mock(side_effect=InputError('No.'))
+        request = Reconfigure._request_class()
+        request._connection_header = {'callerid': '/rqt'}
+        server._set_callback(request)
+        request._connection_header = {'callerid': '/dynparam_1'}
+        with pytest.raises(rospy.ServiceException, match='No. Nothing is changed.'):
+            server._set_callback(request)
+        warnings.assert_not_called()
+        for _ in range(2):  # of another rospy
+            server._set_callback(Reconfigure._request_class())
+    assert_warned_once(warnings, 'rospy', 'does not print why')
 
 
 @pytest.fixture
@@ -176,11 +257,23 @@ def bag(tmp_path):
     return path
 
 
-@pytest.mark.parametrize('is_known', [True, False])
-def test_a_part_of_a_bag_can_be_read_alone(bag, is_known, monkeypatch):
-    if not is_known:
-        monkeypatch.setattr(indexed_bag, 'PRIVATE', ['_not_there'])
+def test_another_rosbag_causes_a_warning_when_a_bag_is_written(warnings):
+    for _ in range(2):
+        forget_written(SimpleNamespace())
+    assert_warned_once(warnings, 'rosbag', 'Writing a long bag takes much memory')
+
+
+@pytest.mark.parametrize('is_known, lacking, value', [
+    (True, None, None), (False, 'PRIVATE', ['_not_there']), (False, 'PRIVATE_OF_READER', '_not_there')])
+def test_a_part_of_a_bag_can_be_read_alone(bag, is_known, lacking, value, monkeypatch, warnings):
+    if lacking:
+        monkeypatch.setattr(indexed_bag, lacking, value)
+        IndexedBag(bag).close()
     part = IndexedBag(bag)
+    if is_known:
+        warnings.assert_not_called()
+    else:
+        assert_warned_once(warnings, 'rosbag', 'Reading a long bag takes much time and memory')
     assert part.begin() == genpy.Time(1)
     assert part.topics() == {'/count': 'std_msgs/UInt8', '/header': 'std_msgs/Header'}
     assert sorted(time.secs for _, time in part.times(['/count'])) == list(range(1, 101))
