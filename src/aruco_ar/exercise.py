@@ -13,9 +13,9 @@ from .tracking.area import Area
 from .tracking.tracker import Tracker
 
 TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
-CORRECT = 'correct'  # the distortion of the lens: the parameter ``lens``
+CORRECT = 'correct'  # this value of the parameter ``lens`` has the distortion corrected
 LENSES = CORRECT, 'ignore'
-DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side'  # parameters for a Detector
+DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side'  # the parameters of a Detector
 # A change of one of these parameters makes a new tracker.
 TRACKER_PARAMETERS = (*DETECTION, 'upright')
 
@@ -73,7 +73,7 @@ class Exercise:
     """An exercise by the name of its node. ``step`` turns a Scene into a Result.
 
     ``needs``: TRACKER if it asks where the area is, PICTURE if it paints one, LENS if it needs only the
-    lens. ``topics``: the names of its images.
+    lens. ``topics``: the names of its image topics.
     """
 
     name: str

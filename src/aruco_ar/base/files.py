@@ -90,7 +90,8 @@ def _write_draft(folder: str, draft: str, data: bytes) -> None:
     with open(handle, 'wb') as file:
         file.write(data)
         file.flush()
-        # Python follows the link in /proc only if a folder's descriptor is given; the path itself needs none.
+        # Python follows the link in /proc only if it gets the descriptor of a folder. An absolute path
+        # needs none, so any descriptor will do.
         os.link('/proc/self/fd/%d' % handle, draft, src_dir_fd=handle)
 
 

@@ -16,12 +16,12 @@ from aruco_ar.base.arrays import NO_ARRAY, Floats, Image, Numbers
 
 from .homography import transform
 
-MAX_STEPS = 20      # of Newton's method
+MAX_STEPS = 20      # number of steps of Newton's method, at most
 EXACT_PX = 1e-9     # a ray is exact if its pixel is off by less than this
-MAX_ERROR_PX = 1e-3  # if it is off by more than this in the end, no ray belongs to that pixel
-GRID_PX = 8         # of the grid on which the undistorted positions of pixels are exact
+MAX_ERROR_PX = 1e-3  # if the pixel is off by more than this after the last step, no ray belongs to it
+GRID_PX = 8         # step of the grid on which the undistorted positions of pixels are exact
 MAX_RAY = 20.0      # tan of the largest angle to the optical axis that is considered, 87 degrees
-FIRST_STEPS = cv2.TERM_CRITERIA_COUNT, 10, 0.0  # of OpenCV's own method, for a first approximation
+FIRST_STEPS = cv2.TERM_CRITERIA_COUNT, 10, 0.0  # ten steps of OpenCV's own method give a first approximation
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Lens:
         """(..., 2) float64: undistorted pixels, (..., 2), as pixels of a frame.
 
         No lens sees rays beyond a certain angle, and the model may fold back there. Such a ray is moved
-        towards the optical axis to that angle, so the result is outside of the frame in the right direction.
+        toward the optical axis to that angle. So the result is outside of the frame in the right direction.
         """
         rays = self.rays_of_undistorted(undistorted)
         lengths = np.linalg.norm(rays, axis=-1, keepdims=True)
@@ -173,7 +173,8 @@ def rectify(frame: Image, homography: Floats, size: tuple[int, int], lens: Lens 
 def _from_grid(positions_of: Callable[[Floats], Floats], width: int, height: int) -> Image:
     """(height, width, 2) float32: positions that a function gives for pixels, (m, n, 2).
 
-    They are exact for every GRID_PX-th pixel and linear between, which is off by some hundredths of a pixel.
+    They are exact for every GRID_PX-th pixel. Between these they are linear, which is off by some hundredths of
+    a pixel.
     """
     x, y = (np.arange(0, side + GRID_PX, GRID_PX) for side in (width, height))
     positions = positions_of(np.stack(np.meshgrid(x, y), axis=-1).astype(np.float64))

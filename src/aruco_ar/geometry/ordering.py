@@ -15,10 +15,10 @@ from .lines import cross
 # Otherwise three centers are on one line, apart from noise.
 MIN_HEIGHT_PX = 2.0
 
-# If the convex hull has no proper quadrilateral, all fours of at most this many points are tried.
+# If the convex hull has no proper quadrilateral, all groups of four are tried, of at most this many points.
 MAX_TRIED = 12
 
-# From the middle to the corners: top left, top right, bottom right, bottom left.
+# The directions from the middle to the corners: top left, top right, bottom right, bottom left.
 DIRECTIONS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 
 

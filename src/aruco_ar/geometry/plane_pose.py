@@ -11,16 +11,16 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats
 
-MAX_STEPS = 12             # of the Levenberg-Marquardt method
+MAX_STEPS = 12             # number of steps of the Levenberg-Marquardt method, at most
 FIRST_DAMPING = 1e-3
 DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE = 0.1, 8.0  # factors, after a step that lowered the cost or not
-WORTHWHILE = 1e-3          # relative to 1 + cost: a step that promises less gain is not made
+WORTHWHILE = 1e-3          # a step that promises less gain, relative to 1 + cost, is not made
 FAR_WORSE = 100.0          # a pose with this many times the cost of the other one is not refined further
 HALF_TURN = -0.9           # the cosine beyond which a turn is nearly a half one, whose sine is inaccurate
 NEAR_M = 1e-3              # an object nearer to the camera than this, or behind it, cannot be seen
 NUDGE = 1e-6               # a change of a ray that is negligible beside the errors of corners
 MIN_EIGENVALUE = 1e-12     # added to a scaled information matrix: above rounding errors, below everything else
-MAX_DEVIATION = np.array([1e2] * 3 + [1.0] * 3)  # m and rad: no pose is reported as less certain than this
+MAX_DEVIATION = np.array([1e2] * 3 + [1.0] * 3)  # no pose is reported as less certain than this; m and rad
 
 
 def rotation_matrices(angles: Floats) -> Floats:

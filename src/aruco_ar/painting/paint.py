@@ -25,11 +25,11 @@ _C.draw_mask.restype = _C.warp.restype = None
 _C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 2, ctypes.c_int64]
 _C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int,
                     *[ctypes.c_void_p] * 2, ctypes.c_int64]
-MAX_LEVELS = 12  # a picture is halved at most so often
+MAX_LEVELS = 12  # a picture is halved at most this many times
 
 
 class _Level(ctypes.Structure):
-    """The Frame of frame.h."""
+    """The C structure Frame of frame.h."""
 
     _fields_ = [('pixels', ctypes.c_void_p), ('row', ctypes.c_int64), ('width', ctypes.c_int),
                 ('height', ctypes.c_int), ('channels', ctypes.c_int)]
@@ -83,7 +83,7 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
 
     This is cv2.warpPerspective with three differences. It skips the pixels where the mask is black. A picture
     that is larger than its place is filtered: each pixel is a mean of all that it covers. Otherwise fine lines
-    would break and flicker. And a lens distorts the picture as it distorts the frame.
+    would break and flicker. A lens distorts the picture as it distorts the frame.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
     undistorted pixels. ``mask``: (h, w, 3) uint8. ``positions``: (h, w, 2) float32, the undistorted position
@@ -104,7 +104,7 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
 
 
 def _levels_needed(picture: Image, homography: Floats) -> int:
-    """How often a picture has to be halved to be no larger than it is seen anywhere."""
+    """How many times a picture has to be halved until it is nowhere larger than in the frame."""
     height, width = picture.shape[:2]
     seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
     top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)

@@ -20,7 +20,7 @@ ANIMATED_FORMATS = 'GIF', 'PNG', 'WEBP'  # Pillow's formats that may hold more t
 KINDS = 'JPEG, PNG, GIF or MP4'
 # 4096 x 2160 has 8.8 million. Larger pictures would take so long to decode that frames are delayed.
 MAX_CLIP_PIXELS = 9 * 10**6
-DEFAULT_DURATION_S = 0.04  # of a clip's picture, if the file does not say
+DEFAULT_DURATION_S = 0.04  # how long a clip shows a picture if the file does not say
 MAX_CATCH_UP_S = 0.05      # frames wait no longer than this while a slow clip catches up
 MAX_SKIP_S = 2.0           # a clip does not skip more than this; after a longer pause it continues where it was
 
@@ -137,7 +137,7 @@ def _animation(path: str) -> Iterator[tuple[float, Image]]:
 def _video(path: str) -> Iterator[tuple[float, Image]]:
     """(duration in seconds, picture) of a video."""
     with opened(path) as file:
-        # By its descriptor, since OpenCV ends the process for a path that is not UTF-8.
+        # The file is named by its descriptor, since OpenCV ends the process for a path that is not UTF-8.
         capture = cv2.VideoCapture('/proc/self/fd/%d' % file.fileno(), cv2.CAP_FFMPEG, TIMEOUTS)
     _check_size(path, capture.get(cv2.CAP_PROP_FRAME_WIDTH) * capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
     duration, picture, start = DEFAULT_DURATION_S, None, 0.0

@@ -1,6 +1,6 @@
-"""What moves before the wall: a person, a hand that writes, a robot; drawn, with exact rims.
+"""Drawings of what moves before the wall: a person, a hand that writes, a robot. Their rims are exact.
 
-Each figure is a function that draws on a Canvas what is to be seen at a time,
+Each figure is a function that draws on a Canvas what is seen at a time,
 seconds. Coordinates are shares of the height of a frame, from its top left.
 """
 from __future__ import annotations
@@ -13,17 +13,17 @@ import numpy as np
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.painting.pixels import blend
 
-FINE = 4  # a canvas has so many pixels for each of its image, across and down
+FINE = 4  # a canvas has this many pixels for each pixel of its image, across and down
 SKIN, SLEEVE, SHIRT, STRIPE = (122, 158, 208), (96, 62, 40), (60, 70, 168), (190, 200, 214)
 JEANS, HAIR, SHOE = (118, 78, 44), (34, 42, 58), (40, 40, 44)
 STEEL, TIRE, LAMP = (84, 82, 80), (30, 30, 30), (70, 200, 80)
 
-# Where a visitor of the simulated wall is: in a plane before it. Meters of the wall.
-AWAY_M = 0.3
-SHARE_M = 1.05               # what is 1 on a canvas: so large is a small child, whose head the camera sees
-LEFT_M, TOP_M = -1.6, 1.155  # the top left of the canvas
-CANVAS_PX = 1200, 480       # of the layer that is seen from the camera
-SHARE_PX = 300
+# A visitor of the simulated wall moves in a plane before it. These are meters of the wall.
+AWAY_M = 0.3                 # distance of that plane from the wall
+SHARE_M = 1.05               # length of 1 on a canvas: the size of a small child, whose head the camera sees
+LEFT_M, TOP_M = -1.6, 1.155  # top left of the canvas
+CANVAS_PX = 1200, 480        # size of the canvas that is seen from the camera
+SHARE_PX = 300               # length of 1 on that canvas
 
 Point = Sequence[float]
 Color = Tuple[int, int, int]  # (blue, green, red)
@@ -34,7 +34,7 @@ class Canvas:
 
     def __init__(self, width: int, height: int, share_px: float | None = None, left: float = 0.0,
                  fine: int = FINE) -> None:
-        """An empty canvas of so many pixels. ``share_px``: what is 1, by default the height.
+        """An empty canvas of that size in pixels. ``share_px``: the length of 1, by default the height.
 
         ``left``: the coordinate of its left rim. ``fine``: see FINE.
         """
@@ -132,7 +132,7 @@ def draw_visitor(frame: Image, visitor: str, seconds: float, matrix: Floats, rot
                  translation: Floats) -> None:
     """Draw one of FIGURES into a frame, (h, w, 3) BGR uint8, as it moves before the wall.
 
-    ``matrix``: (3, 3), of the camera. ``rotation``, ``translation``: the view (see wall_to_camera).
+    ``matrix``: (3, 3), the camera matrix. ``rotation``, ``translation``: the view (see wall_to_camera).
     """
     corners = np.array([[LEFT_M, TOP_M, AWAY_M], [LEFT_M + CANVAS_PX[0] / SHARE_PX * SHARE_M, TOP_M, AWAY_M],
                         [LEFT_M, TOP_M - CANVAS_PX[1] / SHARE_PX * SHARE_M, AWAY_M]])
@@ -140,7 +140,7 @@ def draw_visitor(frame: Image, visitor: str, seconds: float, matrix: Floats, rot
         return  # the camera is so near that it is beside the visitor
     canvas = Canvas(*CANVAS_PX, SHARE_PX, LEFT_M / SHARE_M + 2 / 3, fine=2)
     FIGURES[visitor](canvas, seconds)
-    meters = SHARE_M / (2 * SHARE_PX)  # of a pixel
+    meters = SHARE_M / (2 * SHARE_PX)  # the size of a pixel of the canvas
     plane = np.array([[meters, 0, LEFT_M], [0, -meters, TOP_M], [0, 0, AWAY_M], [0, 0, 1]])
     to_image = matrix @ np.column_stack([rotation, translation]) @ plane
     # The colors are warped together with what they cover, so both fade alike at a rim.

@@ -20,10 +20,10 @@ MODEL = 'unit5_wall'
 MESHES = 'models/%s/meshes/' % MODEL
 
 # Paper as thin as real paper would flicker, since depths are rounded. The ROSbot's
-# camera, which sees from 0.1 m on, distinguishes depths 5 mm apart up to 90 m away;
-# with a depth buffer of only 16 bits, up to 5 m.
+# camera sees from 0.1 m on. It distinguishes depths 5 mm apart up to 90 m away, or
+# up to 5 m with a depth buffer of only 16 bits.
 PAPER_M = 0.005
-WALL_M = 0.1  # from the tags' faces to the wall's back
+WALL_M = 0.1  # distance from the tags' faces to the wall's back
 
 # Gazebo halves textures for far views. Even after five times, a texel is within one cell.
 CELL_TEXELS = 64

@@ -17,17 +17,18 @@ from .figures import NOBODY, draw_visitor
 from .robot import Camera, view_between
 from .textures import WALL_TEXELS_M, Textures, as_printed
 
-NEAR_M = 0.05         # what is nearer to the camera than this is not visible
-SAMPLES = 3           # of a tag, per pixel and direction
-POSTER_SAMPLES = 2    # of a poster, per pixel and direction
+NEAR_M = 0.05         # things nearer to the camera than this are not visible
+SAMPLES = 3           # number of samples of a tag, per pixel and direction
+POSTER_SAMPLES = 2    # number of samples of a poster, per pixel and direction
 ROOM_COLOR = (205, 200, 196)
 FLOOR_COLOR = (92, 104, 116)
 FLOOR = np.array([[-20.0, 0, 0], [20, 0, 0], [20, 0, 20], [-20, 0, 20]])  # wall meters
-CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # the card that covers a tag, in its sides
+CARD = [-0.75, 0.75, 0.75, -0.75], [-0.75, -0.75, 0.75, 0.75]  # corners of a card over a tag, in tag sides
 CARD_COLOR = (120, 128, 134)
 FAR_PX = 1e6          # positions farther out are clipped
-ROW_ITERATIONS = 5    # to find the row in which a point is seen: its position depends on it, and it on that
-MAX_BLIND = 0.1       # of the pixels of a frame may see nothing through the lens
+# The row in which a point is seen depends on its position, which depends on the row. So both are iterated.
+ROW_ITERATIONS = 5
+MAX_BLIND = 0.1       # share of a frame's pixels that may see nothing through the lens
 NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger field
 
 
@@ -59,7 +60,7 @@ class WallRenderer:
     ``noise``: standard deviation, gray levels. ``blur``: standard deviation,
     pixels. ``smear``: pixels, the length of a horizontal motion blur.
     ``light``: how much darker the wall's right end is than its left, 0 to 1.
-    ``quality``: of the JPEG compression of each frame, 1 to 100; 0 for no
+    ``quality``: that of the JPEG compression of each frame, 1 to 100; 0 for no
     compression. ``seed`` makes the noise repeatable. ``printed``: a picture,
     (h, w, 3) BGR, which is printed on the wall's area, over the tags, with their
     ink on their paper. Raises InputError for a poster that cannot be read.

@@ -18,7 +18,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import within, yaml_entries
 from aruco_ar.geometry.lens import Lens
 
-CAMERA_FORWARD_M = 0.08  # in front of the middle between the wheels
+CAMERA_FORWARD_M = 0.08  # distance of the camera in front of the middle between the wheels
 CAMERA_HEIGHT_M = 0.35
 
 # Wall axes (right, up, out) as columns in odometry axes.
@@ -28,8 +28,8 @@ WALL_IN_ODOMETRY = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], np.float64)
 SWAY = np.array([0.010, 0.014, 0.008]), np.array([0.006, 0.008, 0.004]), np.array([0.7, 0.5, 0.3])
 TREMOR = np.array([0.0012, 0.0012, 0.0008]), np.array([0.0004, 0.0004, 0.0002]), np.array([8.3, 7.1, 9.7])
 
-MAX_LINEAR = 1.0    # m/s, of a ROSbot
-MAX_ANGULAR = 7.33  # rad/s
+MAX_LINEAR = 1.0    # top speed of a ROSbot, in m/s
+MAX_ANGULAR = 7.33  # its fastest turn, in rad/s
 
 
 class Pose(NamedTuple):
@@ -128,7 +128,7 @@ def wall_to_camera(pose: Pose) -> Extrinsics:
 
 
 def hand_held(view: Extrinsics, seconds: float, strength: float = 1.0) -> Extrinsics:
-    """A view, (R, t), moved as a hand moves a camera at that time. ``strength``: of this motion, usually 1."""
+    """A view, (R, t), moved as a hand moves a camera at that time. ``strength``: how much, usually 1."""
     turn, shift = np.zeros(3), np.zeros(3)
     for turns, shifts, rate in SWAY, TREMOR:
         turn += strength * turns * np.sin(2 * np.pi * rate * seconds)

@@ -32,7 +32,7 @@ class Textures:
         return np.clip(color, 0, 255).astype(np.uint8)
 
     def paper(self, cells: Image, corners: Floats) -> list[Image]:
-        """The pyramid of a tag on its paper, of images (n, n) uint8. ``cells``, ``corners``: see Wall.paper."""
+        """The pyramid of a tag on its paper: images, (n, n) uint8. ``cells``, ``corners``: see Wall.paper."""
         texels = TAG_CELL_TEXELS // self._wall.paper_scale
         texture = cells.repeat(texels, 0).repeat(texels, 1)
         place = (np.arange(len(texture)) + 0.5) / len(texture)
@@ -42,7 +42,7 @@ class Textures:
         return _pyramid(lit, 2 * len(cells) / self._wall.paper_scale)  # down to two texels per cell
 
     def poster(self, picture: Image | Floats, corners: Floats) -> list[Image]:
-        """The pyramid of a picture, (h, w, 3 or 4) BGR, of images (h, w, 3). ``corners``: on the wall."""
+        """The pyramid of a picture, (h, w, 3 or 4) BGR: images, (h, w, 3). ``corners``: those on the wall."""
         (left, right), width = corners[:2, 0], picture.shape[1]
         x = left + (right - left) * (np.arange(width) + 0.5) / width
         return _pyramid((picture[:, :, :3] * self._light_at(x)[None, :, None]).astype(np.uint8), 8)

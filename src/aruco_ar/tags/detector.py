@@ -16,8 +16,8 @@ from .tag import Tag, get_dictionary, tag_cells
 
 # How a frame is searched. ``scale``: the frame is resized by this factor first.
 # ``windows``: the smallest size, the largest size and the step, pixels, of the
-# windows for adaptive thresholding. ``min_perimeter``: of a tag, relative to the
-# image's longer side. ``rereads``: every quadrilateral is also fitted to its edges,
+# windows for adaptive thresholding. ``min_perimeter``: the least perimeter of a tag,
+# relative to the image's longer side. ``rereads``: every quadrilateral is also fitted to its edges,
 # and its cells are read in the frame itself. This finds more tags than OpenCV's own
 # reading, and it mistakes fewer other things for tags.
 class _Preset(NamedTuple):
@@ -34,8 +34,8 @@ _PRESETS = {
 }
 SEARCHES = tuple(_PRESETS)
 
-# A search for tags of a known size resizes the frame so that they are this wide,
-# but at most by this factor. It needs only one window.
+# A search for tags of a known size resizes the frame so that they are SEARCH_SIDE_PX
+# wide, but enlarges it at most by MAX_ENLARGED. It needs only one window.
 SEARCH_SIDE_PX = 24
 SEARCH_WINDOWS = (11, 11, 1)
 MAX_ENLARGED = 3
@@ -50,9 +50,9 @@ SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32
 # this part of the white ring around it may be dark.
 MAX_WRONG = 0.15
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
-# takes for tags, only this many, the largest, are used; of the others only this
-# many are reread. Each is reread twice, and cv2.remap takes less than 32767 points
-# in a row or column.
+# takes for tags, only this many, the largest, are used. Of the others, only this
+# many are reread. The limit is needed because each is reread twice, and cv2.remap
+# takes less than 32767 points in a row or column.
 MAX_READ = MAX_REREAD = 2000
 
 
@@ -62,8 +62,8 @@ class Detector:
     ``dictionary``: a name such as ``DICT_6X6_250``. ``ids``: if given, tags
     with other ids are ignored. ``search``: ``normal``; ``fast``, which finds
     near tags at a fraction of the cost; or ``thorough``, which also finds far
-    and slanted tags, at many times the cost. ``correction``, 0 to 1: the share
-    of the wrong cells that may be corrected, of those that the dictionary can
+    and slanted tags, at many times the cost. ``correction``, 0 to 1: how many
+    wrong cells are corrected, as a share of those that the dictionary can
     correct. ``likeness``, 0 to 1: a tag must have more (see fit_tags).
     ``min_side``, pixels: tags with a shorter mean side are ignored. Raises
     InputError for any other value.
@@ -103,7 +103,10 @@ class Detector:
         return self._fitted(frame, ids, quads)
 
     def search(self, frame: Image, side: float) -> list[Tag]:
-        """The tags with sides of at least ``side`` pixels: faster than ``detect`` if large, more if small."""
+        """The tags with sides of at least ``side`` pixels.
+
+        With a large ``side``, this is faster than ``detect``. With a small one, it finds more tags.
+        """
         scale = min(SEARCH_SIDE_PX / side, MAX_ENLARGED)
         return self._fitted(frame, *self._find(self._sized_finder, frame, scale))
 
@@ -192,7 +195,7 @@ def _scaled(frame: Image, scale: float) -> Image:
 
 
 def _without_duplicates(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:
-    """The numbers of the quadrilaterals to keep, of (n, 4, 2): in each place the one with the highest likeness.
+    """The indices of the quadrilaterals, (n, 4, 2), to keep: in each place the one with the highest likeness.
 
     A tag can be found several times: by the contours on both sides of its
     edges, and both as given and as fitted.

@@ -23,12 +23,12 @@ STEPS = (
     'Use each id only once in sight of the camera.',
     'For the poses of tags and camera, say how large the tags are: tag_size:=%(meters)g')
 INDENTED = 6  # this line goes on with the one before
-PIXELS, FOCAL_PX = 20, 554  # the narrowest tag, and the focal length of the ROSbot's camera
+PIXELS, FOCAL_PX = 20, 554  # width of the narrowest tag, and focal length of the ROSbot's camera
 
 
 def draw_instructions(canvas: Canvas, width_mm: float, height_mm: float, ids: Sequence[int],
                       side_mm: float) -> None:
-    """Draw a page of that size. ``ids``: those on the pages before. ``side_mm``: the side of the tags."""
+    """Draw a page of that size. ``ids``: those on the pages before it. ``side_mm``: the side of the tags."""
     y = height_mm - MARGIN_MM
     canvas.setFont('Helvetica-Bold', 16)
     canvas.drawString(MARGIN_MM * mm, y * mm, 'How to hang the tags')

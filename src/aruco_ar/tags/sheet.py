@@ -22,7 +22,7 @@ RULER_MM = 100
 FOOT_MM = 18         # the strip at the page's foot that holds the ruler
 CAPTION_MM = 4       # the line under each tag that holds its id
 LABEL_MM = 2.5       # the height of the id and the arrow in the margin of a tag
-LABEL_SHARE = 0.4    # of the margin, at most: a label that is nearer to the tag would hide its edge
+LABEL_SHARE = 0.4    # that height is at most this share of the margin: a label near the tag would hide its edge
 MIN_LABEL_MM = 1.0
 
 
@@ -109,7 +109,7 @@ def tags_around_picture(dictionary: str, ids: Sequence[int], side_mm: float, pag
                         quiet: float = 1) -> bytes:
     """One page to put up as it is, with a tag in each corner, as the bytes of a PDF file.
 
-    ``ids``: of the four tags, clockwise from the top left. The other arguments and the errors are those of
+    ``ids``: those of the four tags, clockwise from the top left. The other arguments and the errors are as in
     ``tag_sheet``.
     """
     _check(side_mm, page, quiet)
@@ -188,7 +188,7 @@ def _draw_cut_line(canvas: Canvas, left: float, foot: float, side: float) -> Non
 
 
 def _draw_ruler(canvas: Canvas, left: float, side_mm: float) -> None:
-    """A ruler of RULER_MM at the foot of the page, and what tag_poses has to know of the size."""
+    """Draw a ruler of RULER_MM at the foot of the page, and the parameter that tells tag_poses the size."""
     foot = MARGIN_MM + 4
     canvas.setLineWidth(0.3)
     canvas.line(left * mm, foot * mm, (left + RULER_MM) * mm, foot * mm)

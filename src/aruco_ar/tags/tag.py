@@ -10,7 +10,7 @@ from aruco_ar.base.arrays import Floats, Image, Numbers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lines import cross, crossing
 
-# Also as many courses spell them: DICT_6x6_250.
+# The names are also taken as many courses spell them: DICT_6x6_250.
 DICTIONARIES = {spelling: getattr(cv2.aruco, name)
                 for name in sorted(dir(cv2.aruco)) if name.startswith('DICT_')
                 for spelling in (name.replace('X', 'x'), name)}

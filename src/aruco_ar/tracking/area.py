@@ -14,11 +14,11 @@ from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
-MIN_AREA_PX = 0.1  # square pixels: a smaller area is not visible
-STEP_PX = 16       # of the grid that shows which part of a distorted frame the area touches
-SIDE_POINTS = 32   # of an outline, along each side
-MAX_SHRINK = 16    # of frames in which the area is larger than its rectified view
-MARGIN_PX = 2      # along the frame's rim, where rectified pixels are mixtures with what is outside
+MIN_AREA_PX = 0.1  # an area of fewer square pixels is not visible
+STEP_PX = 16       # step of the grid that shows which part of a distorted frame the area touches
+SIDE_POINTS = 32   # number of points of an outline along each side
+MAX_SHRINK = 16    # most times that a frame is shrunk if its area is larger than the rectified view
+MARGIN_PX = 2      # width of the frame's rim, in which rectified pixels are mixtures with what is outside
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +106,11 @@ class Area:
         window, part = self.window(frame) if shrinks else (frame, self)
         if not shrinks or not window.size:
             return rectify(frame, self.homography(*size), size, self.lens)
-        width, height = (max(length // larger, 1) for length in window.shape[1::-1])
+        part_height, part_width = window.shape[:2]
+        width, height = max(part_width // larger, 1), max(part_height // larger, 1)
         window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)
-        shrink = np.array([[1 / larger, 0, 0.5 / larger - 0.5], [0, 1 / larger, 0.5 / larger - 0.5], [0, 0, 1]])
+        x, y = width / part_width, height / part_height  # not quite 1 / larger, since sizes are whole numbers
+        shrink = np.array([[x, 0, 0.5 * x - 0.5], [0, y, 0.5 * y - 0.5], [0, 0, 1]])
         return rectify(window, shrink @ part.homography(*size), size)
 
     def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
@@ -121,7 +123,7 @@ class Area:
         return rectify(inner, self.homography(*size), size, self.lens) == 255
 
     def _grid_inside(self, positions: Image) -> Floats:
-        """(n, 2) pixels of the frame: a margin around all those points of a grid that are in the area."""
+        """(n, 2) pixels of the frame: corners of the margins around the points of a grid in the area."""
         grid = np.asarray(positions[::STEP_PX, ::STEP_PX], np.float64)
         places = transform(homography_from(self.undistorted), grid)
         y, x = np.nonzero(((places > 0) & (places < 1)).all(axis=2))

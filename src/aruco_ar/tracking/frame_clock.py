@@ -1,7 +1,7 @@
 """The time of a sequence of frames."""
 from __future__ import annotations
 
-USUAL_PERIOD_S = 1 / 30  # assumed between frames whose stamps do not differ
+USUAL_PERIOD_S = 1 / 30  # the time between frames that is assumed if their stamps do not differ
 
 
 class FrameClock:

@@ -22,7 +22,7 @@ from .motion import AreaMotion
 UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 MEAN_OF = 20  # a tag's place is the running mean of about this many measurements
 MIN_SIGHTINGS, RELEARN_S = 3, 0.5  # a new tag must be seen this many times; a new arrangement also this long
-SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, and 1 px
+SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, in its sides, plus 1 px
 
 
 def tolerance_of(quads: Floats) -> Floats:
@@ -50,7 +50,7 @@ class Layout:
         self.ids = ids[turn:] + ids[:turn]
         to_plane = homography_from(np.roll(corners, -turn, axis=0))
         self.places = {tag.id: transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in tags}
-        # The first measurement counts as none: a search finds corners less exactly than tracking does.
+        # The first measurement does not count, since a search finds corners less exactly than tracking does.
         self._measured = dict.fromkeys(self.places, 0)
         self.ratio = ratio_of(self.quads(self.ids))
 
@@ -141,7 +141,7 @@ class FurtherTags:
             if tag_id in layout.ids:
                 continue
             place, sightings = self._seen.get(tag_id, (places[tag_id], 0))
-            if is_off:  # It was moved, or it is not on the plane, and so seems to move with the camera.
+            if is_off:  # it was moved, or it is not on the plane and so seems to move with the camera
                 place, sightings = places[tag_id], 0
                 layout.forget(tag_id)
             self._seen[tag_id] = place, sightings + 1
@@ -150,7 +150,7 @@ class FurtherTags:
 
 
 class NewLayout:
-    """The arrangement of tags that were displaced, which counts once they have stayed in their new places."""
+    """The new arrangement of displaced tags. It counts when they have stayed in their new places for long."""
 
     def __init__(self) -> None:
         self._layout: Layout | None = None

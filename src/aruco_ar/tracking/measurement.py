@@ -11,8 +11,8 @@ from aruco_ar.tags.edges import side_of
 from .layout import Layout, tolerance_of
 from .motion import AreaMotion
 
-# The bias of a corner, which is the same in every frame: this much for a tag with a side of SMALL_PX, and four
-# times as much for a tag half as large.
+# A corner's bias is the same in every frame. It is BIAS_PX for a tag with a side of SMALL_PX, and four times as
+# much for a tag half as large.
 BIAS_PX, SMALL_PX = 0.10, 30.0
 # If more tags than this contradict each other, several are left out at once.
 MANY_TAGS = 12

@@ -21,15 +21,15 @@ from aruco_ar.geometry.homography import homography_to, transform
 # rigid camera that faces a plane, moved by a robot or a hand.
 TURN_CHANGE = 0.1      # rad/s: pan, tilt, roll
 SHIFT_CHANGE = 0.05    # distances to the wall per second: sideways, up, forward
-SPEED_FACTOR = 1.0     # fast motion also changes fast: this times the current speed is added to both
+SPEED_FACTOR = 1.0     # this times the current speed is added to both, since fast motion also changes fast
 # Since slant and lens are unknown, the corners also move a little in other ways.
 OTHER_CHANGE = 0.005   # widths of the frame per second
-FIRST_SPEED = 1.5      # rad/s and distances per second: the unknown speed of an area just found
-FOCAL = 0.87           # widths of the frame: the focal length that the model assumes
+FIRST_SPEED = 1.5      # assumed speed of an area just found, in rad/s and distances to the wall per second
+FOCAL = 0.87           # assumed focal length, in widths of the frame
 CALM_S = 1.0           # without a tag in sight, the assumed speed decays with this time constant
-JERK_TURN, JERK_SHIFT = 0.05, 0.03  # rad and distances to the wall: a sudden turn and shift of the camera
+JERK_TURN, JERK_SHIFT = 0.05, 0.03  # a sudden turn and shift of the camera, in rad and distances to the wall
 CONVERGED_PX = 0.5     # after a correction by more than this, the measurement is linearized again
-MAX_ITERATIONS = 3     # of a correction
+MAX_ITERATIONS = 3     # number of such linearizations in a correction, at most
 
 
 class AreaMotion:
@@ -49,8 +49,8 @@ class AreaMotion:
         weighted = (slope / np.repeat(deviation, 2)[:, None]**2).T
         self._covariance = np.zeros((16, 16))
         self._covariance[:8, :8] = np.linalg.inv(weighted @ slope + np.eye(8) / self._focal**2)
-        # Pixels, (8, 8): the corners' errors through the biases, which are the same in every frame. Each column
-        # is for one coordinate of one of a tag's four corners, in which all tags are off alike.
+        # (8, 8) pixels: the corners' errors due to the biases, which are the same in every frame. Each column
+        # is for one coordinate of one of a tag's four corners. All tags are off alike in it.
         self._biased = _bias_effect(self._covariance[:8, :8] @ weighted, bias)
         self._covariance[8:, 8:] = self._speed_change(FIRST_SPEED)
 
@@ -77,7 +77,7 @@ class AreaMotion:
         return np.linalg.norm(self._speed.reshape(4, 2), axis=1).max()
 
     def predict(self, seconds: float, calm: bool = False) -> None:
-        """Predict the corners after that time. ``calm``: nothing was seen lately, so let the speed decay."""
+        """Predict the corners after that time. ``calm``: nothing was seen lately, so the speed decays."""
         if calm:
             self._speed = self._speed * np.exp(-seconds / CALM_S)
         self._place = self._place + seconds * self._speed
@@ -108,7 +108,7 @@ class AreaMotion:
         ``points``: (n, 2) of the plane, four for each tag. ``pixels``: (n, 2),
         where they are seen. ``deviation``: (n,) pixels, the standard deviation
         of the part of the error that is new in each frame. ``bias``: (n,)
-        pixels, the same of the part that is equal in all frames. Returns False
+        pixels, that of the part that is equal in all frames. Returns False
         and changes nothing if the measurement is more unlikely than ``limit``
         (see unlikeliness).
         """
@@ -202,7 +202,8 @@ class AreaMotion:
 def _bias_effect(effect: Floats, bias: Floats) -> Floats:
     """(8, 8): the effect of biases that all tags have in common.
 
-    ``effect``: (8, 2n), of each coordinate of n points, four for each tag. ``bias``: (n,) pixels, each point's.
+    ``effect``: (8, 2n), the effect of each coordinate of n points, four for each tag. ``bias``: (n,) pixels,
+    that of each point.
     """
     return (effect * np.repeat(bias, 2)).reshape(8, -1, 8).sum(axis=1)
 

@@ -26,9 +26,9 @@ SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
 class TagSearch:
     """Searches frames for tags with a Detector.
 
-    All positions that it takes and returns are undistorted pixels. ``lens``: the Lens of the frames, or None;
-    without one, they are pixels of the frame. ``shows_area``: says whether a list of Tag is enough to find the
-    area. The other arguments are those of Detector.
+    All positions that it takes and returns are undistorted pixels. ``lens``: the Lens of the frames, or None.
+    Without a lens, the positions are pixels of the frame. ``shows_area`` tells whether a list of Tag is enough
+    to find the area. The other arguments are those of Detector.
     """
 
     lens: Lens | None = None
@@ -102,7 +102,7 @@ class TagSearch:
         return tags
 
     def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Floats]:
-        """{id: corners} of those of the tags that are in their expected places, {id: (4, 2) pixels}."""
+        """{id: corners} of the tags that are where ``expected``, {id: (4, 2) pixels}, says."""
         if not ids:
             return {}
         quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
@@ -111,7 +111,7 @@ class TagSearch:
         return {tag.id: tag.corners for tag in tags}
 
     def _expected_in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
-        """{id: (4, 2) pixels of the frame}: where known tags should be that are in it and large enough."""
+        """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
         ids = list(layout.places)
         quads = self._distorted(motion.project(layout.quads(ids)))
         inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)

@@ -18,28 +18,28 @@ from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens, rectify
 
-MARGIN = 0.15            # of the template around the area, relative to the area
+MARGIN = 0.15            # width of the template's margin around the area, as a share of the area's size
 MAX_LENGTH_PX = 320      # the template's longer side
 MIN_SIDE_PX = 40         # an area with a shorter side in the frame shows too little texture
 PAPER_SIDES = 1.7        # the width of the paper around a tag, in sides of the tag
 MAX_POINTS = 80
-QUALITY, MIN_DISTANCE_PX = 0.02, 7   # of the points: see cv2.goodFeaturesToTrack
-WINDOW_PX, LEVELS = 15, 3            # of the optical flow: see cv2.calcOpticalFlowPyrLK
+QUALITY, MIN_DISTANCE_PX = 0.02, 7   # limits for the choice of points: see cv2.goodFeaturesToTrack
+WINDOW_PX, LEVELS = 15, 3            # parameters of the optical flow: see cv2.calcOpticalFlowPyrLK
 SMOOTH_PX = 6            # brightness is relative to its mean around, so that shadows and exposure do not matter
-TARGET_CONTRAST = 16     # gray levels: the template is scaled to this contrast
-MIN_CONTRAST = 1.0       # gray levels: less is noise
+TARGET_CONTRAST = 16     # the template is scaled to this contrast, in gray levels
+MIN_CONTRAST = 1.0       # a lower contrast, in gray levels, is noise
 # The correlation of a point's patch with the template. A point needs the first to be confirmed. The second is
-# enough to use it, since motion may blur the frame, and since most points have to fit together then.
+# enough to use it: motion may blur the frame, and most points have to fit together then.
 CONFIRMING_LIKENESS, USABLE_LIKENESS = 0.75, 0.5
 PATCH_PX = 11
-STAYS_PX = 1.0           # pixels of the template: a point that is farther off is not on the wall
+STAYS_PX = 1.0           # a point that is farther off, in pixels of the template, is not on the wall
 MIN_CONFIRMED = 2        # a point is used after tags have confirmed it this many times
-OUTLIER_PX = 1.5         # pixels of the template, from the homography of most points
+OUTLIER_PX = 1.5         # a point farther off the homography of the others is left out; pixels of the template
 MIN_POINTS, MIN_SHARE = 10, 0.4  # this many points, and this share of those in sight, must fit together
 MIN_LEFT = 0.4           # if a smaller share of the learned points is left, a new template is learned
 SHARPER = 1.3            # if the frame's contrast is this many times the template's, a new template is learned
-ERROR_PX = 0.15          # pixels of the frame: the least common error of points that fit together
-INDEPENDENT_POINTS = 8   # the errors of neighbors are alike, so all points count as much as this many
+ERROR_PX = 0.15          # the least common error of points that fit together, in pixels of the frame
+INDEPENDENT_POINTS = 8   # all points count as much as this many, since the errors of neighbors are alike
 CHECKS_S = 0.1, 0.2, 0.3, 0.5, 1.0  # the times between checks after learning; the last one repeats
 LEARN_AGAIN_S = 1.0      # the wait before a new template is learned
 MEAN_OF = 20             # a point's place is the running mean of about this many checks
@@ -148,7 +148,7 @@ class Texture:
     def _draw_wall_region(self, tags: Floats, corners: Floats, shape: tuple[int, ...]) -> Image:
         """(h, w) uint8: white where the template shows the wall: inside of the frame, and on no tag's paper.
 
-        ``tags``: (n, 4, 2) pixels. ``shape``: of the frame.
+        ``tags``: (n, 4, 2) pixels. ``shape``: that of the frame.
         """
         region = np.full(self._size[::-1], 255, np.uint8)
         centers = tags.mean(axis=1, keepdims=True)
@@ -185,7 +185,7 @@ class Texture:
         return cv2.convertScaleAbs(fine, alpha=TARGET_CONTRAST / max(contrast, 0.1), beta=128), contrast
 
     def _in_sight(self, corners: Floats, shape: tuple[int, ...]) -> Booleans:
-        """(n,) bool: which points should be in the frame, together with their windows."""
+        """(n,) bool: which points should be in the frame, with the windows around them."""
         reach = WINDOW_PX / 2 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         around = self._points[:, None] + reach
         pixels = transform(homography_to(corners), self._to_plane(around))

@@ -33,9 +33,9 @@ MAX_DEVIATION = 0.029
 # The time of ``hold`` ends early if the deviation exceeds the first of these limits while the corners may have
 # moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
-ROUNDING_S = 1e-6      # of stamps
-# Texture is used if fewer tags than this agree, and if no tag does or a corner's deviation is above the limit
-# in pixels. It is used only for this time after the last tag, since the tags may have been taken off the wall.
+ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
+# Texture is used if no tag agrees. It is also used if fewer than ENOUGH_TAGS agree and a corner's deviation is
+# above OPEN_PX. It is used for TEXTURE_S after the last tag, since the tags may have been taken off the wall.
 ENOUGH_TAGS, OPEN_PX, TEXTURE_S = 3, 2.0, 15.0
 
 
@@ -47,8 +47,8 @@ class Tracker:
     With a lens, it works in undistorted pixels, in which a wall is flat.
 
     ``dictionary``, ``ids``: see Detector. ``hold``: seconds, 0 or more. When
-    the area cannot be located well enough, it is kept for at most this time. It
-    can be set at any time. ``lens``: the Lens of the frames, or None if it is
+    the area cannot be located well enough, it is kept for at most this time.
+    ``hold`` can be set at any time. ``lens``: the Lens of the frames, or None if it is
     unknown or does not distort. After a change, the tracker is reset at the
     next frame. ``upright``: the picture's top is at the tags' own
     tops (``tags``) or at the frame's top (``image``). ``detection``: further
@@ -75,7 +75,7 @@ class Tracker:
 
     @property
     def tags(self) -> list[Tag]:
-        """A list of Tag: those found in the last frame, of the ids that count."""
+        """A list of Tag: those with the ids that count, found in the last frame."""
         tags = [Tag(tag_id, np.asarray(corners, np.float32)) for tag_id, corners in self._seen.items()
                 if self._counts(tag_id)]
         return self._search.as_found(tags)
@@ -105,7 +105,7 @@ class Tracker:
     def reset(self) -> None:
         """Forget everything seen so far."""
         self._clock = FrameClock()
-        self._shape: tuple[int, ...] = ()  # of the last frame
+        self._shape: tuple[int, ...] = ()  # that of the last frame
         self._shown = False                # whether the last frame had an area
         self._search.lens = self.lens
         self._search.reset()
@@ -138,15 +138,15 @@ class Tracker:
     def _start(self, tags: Sequence[Tag]) -> None:
         """Start anew, with the area that these tags span, if they span one."""
         self._seen = {tag.id: tag.corners for tag in tags}
-        self._texture, self._recognized = Texture(self.lens), False  # and whether the last frame showed it
+        self._texture, self._recognized = Texture(self.lens), False  # whether the last frame showed the texture
         self._agreed: list[int] = []  # the tags that agreed in the last frame
         self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
         self._lost: set[int] = set()  # those of the four that the search in the last frame did not find
         self._further, self._new_layout = FurtherTags(), NewLayout()
-        # The times when the whole frame was searched, when tags or texture located the area, when tags did, and
-        # when the area was located well enough.
+        # The last times when the whole frame was searched, when tags or texture located the area, when tags
+        # located it, and when it was located well enough.
         self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
         if self._layout is not None:
             self._searched_at = self._clock.now
