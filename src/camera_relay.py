@@ -12,7 +12,7 @@ from aruco_node.nodes.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image
 from aruco_node.nodes.node import run_node
 from aruco_node.parameters.settings import RelaySettings
 from aruco_node.process.memory import keep_memory
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from sensor_msgs.msg import CameraInfo
 
 IMAGE, INFO = 'image_raw', 'camera_info'

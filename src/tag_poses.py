@@ -31,7 +31,7 @@ from aruco_node.nodes.node import run_node
 from aruco_node.parameters.parameters import AUTO
 from aruco_node.parameters.settings import ID, LEARN, PoseSettings
 from aruco_node.process.memory import keep_memory
-from aruco_node.ros_internals.tf_listener import OthersFrames
+from aruco_node.ros_internals.tf import Broadcaster, OthersFrames
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
@@ -75,15 +75,13 @@ class TagPoses(CameraNode):
         self._problems = {}  # sentences about what is wrong, by kind
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
-        self._transforms = tf2_ros.TransformBroadcaster()
+        self._transforms = Broadcaster()
         self._last_tf_stamp = None
         # Transforms of other nodes, which are received only while somebody listens to ~robot_pose.
         self._tf_buffer, self._tf_listener = tf2_ros.Buffer(), None
 
     def is_wanted(self):
-        # The node's own TF listener counts as a connection, too.
-        tf_listeners = self._transforms.pub_tf.get_num_connections() - (self._tf_listener is not None)
-        return super().is_wanted() or tf_listeners > 0 or \
+        return super().is_wanted() or self._transforms.is_heard(own=self._tf_listener is not None) or \
             any(publisher.get_num_connections() for publisher in self._publishers.values())
 
     def update_subscriptions(self, wanted):

@@ -34,7 +34,7 @@ from aruco_node.nodes.node import read_settings, run_node
 from aruco_node.parameters.parameters import Number, choice, number, parsed, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from geometry_msgs.msg import Twist
 
 MAX_LATE_S = 5.0  # rendering never takes this long; if the time is later than this, the clock was set

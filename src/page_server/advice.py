@@ -5,7 +5,7 @@ import rospy
 from aruco_ar.hints.area_hints import NOTES
 from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
 OLD_S = 5.0   # a node that has been silent for so long has ended

@@ -16,7 +16,7 @@ from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import TOPIC, PictureSettings
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from PIL.Image import DecompressionBombError

@@ -12,8 +12,7 @@ from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import JPEG_QUALITY, TRANSPORTS, check_compressed, jpeg_from_frame
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX
 from aruco_node.ros_internals.master import no_answer, published_topics
-from aruco_node.ros_internals.newest import subscribe_newest
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import subscribe_newest, tolerant
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
 

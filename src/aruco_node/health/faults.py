@@ -7,7 +7,8 @@ from typing import Any, List, Set, Tuple
 
 import rospy
 from aruco_ar.base.errors import InputError
-from rospy.core import is_shutdown_requested
+
+from aruco_node.ros_internals.shutdown import is_ending
 
 RECENT_S = 3.0   # /diagnostics shows a fault for so long after it last occurred
 MAX_KINDS = 100  # so many kinds of faults are logged; /diagnostics shows the others, too
@@ -23,7 +24,7 @@ def note_fault(error, *_):
     It can be the ``error_handler`` of a service. While ROS shuts down, it does nothing and returns None: topics
     are closed then, so whatever is still published fails.
     """
-    if is_shutdown_requested():
+    if is_ending():
         return None
     if isinstance(error, InputError):
         sentence, whole, kind = str(error), str(error), error.kind

@@ -13,7 +13,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from unit5.msg import Tag as TagMessage
 from unit5.msg import TagArray
 
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 
 from .bridge import bytes_of_pixel, convert
 

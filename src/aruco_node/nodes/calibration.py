@@ -11,7 +11,7 @@ from sensor_msgs.msg import CameraInfo
 from aruco_node.health.faults import fault_barrier
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.parameters.parameters import AUTO
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 
 # How many distortion coefficients each model may have. 0 of them mean no distortion.
 MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4),

@@ -17,8 +17,8 @@ from aruco_node.messages.publishing import ImagePublisher, ListenerEvents
 from aruco_node.parameters.parameters import AUTO
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.ros_internals.master import is_there, published_topics
-from aruco_node.ros_internals.newest import is_more_pending, subscribe_newest
-from aruco_node.ros_internals.tf_listener import is_time
+from aruco_node.ros_internals.subscribers import is_more_pending, subscribe_newest
+from aruco_node.ros_internals.tf import is_time
 
 from .node import read_settings
 

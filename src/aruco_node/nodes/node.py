@@ -11,7 +11,6 @@ import cv2
 import rosgraph
 import rospy
 from aruco_ar.base.errors import InputError, shorten
-from rospy.core import is_shutdown_requested
 
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
@@ -19,6 +18,7 @@ from aruco_node.parameters.parameters import MAX_QUOTED, parameters_of, quoted, 
 from aruco_node.process.streams import make_streams_safe
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
+from aruco_node.ros_internals.shutdown import is_ending
 
 EXIT_S = 5.0  # a node that is asked to end has ended after so long
 
@@ -48,7 +48,7 @@ def run_node(name, work, manual):
             _start(name)
             work()
         except Exception as error:
-            if is_shutdown_requested():  # whatever still talks to the master, or publishes, fails now
+            if is_ending():  # whatever still talks to the master, or publishes, fails now
                 return
             errors.append(str(error) if isinstance(error, InputError) else traceback.format_exc())
             rospy.logfatal('%s', errors[0])

@@ -12,7 +12,7 @@ from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS, picture_from_image
 from aruco_node.messages.topics import SUFFIX
 from aruco_node.parameters.settings import TOPIC
-from aruco_node.ros_internals.newest import subscribe_newest
+from aruco_node.ros_internals.subscribers import subscribe_newest
 
 
 def open_picture(picture):

@@ -12,10 +12,10 @@ from typing import Callable, List
 
 import rospy
 from aruco_ar.base.errors import InputError
-from rospy.core import is_shutdown_requested
 
 from . import warn_of_other
 from .master import ask
+from .shutdown import is_ending
 
 try:
     from rospy.core import get_node_uri
@@ -62,7 +62,7 @@ def _warn():
 
 
 def _watch():
-    while not is_shutdown_requested():
+    while not is_ending():
         time.sleep(PERIOD_S)
         try:
             if _is_lost():
@@ -82,7 +82,7 @@ def _is_lost():
     """Whether the master does not know the node's first service or its last one: see _register."""
     services = get_service_manager().get_services()  # every node has at least those of its logger
     known = all(ask('lookupService', name)[0] == 1 for name, _ in (services[0], services[-1]))
-    if known or is_shutdown_requested():
+    if known or is_ending():
         return False
     code, uri = ask('lookupNode', rospy.get_name())
     return code != 1 or uri == get_node_uri()  # otherwise another node has taken its name

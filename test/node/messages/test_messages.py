@@ -19,7 +19,7 @@ from aruco_node.messages.images import (
     image_from_frame,
     picture_from_image,
 )
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from cv_bridge import CvBridge
 from hostile.files.samples import chunk, png
 from hostile.messages.camera_messages import KNOWN, Hostile

@@ -3,6 +3,8 @@ import io
 import re
 import socket
 import struct
+import subprocess
+import sys
 import threading
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -16,14 +18,15 @@ from aruco_ar import InputError
 from aruco_node.ros_internals import (
     admission,
     indexed_bag,
-    newest,
     reconfigure_server,
     registration,
-    tf_listener,
+    shutdown,
+    subscribers,
+    tf,
     warn_of_other,
 )
 from aruco_node.ros_internals.indexed_bag import IndexedBag, forget_written
-from aruco_node.ros_internals.tolerant import tolerant
+from aruco_node.ros_internals.subscribers import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, GroupState
 from dynamic_reconfigure.server import Server
 from dynamic_reconfigure.srv import Reconfigure
@@ -94,11 +97,11 @@ def test_more_is_pending_after_bytes_have_arrived(warnings):
     here, there = socket.socketpair()
     with here, there:
         subscriber = SimpleNamespace(impl=SimpleNamespace(connections=[SimpleNamespace(socket=here)]))
-        assert not newest.is_more_pending(subscriber)
+        assert not subscribers.is_more_pending(subscriber)
         there.send(b'1')
-        assert newest.is_more_pending(subscriber)
-    assert not newest.is_more_pending(subscriber)  # closed
-    assert not newest.is_more_pending(None)
+        assert subscribers.is_more_pending(subscriber)
+    assert not subscribers.is_more_pending(subscriber)  # closed
+    assert not subscribers.is_more_pending(None)
     warnings.assert_not_called()
 
 
@@ -107,7 +110,7 @@ def test_more_is_pending_after_bytes_have_arrived(warnings):
     SimpleNamespace(impl=SimpleNamespace(connections=[SimpleNamespace()]))])
 def test_nothing_is_pending_for_another_subscriber_and_a_warning_says_so(subscriber, warnings):
     for _ in range(2):
-        assert not newest.is_more_pending(subscriber)
+        assert not subscribers.is_more_pending(subscriber)
     assert_warned_once(warnings, 'rospy', 'results come late')
 
 
@@ -117,11 +120,11 @@ def test_a_subscriber_has_connections_with_sockets(warnings):
     assert impl.connections == []
     impl.connections = [TCPROSTransport(TCPROSSub('/topic', UInt8), '/topic')]
     assert impl.connections[0].socket is None  # not yet connected
-    assert not newest.is_more_pending(subscriber)
+    assert not subscribers.is_more_pending(subscriber)
     subscriber.unregister()
     assert subscriber.impl is None and not impl.connections
-    assert not newest.is_more_pending(subscriber)
-    assert not newest.is_more_pending(SimpleNamespace(impl=impl))
+    assert not subscribers.is_more_pending(subscriber)
+    assert not subscribers.is_more_pending(SimpleNamespace(impl=impl))
     warnings.assert_not_called()
 
 
@@ -181,7 +184,7 @@ def test_another_rospy_causes_a_warning_and_nothing_is_watched(monkeypatch, warn
 
 
 def test_only_transforms_of_others_are_received(warnings):
-    frames = object.__new__(tf_listener.OthersFrames)
+    frames = object.__new__(tf.OthersFrames)
     frames.tf_sub = frames.tf_static_sub = mock.Mock()
     with mock.patch('rospy.get_name', return_value='/we'), \
             mock.patch('tf2_ros.TransformListener.callback') as taken:
@@ -195,6 +198,41 @@ def test_only_transforms_of_others_are_received(warnings):
             frames.callback(TFMessage())
     assert taken.call_count == 3
     assert_warned_once(warnings, 'rospy', 'its own TF frames, too')
+
+
+def test_listeners_to_tf_frames_are_counted(warnings):
+    broadcaster = tf.Broadcaster()
+    connections = broadcaster.pub_tf.impl.connections
+    assert not broadcaster.is_heard()
+    connections.append(mock.Mock())
+    assert broadcaster.is_heard() and not broadcaster.is_heard(own=1)
+    connections.clear()
+    warnings.assert_not_called()
+
+
+def test_another_broadcaster_is_always_heard_and_a_warning_says_so(warnings):
+    broadcaster = tf.Broadcaster()
+    del broadcaster.pub_tf
+    for _ in range(2):
+        assert broadcaster.is_heard()
+    assert_warned_once(warnings, 'tf2_ros', 'works even if nobody listens')
+
+
+def test_ros_is_ending_before_it_has_shut_down():
+    # If rospy.is_shutdown() is true here, too, shutdown.py is no longer needed.
+    script = 'import rospy; from aruco_node.ros_internals.shutdown import is_ending; print(is_ending()); ' \
+             'rospy.on_shutdown(lambda: print(is_ending(), rospy.is_shutdown())); rospy.signal_shutdown("over")'
+    done = subprocess.run([sys.executable, '-c', script], capture_output=True, text=True)
+    assert done.stdout == 'False\nTrue False\n', done
+
+
+@pytest.mark.parametrize('is_shutdown', [True, False])
+def test_another_rospy_is_ending_when_it_has_shut_down(is_shutdown, warnings, monkeypatch):
+    monkeypatch.delattr('rospy.core.is_shutdown_requested')
+    monkeypatch.setattr('rospy.is_shutdown', lambda: is_shutdown)
+    for _ in range(2):
+        assert shutdown.is_ending() == is_shutdown
+    assert_warned_once(warnings, 'rospy', 'say that it failed')
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import rospy
 from aruco_node.messages.images import frame_from_image
-from aruco_node.ros_internals.newest import subscribe_newest
+from aruco_node.ros_internals.subscribers import subscribe_newest
 from sensor_msgs.msg import Image
 
 KEPT = 30  # so many frames are kept until their painted frames arrive
