@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from aruco_ar import Tag, draw_tag
 from aruco_ar.looks.grain import Grain, edge_variance, noise_of
-from test_looks import FRAMES_PER_S, Drive, painted, stage
+from test_looks import FRAMES_PER_S, Drive, hand, painted, stage
 
 SIDE = 96
 
@@ -98,3 +98,15 @@ def test_a_picture_on_the_wall_is_as_soft_and_noisy_as_the_wall(wall):
     def steepest(image):
         return np.abs(np.diff(image[220:260].mean(axis=(0, 2))[columns[0] + 10:columns[-1] - 10])).max()
     assert steepest(soft_image) < 0.45 * steepest(sharp_image)
+
+
+def test_far_from_what_is_in_front_the_soft_rim_of_the_picture_stays_as_it_is(wall):
+    drive = Drive(wall, blur=1.6)
+    keeps, paints = stage(grain='match', foreground='keep'), stage(grain='match')
+    for number in range(2 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        things = hand(frame, number) if number > FRAMES_PER_S else np.zeros_like(inside)
+        one, other = (painted(each, frame, number) for each in (keeps, paints))
+        far = cv2.dilate(things.astype(np.uint8), np.ones((25, 25))) == 0
+        assert things.any() == (number > FRAMES_PER_S)
+        np.testing.assert_array_equal(one[far], other[far])
