@@ -71,7 +71,7 @@ class WallCameraSettings:
         'file that describes the simulated wall and its tags', live=False)
     path: str = text(
         'none', 'none, or the full path of a YAML file',
-        'file that says where the simulated robot drives until the first /cmd_vel comes; none: it stands still',
+        'file that says where the simulated robot drives until the first /cmd_vel comes. none: it stands still',
         live=False)
     rate: float = number(30.0, 0.1, 1000, 'frames per second', live=False)
     seed: float = number(0.0, 0, 2**31, 'seed of the random noise', live=False)
@@ -83,14 +83,14 @@ class WallCameraSettings:
     falloff: float = number(
         0.3, 0, 1, 'how much darker the right end of the wall is than its left end; 0: not at all')
     exposure: float = number(
-        1.0, 0, 20, 'factor on the brightness of the whole frame; above 1, what is too light turns white')
+        1.0, 0, 20, 'factor on the brightness of the whole frame; above 1, light parts of it turn white')
     swing: float = number(0.0, 0, 4, 'stops by which the exposure rises and falls, once in 4 seconds')
     hand: float = number(
         0.0, 0, 10, 'how much the camera shakes, as if held by hand; 1 is usual; TF does not show it')
     shutter: float = number(
         0.0, 0, 100, 'milliseconds within which the rows of a frame are read, one after the other')
     visitor: str = choice(
-        NOBODY, VISITORS, 'who moves before the wall: nobody; a person who walks past; a hand that writes')
+        NOBODY, VISITORS, 'who moves before the wall: nobody, a person who walks past, or a hand that writes')
     jpeg: float = number(0.0, 0, 100, 'quality of the JPEG compression that each frame goes through; 0: none')
 
 

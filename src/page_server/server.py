@@ -29,7 +29,7 @@ from .handlers import STALLED_S, BaseHandler, Page, Picture, Snapshot, Stream, S
 from .live import Live
 from .topics import Topics
 
-SEND_BUFFER_BYTES = 128 * 1024  # small, since frames that wait in it become stale
+SEND_BUFFER_BYTES = 128 * 1024  # the buffer is small, since frames that wait in it become stale
 IDLE_S = 20         # time limit from the end of one request to the end of the next one's header
 BODY_S = 60         # time limit for the body of a request
 MAX_CONNECTIONS = 256
@@ -44,7 +44,7 @@ class PageSettings:
 
     address: str = text(
         '127.0.0.1', 'an IP address, or localhost',
-        'address at which the page is served: 127.0.0.1 for this machine only, 0.0.0.0 for its whole network',
+        'address at which the page is served. 127.0.0.1: to this machine only. 0.0.0.0: to its whole network',
         live=False)
     port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
     drive: Any = switch(
@@ -87,12 +87,12 @@ class Parts:
     topics: Topics
     drive_control: Optional[DriveControl]
     tiles: List[Tile]
-    choices: Choices = field(init=False)  # these two are set later, since they notify the browsers
+    choices: Choices = field(init=False)  # this and the next one are set later, since they notify the browsers
     advice: Advice = field(init=False)
     browsers: Any = field(default_factory=set)
     uploads: Any = field(default_factory=set)
     viewers: Any = field(default_factory=dict)  # {handler that sends frames by HTTP: its connection}
-    last_state: Any = None  # that was sent to the browsers
+    last_state: Any = None  # the state that was last sent to the browsers
 
     def tags_beside(self, name):
         """The SharedTopic with the tags in sight on an image topic, or None if there is none."""
@@ -100,7 +100,7 @@ class Parts:
         return self.topics.tags(beside[0]) if beside else None
 
     def state(self):
-        """What can be chosen, what is chosen, whether the page may drive, and what to say of each tile."""
+        """What can be chosen, what is chosen, whether the page may drive, and the sentence for each tile."""
         may_drive = self.drive_control is not None and self.drive_control.has_listeners()
         advice = {tile.topic: self.advice.of(tile.node) for tile in self.tiles}
         return dict(self.choices.state(), drive=may_drive, advice=advice)
@@ -117,13 +117,13 @@ class Parts:
 class Server(HTTPServer):
     """An HTTP server with at most MAX_CONNECTIONS, so that it never runs out of file descriptors.
 
-    For one connection more, it closes the one whose last request began longest ago, whether that is idle, sends
-    slowly or receives slowly. So no client can lock out others. Connections that show a stream stay.
+    When a further connection arrives, the server closes the one whose last request is oldest, even if it is
+    still in progress. So no client can lock out others. Connections that show a stream stay.
     """
 
     def initialize(self, *arguments, viewers, **options):  # type: ignore[override]  # only our own code calls it
         super().initialize(*arguments, **options)
-        self._viewers, self._streams = viewers, {}  # ordered by their last request
+        self._viewers, self._streams = viewers, {}  # in the order of their last requests
 
     @property
     def count(self):
@@ -181,7 +181,7 @@ def serve():
     def tell():
         loop.call_soon_threadsafe(parts.tell_browsers)
     parts.choices, parts.advice = Choices(tell), Advice([tile.node for tile in tiles], tell)
-    # Nodes announce changes of their parameters, but not that they end. Hence this timer.
+    # This timer is needed because nodes announce changes of their parameters, but not that they end.
     PeriodicCallback(parts.tell_browsers, STATE_MS).start()
     server = _listen(application(parts), parts.viewers, address, port)
     diagnostics = Diagnostics(lambda: (OK, 'The page is served.', {

@@ -37,12 +37,12 @@ AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # stands for the id in the name of a tag's TF frame
 LEARN = 'learn'
 PINHOLE, FISHEYE = 'pinhole', 'fisheye'
-MAX_AREAS = 50  # each takes the memory of its picture
+MAX_AREAS = 50  # a limit, since each area takes the memory of its picture
 SIDE = Number(*SIDE_M)
 
 
 def _ids(value):
-    """The ids as a tuple, of a list or of text such as "1, 2, 3, 4" or "any", as launch files give it."""
+    """The ids as a tuple, from a list or from text such as "1, 2, 3, 4" or "any", as launch files give it."""
     if value == 'any':
         return ()
     parts = value.strip('[] ').replace(',', ' ').split() if isinstance(value, str) else list(value)
@@ -77,8 +77,8 @@ class FrameSettings:
 
     transport: str = choice(
         AUTO, (AUTO, *IMAGE_TYPES),
-        "which topic the frames are read from: raw is the camera's own; compressed is that with /compressed at "
-        'the end, for JPEG and PNG; auto is raw, unless only compressed is published', live=False)
+        "topic that the frames are read from. raw: the camera's own topic. compressed: its topic /compressed, "
+        'as JPEG or PNG. auto: raw, unless only compressed is published', live=False)
     folder: str = text(
         '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves images')
 
@@ -107,13 +107,13 @@ class CalibrationSettings(FrameSettings):
         listed=DICTIONARY_NAMES)
     charuco: str = parsed(
         '', 'none, or squares and share such as 5x7:0.75',
-        "the squares of a ChArUco board, and the side of a marker as a share of a square's; none: the sheet "
-        'has tags anywhere, all of the same size', _board, lambda value: value or 'none', live=False)
-    model: str = choice(PINHOLE, (PINHOLE, FISHEYE), 'what the lens is like', live=False)
+        "squares of a ChArUco board, and the side of a marker as a share of a square's. none: a sheet with "
+        'tags of one size, wherever they are', _board, lambda value: value or 'none', live=False)
+    model: str = choice(PINHOLE, (PINHOLE, FISHEYE), 'kind of lens', live=False)
     camera_name: str = text('camera', 'a name', 'name of the camera in the file')
     file: str = text(
         '~/.ros/camera_info/camera.yaml', 'the path of a file',
-        'file that the service ~save writes; camera drivers look for that of their own name there')
+        "file that the service ~save writes; a camera driver looks there for a file with the camera's name")
 
 
 @dataclass(frozen=True)
@@ -129,14 +129,14 @@ class TagSettings(FrameSettings):
         1.0, 0.01, 4.0, 'factor by which each frame is resized before tags are looked for')
     search: str = choice(
         'normal', SEARCHES,
-        'how thoroughly tags are looked for: fast is enough for near ones; thorough also finds small and '
-        'slanted ones, but takes much longer')
+        'how thoroughly tags are looked for. fast: enough for near tags. thorough: also finds small and '
+        'slanted tags, but takes much longer')
     correction: float = number(
         1.0, 0, 1,
         'how many wrong cells a tag may have, as a share of those that its dictionary can correct; 0: none')
     likeness: float = number(
         MIN_LIKENESS, 0, 1,
-        "how closely what is seen must match a tag's pattern to be taken for that tag; 1 is a perfect match")
+        "how closely an image must match a tag's pattern to be taken for that tag; 1 is a perfect match")
     min_side: float = number(
         0.0, 0, 10000, 'smallest side of a tag in the frame, in pixels; smaller tags are ignored')
 
@@ -147,15 +147,15 @@ class LensSettings(TagSettings):
 
     lens: str = choice(
         CORRECT, LENSES,
-        'whether the picture is bent as the lens bends the straight lines of the wall: correct does so if the '
-        'camera is calibrated; ignore does not')
+        'whether the distortion of the lens is considered. correct: the picture is bent as the lens bends the '
+        'wall, if the camera is calibrated. ignore: it is not bent')
     camera_info: str = text(
         AUTO, 'auto, or the name of a topic',
         "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
     rectified: Union[str, bool] = switch(
         AUTO,
-        'whether the distortion of the lens is already corrected in the frames; auto: if the name of their '
-        'topic begins with image_rect')
+        'whether the frames have no distortion any more. auto: so if the name of their topic begins with '
+        'image_rect')
 
 
 @dataclass(frozen=True)
@@ -164,11 +164,10 @@ class AreaSettings(LensSettings):
 
     hold: float = number(
         HOLD_S, 0, 60,
-        "longest time in seconds for which the area is kept while neither tags nor the wall's texture shows "
-        'where it is')
+        "seconds for which the area is kept while neither tags nor the wall's texture show where it is")
     upright: str = choice(
         'tags', UPRIGHT,
-        "where the top of the picture is: tags puts it at the tags' own top, image at the top of the frame")
+        "where the top of the picture is. tags: at the tags' own tops. image: at the top of the frame")
 
 
 @dataclass(frozen=True)
@@ -177,40 +176,41 @@ class PictureSettings(AreaSettings):
 
     picture: str = text(
         'images/earth.jpg',
-        'the full path of a picture, GIF or video, or one within the package such as images/earth.jpg, or '
-        'topic: and the name of an image topic, such as topic:/other/camera',
-        'what is painted into the area', _picture)
+        'the path of a picture, GIF or video, or an image topic such as topic:/other/camera',
+        'what is painted into the area; a path can be in full, or within the package as images/earth.jpg',
+        _picture)
     fit: str = choice(
         'stretch', FITS,
-        'how a picture goes into an area of another shape: stretch distorts it; contain shows all of it and '
-        'leaves a part of the area free; cover fills the area and cuts off what is too much')
+        'how a picture fits an area of another shape. stretch: the picture is distorted. contain: all of it is '
+        'shown, and a part of the area stays free. cover: it fills the area, and its edges are cut off')
     opacity: float = number(
-        1.0, 0, 1, 'how opaque the picture is: with 0 only the frame is seen, with 1 only the picture')
+        1.0, 0, 1, 'how opaque the picture is; with 0 only the frame is seen, with 1 only the picture')
     foreground: str = choice(
         PAINT, FOREGROUNDS,
-        'what happens to things that stand before the wall: paint paints over them; keep leaves them in front '
-        'of the picture')
+        'what happens to things that stand before the wall. paint: they are painted over. keep: they stay in '
+        'front of the picture')
     light: str = choice(
         FULL, LIGHTS,
-        'the light in which the picture is painted: full shows its own colors; match shows them in the light '
-        'that is on the wall, with its shadows')
+        'light in which the picture is painted. full: it has its own colors. match: it has the light and the '
+        'shadows that are on the wall')
     grain: str = choice(
         CLEAN, GRAINS,
-        "the sharpness and the noise of the picture: clean shows it as it is; match gives it those of the "
+        'sharpness and noise of the picture. clean: it is painted as it is. match: it gets those of the '
         "camera's image")
     tags: str = choice(
         SHOW, TAGS,
-        'whether the tags are seen: show leaves them as they are; hide covers each of them with what the wall '
+        'whether the tags are seen. show: they stay as they are. hide: each is covered with what the wall '
         'around it looks like')
     settle: float = number(
         30.0, 0.5, 3600, 'seconds after which a thing that does not move becomes a part of the wall')
     areas: str = text(
         'none', 'none, or the full path of a YAML file',
-        'file that describes several areas, as config/areas.yaml does; none: a single area', live=False)
+        'file that describes several areas, as config/areas.yaml does. none: there is a single area',
+        live=False)
 
 
 def _sizes(value):
-    """((id, meters), ...), of a dict or of text such as "7: 0.1, 8: 0.25", as launch files give it."""
+    """((id, meters), ...), from a dict or from text such as "7: 0.1, 8: 0.25", as launch files give it."""
     if value in ('none', '', {}):
         return ()
     pairs = value.items() if not isinstance(value, str) else \
@@ -239,18 +239,18 @@ class PoseSettings(AreaSettings):
     tag_size: float = number(0.18, *SIDE_M, "side of a tag's black square, in meters")
     tag_sizes: Tuple[Tuple[int, float], ...] = parsed(
         (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
-        'sides of those tags that are not as large as tag_size says', _sizes, _sizes_as_text)
+        'sides of the tags that have another side than tag_size', _sizes, _sizes_as_text)
     wall: str = text(
         LEARN, 'learn, or the path of a YAML file, which may be within the package',
-        'where the tags are on the wall: a file says it, as config/wall.yaml does; learn finds it out from the '
-        'frames')
+        'file that says where the tags are on the wall, as config/wall.yaml does. learn: this is learned from '
+        'the frames')
     tag_frame: str = text(
         'tag_' + ID, 'a name with {id} in it', 'name of the TF frame of a tag; {id} stands for its id',
         _tag_frame, live=False)
     wall_frame: str = text(
         AUTO, 'auto, or the name of a TF frame',
-        'TF frame in which the poses of the camera and the robot are given; auto: learned_wall if the wall is '
-        'learned, else wall', live=False)
+        'TF frame in which the poses of the camera and the robot are given. auto: learned_wall if the wall is '
+        'learned, otherwise wall', live=False)
     robot_frame: str = text(
         'base_link', 'the name of a TF frame', 'TF frame of the robot, for its pose', live=False)
 

@@ -165,7 +165,7 @@ class Picture(unittest.TestCase):
         for stamp, (name, write, words) in enumerate((
                 ('bomb.png', bomb, 'at most 36 million pixels'), ('pipe.mp4', os.mkfifo, 'is not a file'),
                 ('two\nlines.jpg', lambda path: Path(path).write_text('text'),
-                 'must be the full path of a picture'),
+                 'must be the path of a picture'),
                 ('list.mp4', lambda path: Path(path).write_text('#EXTM3U\nfile:///dev/zero\n'),
                  'cannot be read as a picture'))):
             path = self.file(name, write)
