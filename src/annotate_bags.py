@@ -29,7 +29,7 @@ MAX_PIECE_S = 100000
 HERE = os.path.dirname(os.path.abspath(__file__))
 EXERCISES = [number.replace('_', '.')
              for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(HERE))))]
-# Parameters of nodes which say nothing about what is made of bags.
+# These parameters of nodes do not affect what is made of bags.
 OF_NODES = ('transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
             'robot_frame')
 PARAMETERS = [name for name in parameters_of(BagSettings) if name not in OF_NODES]
@@ -80,7 +80,7 @@ def settings(argv):
 
 def exercise(number):
     """The Exercise of a number, such as '5.2', that a file beside this one declares."""
-    # Dask sends what it defines to the workers by value, as they do not import programs.
+    # Workers do not import programs. So Dask sends them what this file defines by value.
     path = os.path.join(HERE, 'exercise%s.py' % number.replace('.', '_'))
     return runpy.run_path(path, run_name='exercise')['EXERCISE']
 

@@ -16,7 +16,7 @@ from aruco_node.ros_internals.subscribers import tolerant
 from sensor_msgs.msg import CameraInfo
 
 IMAGE, INFO = 'image_raw', 'camera_info'
-EARLY_PERIODS = 0.25  # a frame may arrive so much before it is due, since stamps jitter
+EARLY_PERIODS = 0.25  # a frame may come this much before it is due, since stamps jitter
 
 
 class CameraRelay(FrameNode):

@@ -41,7 +41,7 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~markers', MarkerArray, 'tags and area, for RViz'),
           ('~camera_pose', PoseWithCovarianceStamped, 'the camera in the frame of the wall'),
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
-# The TF frame of a learned wall. A known wall has another: the origin of a learned one is a tag.
+# The TF frame of a learned wall. A known wall has another name, since the origin of a learned one is a tag.
 LEARNED_WALL_FRAME = 'learned_wall'
 # After a change of one of these parameters, the places of the tags are learned anew.
 RELEARN_AFTER = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
@@ -94,6 +94,10 @@ class TagPoses(CameraNode):
             self._tf_listener.unregister()
             self._tf_listener = None
 
+    def begin_anew(self):
+        super().begin_anew()
+        self._problems = {}
+
     def prepare(self, settings):
         apply_to_stages = super().prepare(settings)
         if all(getattr(settings, name) == getattr(self.settings, name) for name in RELEARN_AFTER):
@@ -127,7 +131,7 @@ class TagPoses(CameraNode):
 
     def report(self):
         level, sentence, values = super().report()
-        problems = list(self._problems.values())
+        problems = list(self._problems.values()) if self.is_receiving else []
         # Missing poses matter more than dropped frames, but less than an error.
         return (WARN, problems[0], values) if problems and level < ERROR else (level, sentence, values)
 

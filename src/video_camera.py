@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Publish a webcam, a video, a photo or a stream from the network as a camera.
 
-This program checks what it is given, and then becomes image_publisher. A
-relative path begins in the folder in which roslaunch was started. If there is
-no such file or webcam, it says so once, and waits for it.
+This program checks its source, and then becomes image_publisher. A relative
+path begins in the folder in which roslaunch was started. If there is no such
+file or webcam, the program says so once, and waits for it.
 """
 import argparse
 import os
@@ -20,9 +20,9 @@ WAIT_S = 1.0
 
 
 def find_source(text, folder=''):
-    """What image_publisher is to open: the number of a webcam, an address, or the full path of a file.
+    """The source for image_publisher: the number of a webcam, an address, or the full path of a file.
 
-    ``folder``: where a relative path begins. Raises InputError if it is not there.
+    ``folder``: the folder in which a relative path begins. Raises InputError if the source is not there.
     """
     if text.isdigit():
         if not os.path.exists(DEVICE + text):
@@ -39,7 +39,7 @@ def find_source(text, folder=''):
 
 
 def wait_for_source(text, folder):
-    """find_source, when it is there. Until then, it tells once what is missing."""
+    """Wait until the source is there, and return what find_source returns. Prints once what is missing."""
     told = None
     while True:
         try:

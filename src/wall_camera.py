@@ -41,7 +41,7 @@ MAX_LATE_S = 5.0  # rendering never takes this long; if the time is later than t
 COMMAND_S = 0.5   # without a command for this long, the robot stops
 START = Pose(-2.2, 0.0, 0.0)
 SWING_S = 4.0     # the period in which the exposure goes up and down
-LOOP_S = 3600.0   # the motion of the hand repeats after this time: seconds since 1970 would be too large
+LOOP_S = 3600.0   # the motion of the hand repeats after this time, since seconds since 1970 are too large
 
 MANUAL_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames of the camera: rgb8'),

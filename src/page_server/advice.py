@@ -8,9 +8,9 @@ from aruco_node.health.faults import fault_barrier
 from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
-OLD_S = 5.0   # a node that has been silent for so long has ended
+OLD_S = 5.0   # a node that has been silent for this time has ended
 MAX_TEXT = 400
-LOST_S = 1.0  # an area is missed once it has not been seen for so long
+LOST_S = 1.0  # an area that has not been seen for this time is reported
 NOTHING = '', False
 
 
@@ -44,7 +44,7 @@ class Advice:
 def sentence_of(status):
     """What a user should know of a DiagnosticStatus: an error, a hint, why there is no area, what may surprise.
 
-    Returns (sentence, whether it is an error). That frames are dropped is not said: the page shows the rate.
+    Returns (sentence, whether it is an error). It does not mention dropped frames, as the page shows the rate.
     """
     if status.level == ERROR:
         return status.message[:MAX_TEXT], True

@@ -25,10 +25,10 @@ from std_msgs.msg import Header
 
 EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6'
 PAINTER, SIMULATION = EXERCISES[-1:], ('wall_camera',)
-# Which nodes have a parameter; those with a slider are numbers, those with a field are texts.
+# The nodes that have each parameter. Sliders set numbers, and fields set texts.
 SLIDERS = {'opacity': PAINTER, 'noise': SIMULATION, 'falloff': SIMULATION}
 FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
-# The values of a switch that is off or on.
+# The nodes that have each switch's parameter, and its values for off and on.
 SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
             'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
 FOLDER = 'images'
@@ -47,7 +47,7 @@ class RemoteParameters:
         self._values, self._on_change = {}, on_change
         self._updates = rospy.Subscriber(self.name + '/parameter_updates', tolerant(Config), self._on_update)
         self._service = rospy.ServiceProxy(self.name + '/set_parameters', Reconfigure)
-        self._worker = ThreadPoolExecutor(1, name)  # so that this node delays no other
+        self._worker = ThreadPoolExecutor(1, name)  # each node has its own thread, so that none delays another
         self._lock, self._wanted, self._job = threading.Lock(), {}, None
 
     @property
@@ -109,14 +109,14 @@ class Choices:
         self._nodes = {name: RemoteParameters(name, on_change) for name in EXERCISES + SIMULATION}
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
-        self._drops = 0  # how many pictures were dropped. Only the last one is kept, and can be chosen again
+        self._drops = 0  # number of pictures that were dropped; only the last one can be chosen again
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
         values = {name: node.values for name, node in self._nodes.items()}
 
         def value(parameter, nodes):
-            """Of the first of these nodes that is running, or None."""
+            """The parameter's value in the first of these nodes that is running, or None."""
             return next((values[name][parameter] for name in nodes if parameter in values[name]), None)
         picture = value('picture', PAINTER)
         switches = {name: (value(name, nodes), on) for name, (nodes, (_, on)) in SWITCHES.items()}
@@ -187,7 +187,7 @@ class Choices:
             raise
 
     async def _set(self, names, **values):
-        """Set parameters of those of these nodes that are running."""
+        """Set parameters of all these nodes that are running. If none is, the first one refuses."""
         nodes = [self._nodes[name] for name in names]
         await asyncio.gather(*[node.set(**values) for node in nodes if node.values] or [nodes[0].set(**values)])
 

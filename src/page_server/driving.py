@@ -6,7 +6,7 @@ import threading
 import rospy
 from geometry_msgs.msg import Twist
 
-DEAD_MAN_S = 0.4  # the robot is stopped if the driver sends nothing for so long
+DEAD_MAN_S = 0.4  # the robot is stopped if the driver sends nothing for this time
 
 
 class DriveControl:

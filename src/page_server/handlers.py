@@ -13,11 +13,11 @@ from .access import is_own_name, is_same_site
 from .choices import MAX_BYTES
 from .topics import MAX_SIDE_PX
 
-BOUNDARY = 'boundarydonotcross'  # web_video_server's
-MAX_UPLOADS = 2                  # at the same time
-MAX_VIEWERS = 64                 # streams and snapshots at the same time
-STALLED_S = 30.0                 # a browser that receives nothing for so long is disconnected
-SILENT_S = 5.0                   # a snapshot waits for a frame for so long
+BOUNDARY = 'boundarydonotcross'  # the same as in web_video_server
+MAX_UPLOADS = 2                  # number of uploads at the same time
+MAX_VIEWERS = 64                 # number of streams and snapshots at the same time
+STALLED_S = 30.0                 # a browser that receives nothing for this time is disconnected
+SILENT_S = 5.0                   # a snapshot waits this long for a frame
 POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
           "connect-src 'self' ws://%s wss://%s; base-uri 'none'; form-action 'self'; frame-ancestors 'self'")
 
@@ -57,7 +57,7 @@ class BaseHandler(RequestHandler):
         if status_code == 405:
             self.set_header('Allow', ', '.join(
                 method for method in self.SUPPORTED_METHODS
-                # No handler has OPTIONS, so this is what a method that is not supported looks like.
+                # Tornado answers this way if a handler does not have the method, and none has OPTIONS.
                 if getattr(type(self), method.lower()) is not RequestHandler.options))
         self.refuse(status_code, 'The server cannot answer this request (%d: %s).'
                     % (status_code, self._reason))

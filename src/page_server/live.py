@@ -27,15 +27,15 @@ from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from .handlers import STALLED_S, BaseHandler
 
-SHOWN_S = 5.0       # a browser that shows no frame for so long is sent the next one anyway
-SILENT_S = 3.0      # after so long without a frame, the page says so
-STALE_S = 1.0       # ids of tags are not sent if they are older
-MAX_LATENCY_S = 60  # a frame that seems older was stamped by another clock
-MAX_VIEWS = 16      # of one browser
-MAX_WIDTH = 10000   # pixels
+SHOWN_S = 5.0       # a browser that shows no frame for this time is sent the next one anyway
+SILENT_S = 3.0      # after this time without a frame, the page says so
+STALE_S = 1.0       # ids of tags are not sent if they are older than this
+MAX_LATENCY_S = 60  # a frame that seems older than this was stamped by another clock
+MAX_VIEWS = 16      # number of topics that one browser shows
+MAX_WIDTH = 10000   # largest width of a frame, in pixels
 MAX_BROWSERS = 64
-MAX_UNSENT = 64     # a browser with more unsent JSON objects receives nothing, and is disconnected
-# Choices of one browser that are being made. A slider sends seven a second; a node may take 5 s for each.
+MAX_UNSENT = 64     # a browser with more unsent JSON objects receives nothing, so it is disconnected
+# Number of choices of one browser that are being made. A slider sends seven a second. A node may take 5 s each.
 MAX_CHOICES = 64
 
 

@@ -16,9 +16,9 @@ from aruco_node.ros_internals.subscribers import subscribe_newest, tolerant
 from rosgraph.names import is_legal_name
 from unit5.msg import TagArray
 
-LISTING_S = 1.0   # the master's list of topics is reused for so long
+LISTING_S = 1.0   # the master's list of topics is reused for this time
 MASTER_S = 5.0    # time limit for the master's answer
-RATE_S = 2.0      # frame rates are measured over so long
+RATE_S = 2.0      # frame rates are measured over this time
 MAX_SIDE_PX = 4096
 JPEG_START = b'\xff\xd8'
 
@@ -74,14 +74,14 @@ class SharedTopic:
             self._registrar.submit(self._update_subscription)
 
     def _update_subscription(self):
-        self._is_update_pending = False  # first, so that no later change of the users is missed
+        self._is_update_pending = False  # set first, so that no later change of the users is missed
         try:
             if self._users and self._subscriber is None:
                 self._subscriber = subscribe_newest(self.name, self._kind, self._on_message)
             elif not self._users and self._subscriber is not None:
                 self._subscriber.unregister()
                 self._subscriber = None
-        except Exception as error:  # of any kind: the master does not answer
+        except Exception as error:  # rospy raises many kinds if the master does not answer
             rospy.logwarn('The subscription to %s cannot be changed: %s', self.name, error)
 
     @fault_barrier
@@ -109,7 +109,7 @@ class ImageTopic(SharedTopic):
     async def jpeg(self, quality=None, width=None, height=None, most_width=None):
         """The newest frame as the bytes of a JPEG.
 
-        ``quality``: 1 to 100. ``width``, ``height``: pixels. None leaves each as the topic has it.
+        ``quality``: 1 to 100. ``width``, ``height``: pixels. None leaves it as the topic has it.
         ``most_width``: a wider frame is shrunk to this width, pixels.
         Raises InputError if the frame cannot be used.
         """

@@ -6,7 +6,7 @@ from collections import deque
 # A period is the time between two frames of the camera.
 STALE_PERIODS = 1.25     # an older result is stale: a subscriber should get it before it is two periods old
 DELAYED_PERIODS = 0.5    # a frame that arrives this much later than usual was delayed; the next follows soon
-NEXT_PERIODS = 1.25      # this long after the usual arrival of a frame, the next one has arrived, or will not
+NEXT_PERIODS = 1.25      # a frame that has not arrived this long after the usual time of the one before is lost
 MAX_WAIT_S = 0.1         # waiting longer for the next frame is not worthwhile
 MEDIAN_OF = 15           # the camera's period is the median of this many periods
 SMOOTHING = 1 / 16       # the weight of a new frame in the running means
@@ -24,9 +24,9 @@ class Lateness:
     def __init__(self) -> None:
         self._stamp = float('nan')
         self._periods: deque[float] = deque(maxlen=MEDIAN_OF)
-        self._usual_age = float('inf')  # of a frame when it arrives, if nothing delays it
+        self._usual_age = float('inf')  # the age of a frame when it arrives, if nothing delays it
         self._arrived = self._processing_s = 0.0
-        self._old_share = 1.0  # of old frames among the last ones; assumed to be all at first
+        self._old_share = 1.0  # the share of old frames among the last ones; at first all are assumed to be old
 
     def wait_for_next(self, stamp: float, now: float, missing: int) -> float:
         """How long to wait for the next frame, to process it instead of this one; 0 to process this one.

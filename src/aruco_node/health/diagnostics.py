@@ -12,13 +12,13 @@ from .faults import fault_barrier, last_fault
 
 PERIOD_S = 1.0
 WINDOW_S = 5.0       # rates and times are computed from the frames of the last WINDOW_S
-NO_TAGS_S = 10.0     # after so long without a tag in sight, there is a warning
+NO_TAGS_S = 10.0     # after this time without a tag in sight, there is a warning
 MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
 BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
 MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
 NONE_SEEN, YES, NO = 'none seen', 'yes', 'no'
 AREA_SEEN = 'area last seen (s ago)'
-MAX_LATENCY_S = 60.0  # a frame that seems older was stamped by another clock, or comes from a bag
+MAX_LATENCY_S = 60.0  # a frame that seems older than this was stamped by another clock, or comes from a bag
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
@@ -136,7 +136,7 @@ class FrameCount:
                 values['area in the last frame'] = YES if has_area else NO
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
-            # A node that is idle most of the time is not what drops them.
+            # A node that is idle most of the time does not drop them itself.
             busy = recent[:, 1].sum() > BUSY * np.ptp(recent[:, 0])
             remedy = 'Lower ~rate.' if tags is None else 'Lower ~scale, or set ~search to fast.'
             why = 'Slow: %s were dropped within %d s. ' + remedy if busy else \

@@ -10,8 +10,8 @@ from aruco_ar.base.errors import InputError
 
 from aruco_node.ros_internals.shutdown import is_ending
 
-RECENT_S = 3.0   # /diagnostics shows a fault for so long after it last occurred
-MAX_KINDS = 100  # so many kinds of faults are logged; /diagnostics shows the others, too
+RECENT_S = 3.0   # /diagnostics shows a fault for this time after it last occurred
+MAX_KINDS = 100  # only this many kinds of faults are logged; /diagnostics shows the others, too
 
 _logged_kinds: Set[Any] = set()
 _last: List[Tuple[float, str]] = []  # the last fault, if there was one: when, monotonic seconds, and a sentence

@@ -3,8 +3,8 @@ import re
 
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
 
-OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # not cameras
-SILENCE_S = 5.0  # after so long without a message, the node says why
+OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # no cameras
+SILENCE_S = 5.0  # after this time without a message, the node says why
 
 
 def explain_silence(camera, transport, published, own=()):

@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from .faults import note_fault
 
-WAIT_S = 5.0  # for a frame, from the call of the service
+WAIT_S = 5.0  # a call of the service waits this long for a frame
 
 
 class SnapshotService:
@@ -59,7 +59,7 @@ class SnapshotService:
     def _write(self):
         """Write the files, all or none. Returns their paths. Raises InputError if they cannot be written."""
         folder = os.path.abspath(os.path.expanduser(self._folder()))
-        # Not the frame's own time: it recurs while a bag is played in a loop.
+        # The name has this time and not the frame's own, which recurs while a bag is played in a loop.
         start = '%s_%s' % (rospy.get_name()[1:].replace('/', '_'),
                            datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3])
         paths = []

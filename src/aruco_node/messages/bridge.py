@@ -12,7 +12,7 @@ from sensor_msgs.msg import Image
 
 NUMPY_2 = b'numpy._core'  # only a module that is compiled for NumPy 2 contains this name
 LAST_OPENCV = 4  # OpenCV 5 has other type numbers, which cv_bridge does not know
-YUY2, UYVY = 'yuv422_yuy2', 'yuv422'  # they differ in the order of each two bytes; cv_bridge knows only UYVY
+YUY2, UYVY = 'yuv422_yuy2', 'yuv422'  # each pair of bytes is swapped between them; cv_bridge knows only UYVY
 
 
 @lru_cache(maxsize=None)

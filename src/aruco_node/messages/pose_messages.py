@@ -19,7 +19,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from .images import points_from_pixels
 
-MARKER_S = 0.5    # RViz removes a marker that is not renewed for so long
+MARKER_S = 0.5    # RViz removes a marker that is not renewed within this time
 THICKNESS_M = 0.002
 LINE_M = 0.01
 LABEL = 0.85      # distance of the label above the center of its tag, in sides of the tag

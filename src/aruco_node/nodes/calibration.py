@@ -22,7 +22,7 @@ CALIBRATE = 'Calibrate it: rosrun unit5 calibrate_camera.py --help'
 FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
 FOCAL_SHARES = 0.1, 100  # limits of the focal length, divided by the image's longer side: 157 to 0.6 degrees
-MAX_ASPECT = 2           # of the focal lengths across and down, one divided by the other
+MAX_ASPECT = 2           # limit of the ratio of the focal lengths across and down
 RECTIFIED = 'image_rect'  # image_proc's name of the topic of rectified frames
 
 

@@ -74,7 +74,7 @@ def image_topics(topics):
 def parameter_rows(settings, prefix, live=''):
     """Rows of the parameters of a class of settings: name, default, and what it is for.
 
-    ``prefix``: before each name. ``live``: after the defaults of those that can be changed while a node runs.
+    ``prefix``: what is put before each name. ``live``: the mark appended to the default of each live parameter.
     """
     values = ros_values(settings())
     return [(prefix + name, '%s%s' % (values[name], live if parameter.live else ''), parameter.sentence)
@@ -82,7 +82,7 @@ def parameter_rows(settings, prefix, live=''):
 
 
 def table(rows):
-    """Rows as text: three columns, of which the last goes on in further lines where it is long."""
+    """Rows as text in three columns. A long text in the last column continues in further lines."""
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     indent = ' ' * (sum(widths) + 6)
     return '\n'.join(

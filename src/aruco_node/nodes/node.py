@@ -20,7 +20,7 @@ from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
 from aruco_node.ros_internals.shutdown import is_ending
 
-EXIT_S = 5.0  # a node that is asked to end has ended after so long
+EXIT_S = 5.0  # a node that is asked to end has ended after this time
 
 
 def run_node(name, work, manual):
@@ -70,7 +70,7 @@ def _start(name):
     try:
         _check_names(rosgraph.names.load_mappings(sys.argv))
         rospy.init_node(name, disable_signals=True)
-    except Exception as error:  # of any kind, for example for a _PARAMETER:= that XML-RPC cannot carry
+    except Exception as error:  # rospy raises many kinds, for example if XML-RPC cannot carry a _PARAMETER:=
         raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
     fault = fault_of_bridge()
     if fault:
@@ -119,13 +119,13 @@ def read_settings(kind_of_settings):
 
 
 def parameter(name, default):
-    """The value of a private parameter, ~name. Raises InputError if the ROS master does not tell it."""
+    """The value of a private parameter, ~name. Raises InputError if it cannot be read from the ROS master."""
     return _get('~' + name, default)
 
 
 def _get(name, default):
     try:
         return rospy.get_param(name, default)
-    except Exception as error:  # of any kind, for example for a value that XML-RPC cannot carry
-        raise InputError('The ROS master does not tell the parameter %s (%s). Set it again: rosparam set '
+    except Exception as error:  # rospy raises many kinds, for example if XML-RPC cannot carry a value
+        raise InputError('The parameter %s cannot be read from the ROS master (%s). Set it again: rosparam set '
                          '%s VALUE.' % (name, error, rospy.resolve_name(name))) from None

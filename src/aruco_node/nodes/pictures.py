@@ -42,7 +42,7 @@ class TopicPicture:
         self._to_picture = to_frame if compressed else picture_from_image
         self._subscriber = None
         self._is_silence_logged = self._is_fault_logged = False
-        self._message = None  # the newest message. It is decoded when it is shown: most never are
+        self._message = None  # the newest message; it is decoded only when it is shown, as most are not
         self._picture = None
 
     def update_subscription(self, wanted):

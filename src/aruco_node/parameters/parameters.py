@@ -1,10 +1,10 @@
 """Parameters of nodes: each is a field of a dataclass, the settings of a kind of node.
 
 The field says the parameter's default, what it is for, and which values it
-takes. All else follows from that: the checks when a node starts, what
-dynamic_reconfigure offers (see reconfigure), what ``--help`` prints (see
-manual), the tables of the documentation, and the arguments of the launch files
-(see script/launch_args).
+takes. All else is made from that. reconfigure makes what dynamic_reconfigure
+offers, and manual makes what ``--help`` prints. script/launch_args makes the
+arguments of the launch files. The checks at a node's start and the tables of
+the documentation also come from it.
 """
 import re
 import reprlib
@@ -14,10 +14,10 @@ from typing import Callable, Tuple, Union
 from aruco_ar.base.errors import InputError, shorten
 
 AUTO = 'auto'
-MAX_TEXT = 64 * 1024  # characters of any text
-MAX_PATH = 4096       # characters of a path or a name: what Linux takes
-MAX_QUOTED = 100      # characters of a value that a sentence repeats
-# Characters which a parameter server cannot keep, since it writes XML, or which garble a log.
+MAX_TEXT = 64 * 1024  # longest text, in characters
+MAX_PATH = 4096       # longest path or name, in characters; Linux takes no longer one
+MAX_QUOTED = 100      # longest value that a sentence repeats, in characters
+# A parameter server cannot keep these characters, since it writes XML. Some also garble a log.
 CONTROL = re.compile('[\0-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]')
 
 
@@ -50,7 +50,7 @@ def _digits(number):
 
 @dataclass(frozen=True)
 class Choice:
-    """The kind of a parameter that is one of several texts. ``listed``: those that users are told of."""
+    """The kind of a parameter that is one of several texts. ``listed``: those that users see."""
 
     choices: Tuple[str, ...]
     listed: Tuple[str, ...]
@@ -114,7 +114,7 @@ def choice(default, choices, what, live=True, listed=None):
 
 
 def switch(default, what):
-    """A dataclass's field for a parameter that is True, False, or AUTO: the node decides."""
+    """A dataclass's field for a parameter that is True, False, or AUTO, with which the node decides."""
     return parsed(default, 'true, false or auto', what, _true_false_or_auto, lambda value: value, live=False)
 
 

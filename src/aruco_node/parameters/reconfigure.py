@@ -37,7 +37,7 @@ class Reconfigurer(CheckedServer):
                                  'changed are ~%s.' % (shorten(name, MAX_QUOTED), ', ~'.join(live)))
 
     def _put_back(self):
-        """Give a master that has lost the parameters all of them again, for when the node is started anew."""
+        """Give all parameters to a master that has lost them, so that a restarted node finds them there."""
         for name, value in ros_values(self._settings).items():
             if not ask('hasParam', rospy.resolve_name('~' + name))[1]:
                 ask('setParam', rospy.resolve_name('~' + name), value)
@@ -69,7 +69,7 @@ class Reconfigurer(CheckedServer):
 
 
 def _description(kind_of_settings):
-    """What generate_dynamic_reconfigure_options makes of a .cfg file, as far as the base class needs it."""
+    """As much of what generate_dynamic_reconfigure_options makes of a .cfg file as the base class needs."""
     defaults = ros_values(kind_of_settings())
     parameters = [_parameter_description(name, parameter, defaults[name])
                   for name, parameter in parameters_of(kind_of_settings).items() if parameter.live]

@@ -13,7 +13,7 @@ from rospy.impl import tcpros_base
 
 from . import warn_of_other
 
-HEADER_S = 5.0  # a client has so long to send its header
+HEADER_S = 5.0  # a client must send its header within this time
 # Unsent bytes that the kernel may hold for one client. By default Linux holds megabytes. On a slow network
 # these are seconds of old frames that nobody wants to see any more; rospy then leaves frames out instead.
 MAX_UNSENT_BYTES = 128 * 1024

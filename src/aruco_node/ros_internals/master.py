@@ -33,7 +33,7 @@ def ask(method, *arguments):
     try:
         with ServerProxy(rosgraph.get_master_uri(), transport=_ImpatientTransport()) as master:
             code, _, value = getattr(master, method)(rospy.get_name(), *arguments)
-    except Exception as error:  # of the network, of XML, of another server at that port
+    except Exception as error:  # the network, the XML, or another server at that port may be the cause
         raise no_answer(error) from None
     return code, value
 

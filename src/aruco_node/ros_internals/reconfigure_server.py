@@ -1,7 +1,7 @@
 """The server of dynamic_reconfigure, for parameters that are checked elsewhere.
 
 Symptom: dynamic_reconfigure's own server starts with unchecked values from the parameter server. It clips a
-number beyond its bounds without a word, fails for a group that it does not know, and waits forever where the
+number beyond its bounds without a word. It fails for a group that it does not know. It waits forever if the
 master hangs.
 Private: the methods of ``dynamic_reconfigure.server.Server`` in PRIVATE, which are overridden. Without them,
 parameters can be changed, but with these symptoms. Also ``_connection_header`` of a request, without which

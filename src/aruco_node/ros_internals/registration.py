@@ -30,7 +30,7 @@ try:
 except ImportError:
     IS_KNOWN = False  # another rospy
 
-PERIOD_S = 2.0  # so often the master is asked whether it knows the node
+PERIOD_S = 2.0  # time between the questions to the master whether it knows the node
 
 ROSOUT = '/rosout_disable_topics_generation'
 
@@ -51,7 +51,7 @@ def keep_registered():
         known = ask('subscribeParam', get_node_uri(), ROSOUT)[1]
     except InputError:
         known = False
-    # Until it has a value, rospy asks the master for it with each line of the log. That waits if the master
+    # Until this parameter is cached, rospy asks the master for it at every log line, and blocks if the master
     # hangs.
     get_param_server_cache().set(ROSOUT, known is True)
     threading.Thread(target=_watch, daemon=True).start()
@@ -80,7 +80,7 @@ def _watch():
 
 def _is_lost():
     """Whether the master does not know the node's first service or its last one: see _register."""
-    services = get_service_manager().get_services()  # every node has at least those of its logger
+    services = get_service_manager().get_services()  # every node has at least the services of its logger
     known = all(ask('lookupService', name)[0] == 1 for name, _ in (services[0], services[-1]))
     if known or is_ending():
         return False
@@ -93,7 +93,7 @@ def _register():
     topics, services, listeners = get_topic_manager(), get_service_manager(), get_registration_listeners()
     with topics.lock, services.lock:  # none may come or go meanwhile
         first, *others = services.get_services()
-        # If this master goes away, too, halfway through, the next one lacks the first service or the last.
+        # If this master dies halfway, the next one misses the first or the last service, so _is_lost notices.
         for names, kind in (([first], Registration.SRV), (topics.get_publications(), Registration.PUB),
                             (topics.get_subscriptions(), Registration.SUB), (others, Registration.SRV)):
             for name, what in names:
