@@ -1,0 +1,82 @@
+"""How large folders and files may be, what may import what, and that what the documentation shows exists."""
+import ast
+import glob
+import os
+import re
+
+import pytest
+from robustness.__main__ import PARTS
+
+MOST_FILES, MOST_LINES = 8, 300
+LATER = ast.FunctionDef, ast.AsyncFunctionDef  # what these import is not imported when their file is loaded
+INCLUDED = re.compile(r'^```\{(?:literalinclude|include)\} (\S+)', re.MULTILINE)
+GENERATED = os.sep + os.path.join('docs', 'generated') + os.sep  # Sphinx makes these files: see docs/conf.py
+
+
+def modules(package):
+    """The paths of all Python files in the packages in src/."""
+    return [path for room in [*glob.glob(package + '/src/aruco_*/'), package + '/src/page_server/']
+            for path in glob.glob(room + '**/*.py', recursive=True)]
+
+
+def imported(path, package, left_out=()):
+    """The whole names of what a file in src/ imports, except within nodes of the kinds ``left_out``."""
+    own = os.path.relpath(path, package + '/src').split(os.sep)
+    with open(path, encoding='utf-8') as file:
+        waiting = ast.parse(file.read()).body
+    for node in waiting:
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            module = '.'.join([*own[:-node.level], *filter(None, [node.module])]) if node.level else node.module
+            yield from (module + '.' + alias.name for alias in node.names)
+        elif not isinstance(node, left_out):
+            waiting.extend(ast.iter_child_nodes(node))
+
+
+def test_no_folder_and_no_file_is_too_large(package):
+    paths = modules(package)
+    folders = [os.path.dirname(path) for path in paths if os.path.basename(path) != '__init__.py']
+    assert len(paths) > 100
+    assert {each: folders.count(each) for each in folders if folders.count(each) > MOST_FILES} == {}
+    for path in paths:
+        with open(path, encoding='utf-8') as file:
+            assert len(file.readlines()) <= MOST_LINES, path
+
+
+def test_the_vision_imports_no_ros(package):
+    for path in modules(package):
+        if path.startswith(package + '/src/aruco_ar/'):
+            assert not {'rospy', 'cv_bridge'} & {name.split('.')[0] for name in imported(path, package)}, path
+
+
+def test_the_folders_of_the_vision_do_not_import_each_other_in_a_circle(package):
+    root = package + '/src/aruco_ar/'
+    uses = {}  # {folder: the folders that it imports from}
+    for path in modules(package):
+        folder, _, file = path[len(root):].partition(os.sep)
+        if path.startswith(root) and file:
+            uses.setdefault(folder, set()).update(name.split('.')[1] for name in imported(path, package, LATER)
+                                                  if name.startswith('aruco_ar.'))
+    uses = {folder: used & (set(uses) - {folder}) for folder, used in uses.items()}
+    assert sum(map(len, uses.values())) > 20
+    while uses:
+        free = [folder for folder, used in uses.items() if not used & set(uses)]
+        assert free, 'a circle: %s' % uses
+        for folder in free:
+            del uses[folder]
+
+
+@pytest.mark.parametrize('part', PARTS)
+def test_the_results_of_every_torture_test_are_recorded(part, package):
+    assert os.path.isfile('%s/docs/results/torture_%s.txt' % (package, part))
+
+
+def test_every_included_file_exists(package):
+    targets = []
+    for page in glob.glob(package + '/docs/**/*.md', recursive=True):
+        with open(page, encoding='utf-8') as file:
+            targets += [(page, os.path.normpath(os.path.join(os.path.dirname(page), target)))
+                        for target in INCLUDED.findall(file.read())]
+    assert len(targets) > 30
+    assert [each for each in targets if GENERATED not in each[1] and not os.path.isfile(each[1])] == []
