@@ -10,19 +10,19 @@
 
 #define PROFILE 9        /* samples of a profile */
 #define UNKNOWNS 9       /* the eight coordinates of the corners, and the blooming of light cells into dark ones */
-#define STEPS 6          /* of the fit */
-#define BLUR 0.15f       /* cells: the first estimate of the blur's standard deviation */
+#define STEPS 6          /* number of steps of the fit */
+#define BLUR 0.15f       /* first estimate of the blur's standard deviation, in cells */
 #define MIN_BLUR 0.05f
 #define MAX_BLUR 0.6f
-#define MIN_SLOPE 0.05f  /* of the contrast, in the middle of a profile */
+#define MIN_SLOPE 0.05f  /* least slope in the middle of a profile, as a share of the contrast */
 /* Distances from the expected edge, relative to a profile's length: an edge farther off is another one; the
    largest mean while fitting; the largest mean after the last step. */
 #define MAX_OFF 0.4f
 #define MAX_MEAN_OFF 0.2f
 #define MAX_FINAL_OFF 0.03f
-#define MIN_SEEN 0.9f    /* of all edges between cells: if fewer are found, something covers the tag */
+#define MIN_SEEN 0.9f    /* share of the edges between cells that must be found; otherwise something covers the tag */
 #define MIN_EDGES 8
-#define MAX_MOVED 1.5f   /* cells: a corner is not moved farther */
+#define MAX_MOVED 1.5f   /* a corner is not moved farther than this, in cells */
 #define RIDGE 1e-3       /* added to the diagonal, so that poorly determined unknowns stay small */
 
 /* How far beyond a profile's middle it crosses from dark to light, or back, in samples. Also its contrast, which

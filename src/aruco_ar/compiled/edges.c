@@ -24,9 +24,9 @@
 #define MIN_FINE_PX 1.2f
 #define MAX_FINE_PX 5.0f
 #define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
-#define MAX_BENT 0.35f    /* of the reach: half of an edge's profiles must be off its line by less */
-#define MARGIN_LIGHT 0.9f /* of the contrast: samples at least as light are the margin */
-#define STEADY 0.5f       /* of an edge's contrast: most profiles must have more, with a narrow margin */
+#define MAX_BENT 0.35f    /* half of an edge's profiles must be off its line by less than this share of the reach */
+#define MARGIN_LIGHT 0.9f /* samples at least this light, as a share of the contrast, are the margin */
+#define STEADY 0.5f       /* with a narrow margin, most profiles must have this share of the contrast */
 
 #define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
 const int profile_count = PROFILES;

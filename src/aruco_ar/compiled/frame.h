@@ -3,8 +3,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#define MIN_CONTRAST 12   /* gray levels between black and white, or it is noise */
-#define MAX_BEYOND 0.25f  /* of the contrast: where a profile is darker or lighter than its ends, it is clipped */
+#define MIN_CONTRAST 12   /* least difference between black and white, in gray levels; less is noise */
+#define MAX_BEYOND 0.25f  /* a profile is clipped where it is beyond its ends by more than this share of the contrast */
 
 typedef struct { float x, y; } Point;
 typedef struct { const uint8_t *pixels; int64_t row; int width, height, channels; } Frame;

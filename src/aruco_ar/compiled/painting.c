@@ -5,13 +5,13 @@
    other in memory, even if the picture is turned. */
 #define TILE_WIDTH 64
 #define TILE_HEIGHT 32
-#define CLEARLY_PX 6   /* undistorted: a pixel that is farther than this from all sides is not on the rim */
-#define RUN 16         /* pixels of a row, of which the first and the last show whether all are in the area */
-#define ONE_LEVEL 0.4f /* of the way from one level of a pyramid to the next: so near to a level, it is used alone */
-#define FILTER_RUN 32  /* pixels of a row that are filtered alike */
-#define SHARPER 0.15f  /* levels: so much is taken from the level at which nothing at all would shimmer */
-#define MAX_STEP 1e5f   /* from one pixel to the next; no picture is so large */
-#define MAX_PROBES 4   /* samples along what a pixel covers of a picture on a slanted wall */
+#define CLEARLY_PX 6   /* a pixel that is farther than this from all sides, in undistorted pixels, is not on the rim */
+#define RUN 16         /* length of a run of pixels; its first and last one show whether all are in the area */
+#define ONE_LEVEL 0.4f /* a level of the pyramid is used alone within this share of the way to the next */
+#define FILTER_RUN 32  /* number of neighboring pixels of a row that are filtered alike */
+#define SHARPER 0.15f  /* the level is lower by this than the one at which nothing at all would shimmer */
+#define MAX_STEP 1e5f   /* longest step from one pixel to the next; no picture is as large */
+#define MAX_PROBES 4   /* most samples along what a pixel covers of a picture on a slanted wall */
 #define STEPS 256   /* positions in the picture are rounded to this many steps per pixel */
 
 /* right * x + down * y + rest is the distance of a pixel from a side of the area, in pixels inward, plus a half. */
@@ -42,7 +42,7 @@ static float cover_of(const Side sides[4], int x, int y)
     return larger(cover, 0);
 }
 
-typedef struct { int first, last; } Span;  /* of pixels in a row */
+typedef struct { int first, last; } Span;  /* a span of pixels in a row */
 
 /* The pixels of a row whose cover is at least ``least``, within 0 and width - 1. */
 static Span find_span(const Side sides[4], int y, double least, int width)

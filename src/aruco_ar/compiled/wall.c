@@ -2,9 +2,9 @@
    wall_model.py in looks/ call this. */
 #include "frame.h"
 
-/* Light changes the brightness of a pixel, and its color a little: by this share of the brightness. Besides, a pixel
-   may differ by so many deviations of its noise, and by gray levels. The rims of a pattern may be blurred, or off by a
-   pixel: there it may differ by a share of the contrast nearby. */
+/* How much a pixel may differ from the wall. Light changes its color by less than SHARE of the brightness. Noise
+   changes it by less than DEVIATIONS standard deviations plus LEVELS gray levels. The rims of a pattern may be blurred
+   or off by a pixel. There it may also differ by RIM_SHARE of the contrast nearby. */
 #define SHARE 0.08f
 #define DEVIATIONS 3.5f
 #define LEVELS 2.0f
@@ -64,7 +64,7 @@ int64_t compare(const uint8_t *seen, const float *look, const float whole[3], co
     int64_t count = (int64_t)width * height, found = 0;
     compare_pixels(seen, look, whole, contrast, variance, count, planes);
     const float *lights = planes + LIGHT * count;
-    float least[width], most[width];  /* of the light in three rows */
+    float least[width], most[width];  /* the least and the most light in three rows */
     for (int y = 0; y < height; y++) {
         const float *row = lights + (int64_t)y * width;
         const float *upper = y > 0 ? row - width : row, *lower = y < height - 1 ? row + width : row;
