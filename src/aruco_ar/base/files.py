@@ -147,7 +147,7 @@ class _PlainLoader(yaml.SafeLoader):
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):
-            event = self.peek_event()  # type: ignore[no-untyped-call]  # of PyYAML
+            event = self.peek_event()  # type: ignore[no-untyped-call]  # PyYAML has no types
             raise MarkedYAMLError(problem='aliases are not allowed; write out the value of *%s' % event.anchor,
                                   problem_mark=event.start_mark)
         return super().compose_node(parent, index)

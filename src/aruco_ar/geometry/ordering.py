@@ -28,8 +28,8 @@ def order_coordinates(points: Numbers) -> Floats:
     ``points``: (4, 2) in any order, x to the right and y down. The result has
     their dtype, and does not depend on their order.
 
-    The course's rule is tried first: x + y is least at the top left and
-    greatest at the bottom right; y - x is least at the top right and greatest
+    The course's rule is tried first. x + y is least at the top left and
+    greatest at the bottom right. y - x is least at the top right and greatest
     at the bottom left. If a square is turned by about 45 degrees, that rule
     can choose one point twice. Then the points are taken clockwise around
     their middle, starting with the one that fits the four directions best.

@@ -55,8 +55,8 @@ def approximate_poses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | N
     ``points``: (k, 3) meters, with z = 0. ``rays``: (k, 2), along which they are seen. The method is by
     T. Collins and A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
     """
-    # OpenCV takes the root of a rounding error, which may be negative, for a tag in the middle of the view
-    # that is turned about one of its own edges. Then a second attempt with slightly changed rays succeeds.
+    # A tag in the middle of the view may be turned about one of its own edges. OpenCV then takes the root of a
+    # rounding error, which may be negative. A second attempt with slightly changed rays succeeds.
     for nudge in (0, NUDGE * (np.arange(rays.size) % 3).reshape(rays.shape)):
         try:
             _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays + nudge, np.eye(3), NO_ARRAY,

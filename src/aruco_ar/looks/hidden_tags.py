@@ -24,8 +24,8 @@ PLACE_OF = 30          # a tag's place is the running mean of about this many fr
 MEAN_OF = 60           # the wall's look is the running mean of about this many frames
 ALIKE = 0.15           # colors are alike if they differ by less than this share of their brightness
 INPAINT_AFTER = 1, 4, 16, 64  # numbers of learned frames after which a patch is inpainted
-# If more than this share of a patch turned out not to be the wall, it is inpainted again.
-# This takes place at least so many learned frames after the last time.
+# If more than this share of a patch turned out not to be the wall, it is inpainted again, but not within this
+# number of learned frames.
 REPLACED, AGAIN_AFTER = 0.01, 8
 EVERY = 2, 4           # light is measured in every second frame, and a known wall is learned in every fourth
 KNOWN_AFTER = 16       # number of learned frames after which a wall is known

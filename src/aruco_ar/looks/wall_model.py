@@ -27,8 +27,8 @@ STILL_S = 1.0
 MOVED_SHARE = 0.03
 VARIANCE = 4.0                  # assumed variance of the noise until it is known
 VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of the variance
-# The wall or the light is another one if more than the first share of the wall differs, and less than the
-# second share did in the frame before.
+# The wall or the light is another one if more than ANOTHER_SHARE of the wall differs from the look, and less
+# than BEFORE_SHARE did so in the frame before.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
 MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light

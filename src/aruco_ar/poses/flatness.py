@@ -1,8 +1,8 @@
 """How far tags are off the plane of the other tags, judged by the last frames together.
 
-A tag on a box a few centimeters in front of the wall differs from a tag on the
-wall only from near, or over many frames. So the weighted mean of the last
-frames is taken. It is assumed to be no more certain than a single frame: the
+A tag on a box a few centimeters in front of the wall looks like a tag on the
+wall. Only a near view or many frames show the difference. So the weighted mean
+of the last frames is taken. It is assumed to be no more certain than a single frame: the
 errors of corners repeat from frame to frame, and paper bulges in all of them.
 """
 from __future__ import annotations

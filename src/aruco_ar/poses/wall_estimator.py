@@ -25,12 +25,12 @@ MIN_SIGHTINGS = 3        # tags must be seen in one plane this many times to be 
 FORGET_S = 0.5           # a tag seen elsewhere for this time, and MIN_SIGHTINGS times, loses its place
 LEARN_PX = 2.0           # places are learned only if a tag has moved this far in the frame since the last time
 LEARN_ALWAYS = 3         # places are learned this many times at first, even if no tag has moved
-# A tag is in its place if the root mean square error of its corners is less than this: some standard
-# deviations, and the error that even a good wall, lens and print leave.
+# A tag is in its place if the root mean square error of its corners is less than OFF_DEVIATIONS standard
+# deviations plus OFF_PX. Even a good wall, lens and print leave an error of OFF_PX.
 OFF_DEVIATIONS, OFF_PX = 3.0, 0.2
-# Tags are in one plane if each is off the plane of the others by no more than COPLANAR, in squared standard
-# deviations of 3 numbers (1 in 30 is more). Their heights must also be known as exactly as HEIGHT_M: from far
-# away, any tags seem to be in one plane, even if one is on a box.
+# Tags are in one plane if each is off the plane of the others by at most COPLANAR, in squared standard
+# deviations of 3 numbers. 1 in 30 is off by more. Their heights must also be known as exactly as HEIGHT_M:
+# from far away, any tags seem to be in one plane, even if one is on a box.
 COPLANAR, HEIGHT_M = 9.0, 0.0125
 # Far away, this share of the distance is the limit instead of HEIGHT_M, except for two tags alone.
 HEIGHT_SHARE = 0.005

@@ -46,8 +46,8 @@ MIN_LIKENESS = 0.8
 # Cells that are reread are sharpened by this kernel, since the cells of a far tag
 # are blurred into each other.
 SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32)
-# In a reread tag, at most this part of the black border may be light, and at most
-# this part of the white ring around it may be dark.
+# In a reread tag, at most this share of the black border may be light. At most the
+# same share of the white ring around it may be dark.
 MAX_WRONG = 0.15
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this

@@ -145,8 +145,8 @@ class Tracker:
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
         self._lost: set[int] = set()  # those of the four that the search in the last frame did not find
         self._further, self._new_layout = FurtherTags(), NewLayout()
-        # The last times when the whole frame was searched, when tags or texture located the area, when tags
-        # located it, and when it was located well enough.
+        # The last times of four events: the whole frame was searched, tags or texture located the area, tags
+        # located it, and it was located well enough.
         self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
         if self._layout is not None:
             self._searched_at = self._clock.now
