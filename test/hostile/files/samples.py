@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from PIL import Image
 
+from .png import chunk, png
 from .yaml_texts import TEXTS
 
 GIGANTIC = 20 * 2**30  # bytes: the size of a sparse file, which takes no space on the disk
@@ -107,17 +108,6 @@ def video(suffix, fourcc, size=(64, 48), count=8):
     with open(path, 'rb') as file:
         os.unlink(path)
         return file.read()
-
-
-def png(width, height, rows=b'', bits=1, kind=0, more=b''):
-    """A PNG that claims this size. ``rows``: its uncompressed data. ``more``: chunks before the data."""
-    head = struct.pack('>IIBBBBB', width, height, bits, kind, 0, 0, 0)
-    return b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', head) + more + chunk(b'IDAT', zlib.compress(rows, 9)) + \
-        chunk(b'IEND', b'')
-
-
-def chunk(name, data):
-    return struct.pack('>I', len(data)) + name + data + struct.pack('>I', zlib.crc32(name + data))
 
 
 def _good_pictures():

@@ -11,6 +11,8 @@ from rospy import Time
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from std_msgs.msg import Header
 
+from hostile.files.png import chunk, png_of
+
 KNOWN = ['bgr8', 'rgb8', 'bgra8', 'rgba8', 'mono8', 'bgr16', 'rgb16', 'bgra16', 'rgba16', 'mono16', 'yuv422',
          'yuv422_yuy2', *('bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg')
                           for bits in (8, 16))]
@@ -218,20 +220,10 @@ def _size_of(encoding):
     return channels * (2 if '16' in encoding else 4 if '32' in encoding else 8 if '64' in encoding else 1)
 
 
-def _chunk(kind, data):
-    return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
-
-
-def _png(width, height, *chunks, depth=8, color=0):
-    header = struct.pack('>IIBBBBB', width, height, depth, color, 0, 0, 0)
-    return b'\x89PNG\r\n\x1a\n' + _chunk(b'IHDR', header) + \
-        b''.join(_chunk(*chunk) for chunk in chunks) + _chunk(b'IEND', b'')
-
-
 def _png_of_size(data, width, height):
     header = bytearray(data[16:29])
     header[:8] = struct.pack('>II', width, height)
-    return data[:8] + _chunk(b'IHDR', bytes(header)) + data[33:]
+    return data[:8] + chunk(b'IHDR', bytes(header)) + data[33:]
 
 
 def jpeg_of_size(data, width, height):
@@ -260,9 +252,10 @@ def _bombs():
     scan = jpeg[jpeg.rfind(b'\xff\xda'):-2]
     zeros = zlib.compress(bytes(1000 * 1001), 9)
     return [jpeg_of_size(jpeg, 65000, 65000), jpeg_of_size(jpeg[:-2] + scan * 5000 + b'\xff\xd9', 8000, 8000),
-            jpeg_of_size(jpeg, 5000, 5000), _png(65000, 65000, (b'IDAT', zeros)),
-            _png(2**31 - 1, 1, (b'IDAT', zeros)), _png(1000, 1000, (b'IDAT', zeros[:500])),
-            _png(64, 64, (b'IDAT', zeros)), _png(32, 32, (b'IDAT', b'')),
-            _png(8, 8, (b'zTXt', b'a\0\0' + zlib.compress(bytes(10**7))), (b'IDAT', zlib.compress(bytes(72)))),
-            _png(8, 8, (b'IDAT', zlib.compress(b'\x09' * 72))), _png(8, 8, depth=16, color=6),
+            jpeg_of_size(jpeg, 5000, 5000), png_of(65000, 65000, chunk(b'IDAT', zeros)),
+            png_of(2**31 - 1, 1, chunk(b'IDAT', zeros)), png_of(1000, 1000, chunk(b'IDAT', zeros[:500])),
+            png_of(64, 64, chunk(b'IDAT', zeros)), png_of(32, 32, chunk(b'IDAT', b'')),
+            png_of(8, 8, chunk(b'zTXt', b'a\0\0' + zlib.compress(bytes(10**7))) +
+                   chunk(b'IDAT', zlib.compress(bytes(72)))),
+            png_of(8, 8, chunk(b'IDAT', zlib.compress(b'\x09' * 72))), png_of(8, 8, b'', bits=16, kind=6),
             cv2.imencode('.png', gray)[1].tobytes()]

@@ -21,7 +21,7 @@ from aruco_node.messages.images import (
 )
 from aruco_node.ros_internals.subscribers import tolerant
 from cv_bridge import CvBridge
-from hostile.files.samples import chunk, png
+from hostile.files.png import chunk, png
 from hostile.messages.camera_messages import KNOWN, Hostile
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header

@@ -10,7 +10,8 @@ import pytest
 from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.painting.sources import open_source
-from hostile.files.samples import GIGANTIC, animation, png, video
+from hostile.files.png import png
+from hostile.files.samples import GIGANTIC, animation, video
 
 MAX_MB = 1000  # of the process that opens the files: a little more than the largest allowed picture needs
 

@@ -11,7 +11,7 @@ import rospy
 import rostest
 from aruco_node.messages.images import frame_from_image, image_from_frame
 from dynamic_reconfigure.client import Client
-from hostile.files.samples import png
+from hostile.files.png import png
 from rig.nodes.case import GRAY, scene
 from rig.nodes.topics import Connections, Inbox
 from rig.processes import started

@@ -4,13 +4,12 @@ import asyncio
 import json
 import queue
 import socket
-import struct
-import zlib
 
 import cv2
 import rospy
 import rostest
 from geometry_msgs.msg import Twist
+from hostile.files.png import png
 from rig.nodes.topics import Inbox
 from rig.page.server import PICTURE, ServerTest, ask, free_port
 from rig.processes.started import WAIT_S, node
@@ -21,11 +20,7 @@ from tornado.websocket import websocket_connect
 
 def bomb(side):
     """A PNG of a few bytes with side x side pixels."""
-    def chunk(kind, data):
-        return struct.pack('>I', len(data)) + kind + data + struct.pack('>I', zlib.crc32(kind + data))
-    rows = zlib.compress(b'\0' * ((side // 8 + 1) * side), 9)
-    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', struct.pack('>IIBBBBB', side, side, 1, 0, 0, 0, 0))
-            + chunk(b'IDAT', rows) + chunk(b'IEND', b''))
+    return png(side, side, bytes((side // 8 + 1) * side))
 
 
 class PageDoor(ServerTest):
