@@ -42,6 +42,12 @@ def frame(wall, view):
 
 
 @pytest.fixture
+def earth():
+    """The picture that is painted unless another is chosen."""
+    return aruco_ar.load_picture(os.path.join(PACKAGE, 'images', 'earth.jpg'))
+
+
+@pytest.fixture
 def random():
     return np.random.RandomState(7)
 

@@ -1,9 +1,7 @@
 """Exercise 5.6 itself, without ROS: what it paints."""
-import os
-
 import numpy as np
 import pytest
-from aruco_ar import Lens, Tracker, load_picture, overlay
+from aruco_ar import Lens, Tracker, overlay
 from aruco_ar.exercise import Scene, Stage
 from aruco_ar.painting.sources import Still
 from aruco_ar.simulation.robot import Camera
@@ -11,11 +9,6 @@ from aruco_node.parameters.settings import PictureSettings
 from exercise5_6 import EXERCISE, paint_picture
 
 LENS = Lens(640, 480, Camera().matrix, np.array([-0.3, 0.1, 0.001, -0.001, 0.0]))
-
-
-@pytest.fixture
-def earth(package):
-    return load_picture(os.path.join(package, 'images', 'earth.jpg'))
 
 
 @pytest.mark.parametrize('fit', ['stretch', 'contain', 'cover'])

@@ -10,7 +10,6 @@ from aruco_ar import (
     area_mask,
     fill_polygon,
     find_area,
-    load_picture,
     mark_centers,
     mark_tags,
     overlay,
@@ -43,11 +42,6 @@ def away_from_rim(area, shape, px):
 
 def course_overlay(frame, picture, area):
     return Course('DICT_6X6_250', picture).paint_at(frame, area.corners)
-
-
-@pytest.fixture
-def earth(package):
-    return load_picture(package + '/images/earth.jpg')
 
 
 def test_the_area_is_where_the_truth_says(wall, view, frame):
