@@ -2,6 +2,7 @@
 import threading
 import time
 import urllib.request
+from collections import Counter
 from itertools import count
 
 import numpy as np
@@ -55,8 +56,7 @@ class _Nodes:
         suffix, _, _ = TRANSPORTS[transport]
         self._kind = CompressedImage if suffix else Image
         self._camera = PacedPublisher(CAMERA + suffix, self._kind)
-        self._info = rospy.Publisher(CAMERA.replace('image_raw', 'camera_info'), CameraInfo, latch=True,
-                                     queue_size=1)
+        self._info = PacedPublisher(CAMERA.replace('image_raw', 'camera_info'), CameraInfo, latch=True)
         self._port = free_port()
         self._nodes = {}
         for name in [*OUTPUTS, 'page']:
@@ -65,7 +65,7 @@ class _Nodes:
                 arguments += ['__name:=screen', '_picture:=topic:' + CAMERA + suffix]
             self._nodes[name] = node('exercise5_6.py' if name == 'screen' else name + '.py', *arguments)
         self._answers, self._wanted, self._changed = {}, None, threading.Condition()
-        self._received = {}
+        self._received, self._reports, self._asked = {}, Counter(), rospy.Time.now()
         self._diagnostics = rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics,
                                              queue_size=100)
         # With this subscriber, tag_poses listens to /tf, where its own poses are, too.
@@ -152,8 +152,8 @@ class _Nodes:
 
     def _answers_to_good(self):
         """{node: {topic: message}}: the answers of all nodes to a good frame."""
-        self._info.publish(camera_info(Camera(), Header()))
-        time.sleep(1)  # camera_info may arrive later than frames, on its own connection
+        for _ in range(2):  # when a node reads the second one, it has taken in the first one
+            self._info.publish(camera_info(Camera(), Header()))
         with self._changed:
             self._answers, self._wanted = {}, rospy.Time(1000, 2)
         # A frame of another size makes the nodes forget what they learned from hostile ones.
@@ -181,8 +181,12 @@ class _Nodes:
 
     def _least_received(self):
         """The least number of frames that any node has received, once all that were sent are counted."""
-        time.sleep(3)  # /diagnostics arrives once a second
-        return min(self._received[name] for name in OUTPUTS)
+        alive = [name for name in OUTPUTS if self._nodes[name].process.poll() is None]
+        with self._changed:
+            # The last frame has been read, but may be missing in one report; the next comes a second later.
+            self._reports, self._asked = Counter(), rospy.Time.now()
+            self._changed.wait_for(lambda: all(self._reports[name] > 1 for name in alive), STUCK_S)
+            return min(self._received[name] for name in OUTPUTS)
 
     def _idle(self):
         """{node: % of a core that it uses while frames arrive and nobody subscribes to its output}."""
@@ -221,7 +225,10 @@ class _Nodes:
             name = status.name.split(':')[0]
             values = {item.key: item.value for item in status.values}
             if 'frames in' in values:
-                self._received[name] = int(values['frames in'])
+                with self._changed:
+                    self._received[name] = int(values['frames in'])
+                    self._reports[name] += message.header.stamp > self._asked
+                    self._changed.notify_all()
 
     def _on_answer(self, message, place):
         if isinstance(message, TagPoseArray):

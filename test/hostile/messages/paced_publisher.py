@@ -16,11 +16,11 @@ class PacedPublisher(rospy.Publisher):
     sock_diag interface of netlink, how many bytes wait to be read at the other ends.
     """
 
-    def __init__(self, topic, kind, listener=None):
+    def __init__(self, topic, kind, listener=None, latch=False):
         with warnings.catch_warnings():
             # Without a queue, publish returns after everything is sent, but rospy warns.
             warnings.simplefilter('ignore')
-            super().__init__(topic, kind, listener)
+            super().__init__(topic, kind, listener, latch=latch)
         self._kernel = socket.socket(socket.AF_NETLINK, socket.SOCK_RAW, 4)
 
     def publish(self, message):
