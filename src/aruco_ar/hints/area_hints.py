@@ -19,6 +19,10 @@ class AreaHints:
     def __init__(self, ids: Sequence[int], upright: str | None) -> None:
         """``ids``: those that the area's tags must have, if any. ``upright``: see Tracker; None without one."""
         self._ids, self._upright = ids, upright
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the frames before."""
         self.sentences: dict[str, str] = {}
         self._since: dict[str, float] = {}
 

@@ -1,7 +1,7 @@
 """All that a user of a camera may have overlooked."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.tag import Tag
@@ -11,8 +11,6 @@ from .area_hints import AreaHints
 from .missed_tags import MissedTags
 from .other_tags import OtherTags
 
-HINT_PARAMETERS = 'dictionary', 'ids', 'search', 'upright'  # hints begin anew if one of these is changed
-
 
 class Hints:
     """Watches frames and what is found in them.
@@ -21,10 +19,11 @@ class Hints:
     {kind: sentence} about what may surprise the user.
     """
 
-    def __init__(self, dictionary: str, ids: Sequence[int], search: str, upright: str | None) -> None:
-        """``dictionary``, ``ids``, ``search``: those of the Detector. ``upright``: see Tracker."""
-        self._other_tags = OtherTags(dictionary, ids)
-        self._missed_tags = MissedTags(dictionary, ids, search)
+    def __init__(self, detection: Mapping[str, Any], upright: str | None) -> None:
+        """``detection``: the arguments of the Detector. ``upright``: see Tracker; None without one."""
+        ids = detection['ids']
+        self._other_tags = OtherTags(detection['dictionary'], ids)
+        self._missed_tags = MissedTags(detection)
         self._area_hints = AreaHints(ids, upright)
 
     @property
@@ -35,12 +34,21 @@ class Hints:
     def notes(self) -> dict[str, str]:
         return self._area_hints.sentences
 
-    def update(self, frame: Image, stamp: float, tags: Sequence[Tag], areas: Sequence[Area | None]) -> None:
+    def reset(self) -> None:
+        """Begin anew, after a pause without frames."""
+        self._other_tags.reset()
+        self._missed_tags.reset()
+        self._area_hints.reset()
+
+    def update(self, frame: Image, stamp: float, tags: Sequence[Tag],
+               areas: Sequence[Area | None]) -> list[Callable[[], None]]:
         """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds.
 
-        ``tags``: those in sight. ``areas``: each Area, or None where it is not known.
+        ``tags``: those in sight. ``areas``: each Area, or None where it is not known. Returns functions that
+        search the frame for other tags. They may be called in another thread, and bring hints later.
         """
         has_area = any(area is not None for area in areas)
-        self._other_tags.update(frame, stamp, bool(tags) or has_area)
-        self._missed_tags.update(frame, stamp, {tag.id for tag in tags}, has_area)
+        searches = [self._other_tags.update(frame, stamp, bool(tags) or has_area),
+                    self._missed_tags.update(frame, stamp, {tag.id for tag in tags}, has_area)]
         self._area_hints.update(stamp, tags, areas[0] if len(areas) == 1 else None)
+        return [search for search in searches if search is not None]

@@ -1,15 +1,21 @@
 """Tags in sight that only the most thorough search finds."""
 from __future__ import annotations
 
-from typing import AbstractSet, Iterable
+from functools import partial
+from typing import AbstractSet, Any, Callable, Mapping
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.detector import Detector
+from aruco_ar.tags.edges import side_of
+
+from .searches import Found, Searches, shrunk
 
 WAIT_S = 3.0    # less than four tags must be in sight for this time before others are looked for
-LOOK_S = 2.0    # time between two searches, since such a search takes long
-LOOKS = 3       # number of searches in a row that must find the same tags
+PAUSE_S = 2.0   # time between two searches, at least
+HITS = 3        # number of searches in a row that must find the same tags
 FOUR = 4        # with this number of tags in sight, no others are looked for
+# After this number of searches in vain, the next ones are rarer. They go on, since the wall may come later.
+TRIES, RARER = 10, 10.0
 THOROUGH = 'thorough'
 
 
@@ -19,32 +25,53 @@ class MissedTags:
     ``hint``: a sentence about them with what to do; None without such tags.
     """
 
-    def __init__(self, dictionary: str, ids: Iterable[int], search: str) -> None:
-        """``dictionary``, ``ids``, ``search``: those of the Detector that misses them."""
-        self._detector = None if search == THOROUGH else Detector(dictionary, ids, THOROUGH)
+    def __init__(self, detection: Mapping[str, Any]) -> None:
+        """``detection``: the arguments of the Detector that misses them."""
+        self._min_side = detection.get('min_side', 0)  # in the whole frame
+        self._detector = None if detection.get('search') == THOROUGH else \
+            Detector(**{**detection, 'search': THOROUGH, 'min_side': 0})
+        self._searches = Searches(PAUSE_S)
         self.reset()
 
     def reset(self) -> None:
         """Forget what was seen."""
         self.hint: str | None = None
         self._since: float | None = None  # when four tags or an area were last in sight, or at first
-        self._looked, self._hits = 0.0, 0
-        self._missed: frozenset[int] = frozenset()
+        self._hits = self._tries = 0
+        self._missed: Found = frozenset()
+        self._searches.begin_anew()
 
-    def update(self, frame: Image, stamp: float, seen: AbstractSet[int], has_area: bool) -> None:
-        """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds. ``seen``: the ids of the tags in it."""
+    def update(self, frame: Image, stamp: float, seen: AbstractSet[int],
+               has_area: bool) -> Callable[[], None] | None:
+        """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds. ``seen``: the ids of the tags in it.
+
+        Returns None or, if it is time to search this frame, a function that does so. That takes up to some
+        seconds; it may be called in another thread. A later frame brings the hint.
+        """
         if self._detector is None:
-            return
+            return None
         if has_area or len(seen) >= FOUR or self._since is None or stamp < self._since:
             self.reset()
             self._since = stamp
-        if stamp - self._since < WAIT_S or 0 <= stamp - self._looked < LOOK_S:
-            return
-        self._looked = stamp
-        missed = frozenset(tag.id for tag in self._detector.detect(frame)) - seen
+        missed = self._searches.take()
+        if missed is not None:
+            self._judge(missed)
+        rarer = RARER if self._tries >= TRIES else 1.0
+        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp, rarer):
+            return None
+        return self._searches.start(stamp, partial(self._find, self._detector, frame, frozenset(seen)))
+
+    def _find(self, detector: Detector, frame: Image, seen: Found) -> Found:
+        small, scale = shrunk(frame)
+        return frozenset(tag.id for tag in detector.detect(small)
+                         if side_of(tag.corners[None])[0] >= self._min_side * scale) - seen
+
+    def _judge(self, missed: Found) -> None:
         again = missed & self._missed if self._hits else missed
         self._missed, self._hits = (again, self._hits + 1) if again else (missed, int(bool(missed)))
+        self._tries = 0 if missed else self._tries + 1
         self.hint = None
-        if self._hits >= LOOKS:
-            self.hint = '%d tags are hard to see: %s. Look harder for them: search:=%s.' % (
-                len(again), ', '.join(map(str, sorted(again)[:8])), THOROUGH)
+        if self._hits >= HITS:
+            tags, them = ('1 tag is', 'it') if len(again) == 1 else ('%d tags are' % len(again), 'them')
+            self.hint = '%s hard to see: %s. Look harder for %s: search:=%s.' % (
+                tags, ', '.join(map(str, sorted(again)[:8])), them, THOROUGH)

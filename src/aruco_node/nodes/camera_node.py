@@ -3,8 +3,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.exercise import TRACKER, Stage
-from aruco_ar.hints.hints import HINT_PARAMETERS, Hints
+from aruco_ar.exercise import TRACKER, TRACKER_PARAMETERS, Stage, detection
+from aruco_ar.hints.hints import Hints
 from aruco_ar.hints.lens_check import LensCheck
 from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
@@ -40,7 +40,7 @@ class CameraNode(FrameNode):
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
         self._hints = self._new_hints(self.settings)
-        self._lens_check, self._checker = LensCheck(), ThreadPoolExecutor(1, 'lens check')
+        self._lens_check, self._worker = LensCheck(), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
         self._calibration = None
         if isinstance(self.settings, LensSettings):
@@ -73,6 +73,8 @@ class CameraNode(FrameNode):
         level, sentence, values = super().report()
         if TRACKER in self._exercise.needs:
             values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
+        if not self.is_receiving:  # what follows is true of the frames that arrive
+            return level, sentence, values
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
@@ -102,6 +104,10 @@ class CameraNode(FrameNode):
         if self._calibration is not None:
             self._calibration.update_subscription(wanted)
 
+    def begin_anew(self):
+        self._hints.reset()
+        self.lens = self.lens_fault = None
+
     def explain(self, fault):
         """A sentence about an InputError that says why the lens is not known."""
         return 'The lens is taken to be free of distortion: %s.' % fault
@@ -113,7 +119,7 @@ class CameraNode(FrameNode):
         stages = [stage.changed(of_area)
                   for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
         same = all(getattr(settings, name, None) == getattr(self.settings, name, None)
-                   for name in HINT_PARAMETERS)
+                   for name in TRACKER_PARAMETERS)
         hints = self._hints if same else self._new_hints(settings)
 
         def apply():
@@ -150,16 +156,18 @@ class CameraNode(FrameNode):
         of_areas = self._settings_of_areas(settings)
         ids = [tag_id for of_area in of_areas for tag_id in of_area.ids] \
             if all(of_area.ids for of_area in of_areas) else []
-        return Hints(of_areas[0].dictionary, ids, settings.search, getattr(settings, 'upright', None))
+        return Hints({**detection(of_areas[0]), 'ids': ids}, getattr(settings, 'upright', None))
 
     def _hint(self, frame, stamp, results):
-        """Tell what a user may have overlooked, if anything, once."""
+        """Log what a user may have overlooked, if there is anything, once."""
         tags = [tag for result in results for tag in result.tags]
-        self._hints.update(frame, stamp, tags, [result.area for result in results])
+        work = self._hints.update(frame, stamp, tags, [result.area for result in results])
         if self.needs_calibration:
-            self._check_lens(stamp, tags)
+            work += self._lens_checks(stamp, tags)
+        for each in work:  # it takes so long that frames would be late
+            self._worker.submit(fault_barrier(each))
         warning = self._warning
-        if warning:  # once for each remedy, its last word: the tags in it may change with each frame
+        if warning:  # once for each remedy, which is the last word, since the tags may change with each frame
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
@@ -168,12 +176,11 @@ class CameraNode(FrameNode):
     def _warning(self):
         return self._hints.warning or self._lens_check.hint
 
-    def _check_lens(self, stamp, tags):
-        """Find out, in another thread, whether the calibration fits the tags of the usual size."""
+    def _lens_checks(self, stamp, tags):
+        """What finds out whether the calibration fits the tags of the usual size."""
         others = {tag_id for tag_id, _ in self.settings.tag_sizes}
         check = self._lens_check.update(stamp, [tag for tag in tags if tag.id not in others], self.lens)
-        if check is not None:
-            self._checker.submit(fault_barrier(check))
+        return [] if check is None else [check]
 
     def _topic_pictures(self):
         return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]

@@ -23,7 +23,7 @@ from aruco_node.ros_internals.tf import is_time
 from .node import read_settings
 
 CAMERA = 'camera/rgb/image_raw'
-OTHER_TRANSPORT_S = 2.0  # after so long without a frame, the other transport may be used
+OTHER_TRANSPORT_S = 2.0  # after this time without a frame, the other transport may be used
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class FrameNode:
 
     It subscribes to the camera, drops stale frames, publishes answers, takes snapshots, and reports
     diagnostics. A subclass implements ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``,
-    ``update_subscriptions``, ``prepare``, ``offer_services`` and ``report``.
+    ``update_subscriptions``, ``begin_anew``, ``prepare``, ``offer_services`` and ``report``.
     """
 
     result_topics: Sequence[str] = ()  # resolved names of the topics that are published besides images
@@ -106,6 +106,9 @@ class FrameNode:
     def update_subscriptions(self, wanted):
         """Subscribe to topics other than the camera's, or leave them. Called about once a second."""
 
+    def begin_anew(self):
+        """Forget what is true only of the last frames. Called when the node begins or ceases to listen."""
+
     def prepare(self, settings):
         """Check new settings.
 
@@ -128,6 +131,11 @@ class FrameNode:
         elif self._frame_problem:
             level, sentence = ERROR, self._frame_problem
         return level, sentence, values
+
+    @property
+    def is_receiving(self):
+        """Whether frames arrive."""
+        return self._subscriber is not None and not self._silence
 
     def advertise(self, topic, message_class):
         """A rospy.Publisher. The node notices at once when somebody starts or stops listening to it."""
@@ -166,12 +174,17 @@ class FrameNode:
         self.update_subscriptions(wanted)
         if wanted and self._subscriber is None:
             self._silent_since = time.monotonic()
-            self._count.restart()
+            self._restart()
             self._subscriber = subscribe_newest(self._topic, self._message_class, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = self._frame_problem = None
-            self._count.restart()
+            self._restart()
+
+    def _restart(self):
+        self._count.restart()
+        with self._processing:  # a frame may still be processed
+            self.begin_anew()
 
     @fault_barrier
     def _try_other_transport(self):

@@ -21,10 +21,17 @@ def frame_with(dictionary, ids, random=None):
     return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
 
 
-def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=8, found=False):
+def show(others, frame, times, found=False):
+    """Show a frame at some times, seconds, and do each search at once."""
+    for stamp in times:
+        work = others.update(frame, stamp, found)
+        if work is not None:
+            work()
+
+
+def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=20, found=False):
     others = OtherTags(dictionary, ids)
-    for number in range(seconds * FRAMES_PER_S):
-        others.update(frame, number / FRAMES_PER_S, found)
+    show(others, frame, np.arange(0, seconds, 1 / FRAMES_PER_S), found)
     return others.hint
 
 
@@ -53,18 +60,40 @@ def test_nothing_is_said_while_wanted_tags_are_in_sight_or_in_the_first_seconds(
 
 def test_a_hint_is_withdrawn_when_the_tags_are_gone_or_the_wanted_ones_come():
     others, frame = OtherTags('DICT_6X6_250', ()), frame_with('DICT_4X4_50', [0, 1, 2, 3])
-    for number in range(80):
-        others.update(frame, number / FRAMES_PER_S, False)
+    show(others, frame, np.arange(0, 20, 0.1))
     assert others.hint
-    empty = frame_with('DICT_4X4_50', [])
-    for number in range(80, 220):
-        others.update(empty, number / FRAMES_PER_S, False)
+    show(others, frame_with('DICT_4X4_50', []), np.arange(20, 50, 0.1))
     assert others.hint is None
-    for number in range(220, 300):
-        others.update(frame, number / FRAMES_PER_S, False)
+    show(others, frame, np.arange(50, 80, 0.1))
     assert others.hint
-    others.update(frame, 30.0, True)
+    others.update(frame, 80.0, True)
     assert others.hint is None
+
+
+def test_nothing_is_said_of_another_wall_once_the_wanted_tags_have_been_in_sight():
+    others, frame = OtherTags('DICT_6X6_250', ()), frame_with('DICT_APRILTAG_36h11', [1, 2, 3, 4])
+    show(others, frame, np.arange(0, 2, 0.1), found=True)
+    others.reset()
+    show(others, frame, np.arange(2, 40, 0.1))
+    assert others.hint is None
+
+
+@pytest.mark.parametrize('ids', [(), (1, 2, 3, 4), (1, 2)])
+def test_nothing_is_said_of_wanted_tags_that_the_search_of_the_node_misses(ids):
+    assert hint(frame_with('DICT_6X6_250', [1, 2, 3, 4]), ids=ids) is None
+
+
+def test_only_tags_are_named_that_were_seen_each_time():
+    others = OtherTags('DICT_6X6_250', ())
+    frames = [frame_with('DICT_4X4_50', [0, 1, third]) for third in (4, 5, 6, 7)]
+    for number in range(0, 20 * FRAMES_PER_S, 10):
+        show(others, frames[number // 10 % 4], [number / FRAMES_PER_S])
+    assert others.hint.startswith('2 tags of DICT_4X4_50 (0, 1) are in sight')
+
+
+@pytest.mark.parametrize('shape', [(1, 2000, 3), (2000, 1, 3), (2000, 3, 3)])
+def test_thin_frames_can_be_searched(shape):
+    assert hint(np.full(shape, 90, np.uint8), seconds=5) is None
 
 
 def test_noise_patterns_and_text_give_no_hint(random):
@@ -72,12 +101,12 @@ def test_noise_patterns_and_text_give_no_hint(random):
     checks = np.indices((48, 64)).sum(axis=0) // 4 % 2 * 255
     for image in cells, checks:
         frame = cv2.resize(image.astype(np.uint8), (640, 480), interpolation=cv2.INTER_NEAREST)
-        assert hint(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR), seconds=12) is None
+        assert hint(cv2.cvtColor(frame, cv2.COLOR_GRAY2BGR), seconds=15) is None
     text = np.full((480, 640, 3), 255, np.uint8)
     for row in range(12):
         cv2.putText(text, 'Some words 8642 HH MM BB', (10, 40 + 38 * row), cv2.FONT_HERSHEY_SIMPLEX, 1.2,
                     (0, 0, 0), 6)
-    assert hint(text, seconds=12) is None
+    assert hint(text, seconds=15) is None
 
 
 def test_dictionaries_are_known_as_courses_spell_them():

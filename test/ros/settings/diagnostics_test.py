@@ -78,6 +78,26 @@ class NodeDiagnostics(NodeTest):
         self.diagnostics.wait('exercise5_2', 'Nobody listens, so nothing is computed.')
         self.diagnostics.wait('exercise5_2', 'Nobody listens to /exercise5_2/image')
 
+    def test_a_hint_is_reported_only_while_frames_arrive(self):
+        node = self.start('exercise5_3.py')
+        inbox = self.listen('/exercise5_3/image')
+        self.publisher, connections = self.camera()
+        others = scene(dictionary='DICT_4X4_50')
+        frames = rospy.Timer(rospy.Duration(0.1), lambda event: self.show(others))
+        self.addCleanup(frames.shutdown)
+        remedy = 'Give dictionary:=DICT_4X4_50.'
+        self.assertIn('hint', self.diagnostics.wait('exercise5_3', remedy, level=WARN))
+        node.wait_for(remedy)
+        inbox.subscriber.unregister()
+        connections.wait(0)
+        self.assertNotIn('hint', self.diagnostics.wait('exercise5_3', 'Nobody listens'))
+        inbox = self.listen('/exercise5_3/image')
+        self.diagnostics.wait('exercise5_3', 'frames a second')  # the hint must be earned anew
+        self.diagnostics.wait('exercise5_3', remedy, level=WARN)
+        frames.shutdown()
+        self.assertNotIn('hint', self.diagnostics.wait(
+            'exercise5_3', 'nothing arrives. Is the camera running?', level=ERROR))
+
     def test_a_long_time_without_tags_and_then_without_frames_is_reported(self):
         self.start_before_camera('exercise5_3')
         self.answer_to(scene())

@@ -1,0 +1,65 @@
+"""Searches for tags now and then, which take a small share of the time of another thread."""
+from __future__ import annotations
+
+import time
+from functools import partial
+from typing import Callable, FrozenSet
+
+import cv2
+
+from aruco_ar.base.arrays import Image
+
+LARGE_PX = 1000  # larger frames are shrunk: their longer side is then so long
+SHARE = 0.05     # of the time: the searches take no more
+
+Found = FrozenSet[int]  # ids of tags
+
+
+class Searches:
+    """Says when to search next, and keeps what the last search found until it is taken."""
+
+    def __init__(self, pause: float) -> None:
+        """``pause``: seconds between two searches, at least."""
+        self._pause = self._wait = pause
+        self._began = float('-inf')
+        self._running = False
+        self._begun_anew = 0  # how often: a search that began before that is of no use
+        self._result: tuple[int, Found] | None = None
+
+    def begin_anew(self) -> None:
+        """Forget what was found, and what is being found."""
+        self._begun_anew += 1
+
+    def take(self) -> Found | None:
+        """What the last search found, once; None if there is nothing new."""
+        result = self._result
+        if result is None:
+            return None
+        self._result = None
+        begun_anew, found = result
+        return found if begun_anew == self._begun_anew else None
+
+    def is_due(self, stamp: float, factor: float = 1.0) -> bool:
+        """Whether to search in a frame at a time, seconds. ``factor``: of the usual pause."""
+        return not (self._running or self._result is not None or 0 <= stamp - self._began < factor * self._wait)
+
+    def start(self, stamp: float, find: Callable[[], Found]) -> Callable[[], None]:
+        """The work of a search in a frame at a time, seconds, for another thread: it calls ``find``."""
+        self._began, self._running = stamp, True
+        return partial(self._search, self._begun_anew, find)
+
+    def _search(self, begun_anew: int, find: Callable[[], Found]) -> None:
+        began = time.thread_time()
+        try:
+            self._result = begun_anew, find()
+        finally:
+            self._wait = max(self._pause, (time.thread_time() - began) / SHARE)
+            self._running = False  # last of all: another thread looks at it first
+
+
+def shrunk(frame: Image) -> tuple[Image, float]:
+    """A frame, (h, w, 3) BGR uint8, at most LARGE_PX wide and high, and by which factor it was resized."""
+    scale = max(min(1.0, LARGE_PX / max(frame.shape[:2])), 1 / min(frame.shape[:2]))  # a pixel must be left
+    if scale == 1:
+        return frame, 1.0
+    return cv2.resize(frame, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), scale
