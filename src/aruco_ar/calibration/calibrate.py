@@ -13,7 +13,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners
 
 from .layout import learn_layout
-from .views import MIN_POINTS, View, cells_of, different_views
+from .views import MIN_POINTS, View, cells_of, different_views, is_spread
 
 MIN_VIEWS = 8
 LEAST = 0.002               # between two views (see View.describe) that are both used
@@ -27,6 +27,8 @@ MAX_BEND_PX = 3.0           # by which bent edges move a corner
 MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
 SURE = ('Show the sheet larger and in all corners of the frame, from the left, the right, above and below, '
         'tilted by up to 45 degrees.')
+NO_LENS = 'OpenCV finds no lens for these views. ' + SURE
+TRY_FISHEYE = ' If straight lines look bent, the lens may be a fisheye: --fisheye, or model:=fisheye.'
 GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
 GOOD_CORNERS_PX = 0.5       # see Calibrated.corners
 FISHEYE_GUESS = 0.6         # of the frame's longer side: the focal length to begin with
@@ -57,7 +59,7 @@ class Calibrated:
     corners: float
 
     def lacks(self) -> str:
-        """What the views do not show well enough, and the remedy, in a sentence; empty if nothing is lacking."""
+        """What the views do not show well enough, and the remedy, in a sentence; empty if nothing lacks."""
         if self.coverage < GOOD_COVERAGE:
             return 'Show the sheet near the rims of the image, too.'
         if self.corners > GOOD_CORNERS_PX:
@@ -71,10 +73,10 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
 
     ``views``: of the same flat sheet; at least MIN_VIEWS of them differ (see different_views). ``size``:
     (width, height) of the frames. ``fisheye``: OpenCV's fisheye model instead of a pinhole with distortion.
-    ``board``: {key: (n, 2) float64}, where the points are on the sheet, in any unit. Without it, the sheet has
+    ``board``: {key: (n, 2) float64}, where the points are on the sheet, in squares. Without it, the sheet has
     tags, and is learned from the views, too.
     """
-    views = [view for view in views if sum(map(len, view.points.values())) >= MIN_POINTS]
+    views = [view for view in views if is_spread(view, board)]
     different = len(different_views(views, size))
     few = '%d of the %d views of the sheet differ; at least %d must.' % (different, len(views), MIN_VIEWS)
     views = different_views(views, size, LEAST)
@@ -82,22 +84,8 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         raise InputError('%s %s' % (few, SURE))
     models = FISHEYE if fisheye else PINHOLE
     solver = _Solver(size, fisheye)
-    lens = _without_distortion(views, size)
-    kept = list(views)
-    before = np.inf
-    for number in range(ROUNDS[1]):
-        straight = kept if board else [_straightened(view, lens) for view in kept]
-        solver.layout = board or learn_layout(
-            [{key: lens.undistort(points) for key, points in view.points.items()} for view in straight])
-        lens, errors = solver.solve(straight, models[-1] if number else models[0])
-        within = errors < OUTLIER * np.median(errors)
-        if np.count_nonzero(within) >= MIN_VIEWS:
-            kept = [view for view, is_within in zip(kept, within) if is_within]
-        error = np.mean(errors[within])
-        if number >= ROUNDS[0] and error > SMALL_GAIN * before:
-            break
-        before = error
-    kept = kept if board else [_straightened(view, lens) for view in kept]
+    solver.layout = board or {}
+    kept = _learned(solver, views, models, board)
     tested = kept[::HELD_OUT]
     learned = [view for number, view in enumerate(kept) if number % HELD_OUT]
     best, held_out = models[0], np.inf
@@ -106,7 +94,9 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         if error < held_out * BETTER:
             best, held_out = model, error
     lens, errors = solver.solve(kept, best)
-    rms = float(np.sqrt(np.mean(errors**2)))
+    rms = _root_mean_square(errors)
+    if not np.isfinite(rms + held_out):
+        raise solver.no_lens
     deviation = solver.focal_deviation
     focal = lens.matrix[0, 0]
     fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but others do, ' \
@@ -117,6 +107,55 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
     return Calibrated(lens, rms, held_out, len(kept), float(cells_of(kept, size).mean()),
                       _doubt(solver, kept, best))
+
+
+def _learned(solver: _Solver, views: Sequence[View], models: Sequence[int],
+             board: dict[int, Floats] | None) -> list[View]:
+    """Those of the views that fit each other, straightened. Raises InputError.
+
+    Without a ``board``, it sets the solver's layout.
+    """
+    lens, kept, before = _without_distortion(views, solver.size), list(views), np.inf
+    for number in range(ROUNDS[1]):
+        straight = kept if board else [_straightened(view, lens) for view in kept]
+        if not board:
+            solver.layout = _layout(straight, lens)
+            kept, straight = _with_sheet(kept, solver.layout), _with_sheet(straight, solver.layout)
+            if len(kept) < MIN_VIEWS:
+                raise InputError('Only %d views show the tags of one sheet; at least %d must. %s'
+                                 % (len(kept), MIN_VIEWS, SURE))
+        new_lens, errors = solver.solve(straight, models[-1] if number else models[0])
+        known = errors[np.isfinite(errors)]
+        if not len(known):
+            break
+        lens, within = new_lens, errors < OUTLIER * np.median(known)
+        if np.count_nonzero(within) >= MIN_VIEWS:
+            kept = [view for view, is_within in zip(kept, within) if is_within]
+        error = np.mean(errors[within])
+        if number >= ROUNDS[0] and error > SMALL_GAIN * before:
+            break
+        before = error
+    return kept if board else [_straightened(view, lens) for view in kept]
+
+
+def _layout(views: Sequence[View], lens: Lens) -> dict[int, Floats]:
+    """See learn_layout. A lens that is not known well yet may not see all tags where they are."""
+    quads = [{key: lens.undistort(points) for key, points in view.points.items()} for view in views]
+    seen = [{key: quad for key, quad in view.items() if np.all(np.isfinite(quad))} for view in quads]
+    seen = [view for view in seen if view]
+    return learn_layout(seen) if seen else {}
+
+
+def _with_sheet(views: Sequence[View], layout: dict[int, Floats]) -> list[View]:
+    """The views that show enough of the sheet, and not only other tags."""
+    return [view for view in views
+            if sum(len(points) for key, points in view.points.items() if key in layout) >= MIN_POINTS]
+
+
+def _root_mean_square(errors: Floats) -> float:
+    """Of those that are finite; inf if none is."""
+    known = errors[np.isfinite(errors)]
+    return float(np.sqrt(np.mean(known**2))) if len(known) else np.inf
 
 
 def _doubt(solver: _Solver, views: Sequence[View], model: int) -> float:
@@ -148,9 +187,12 @@ def corners_apart(lens: Lens, other: Lens) -> Floats:
 
 def _straightened(view: View, lens: Lens) -> View:
     """A view of tags as if the lens had not bent their edges: see found_corners."""
+    if not lens.bends:
+        return view
     quads = np.array(list(view.points.values()))
-    off = found_corners(lens, np.nan_to_num(lens.rays(quads))) - quads if lens.bends else np.zeros_like(quads)
-    return View(dict(zip(view.points, quads - np.clip(off, -MAX_BEND_PX, MAX_BEND_PX))))
+    with np.errstate(all='ignore'):  # where the lens sees no ray
+        off = found_corners(lens, lens.rays(quads)) - quads
+    return View(dict(zip(view.points, quads - np.clip(np.nan_to_num(off), -MAX_BEND_PX, MAX_BEND_PX))))
 
 
 def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:
@@ -163,12 +205,16 @@ class _Solver:
     """OpenCV's calibration. ``layout``: where the points are on the sheet; set it first."""
 
     def __init__(self, size: tuple[int, int], fisheye: bool) -> None:
-        self._size, self._fisheye = size, fisheye
+        self.size, self._fisheye = size, fisheye
         # OpenCV begins with a shorter focal length, for which a corner of the frame may be behind the camera.
         focal, (x, y) = FISHEYE_GUESS * max(size), (np.array(size) - 1) / 2
         self._fisheye_guess = np.array([[focal, 0, x], [0, focal, y], [0, 0, 1]])
         self.layout: dict[int, Floats] = {}
         self.focal_deviation = 0.0
+
+    @property
+    def no_lens(self) -> InputError:
+        return InputError(NO_LENS if self._fisheye else NO_LENS + TRY_FISHEYE)
 
     def _points(self, view: View) -> tuple[Floats, Floats]:
         """(n, 3) on the sheet and (n, 2) pixels."""
@@ -182,17 +228,19 @@ class _Solver:
         try:
             if self._fisheye:
                 _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
-                    [sheet[:, None] for sheet in sheets], [points[:, None] for points in pixels], self._size,
+                    [sheet[:, None] for sheet in sheets], [points[:, None] for points in pixels], self.size,
                     self._fisheye_guess.copy(), np.zeros(4), flags=flags)
             else:
                 _, matrix, distortion, turns, shifts, deviations, _, _ = cv2.calibrateCameraExtended(
                     [sheet.astype(np.float32) for sheet in sheets],
-                    [points.astype(np.float32) for points in pixels], self._size, NO_ARRAY, NO_ARRAY,
+                    [points.astype(np.float32) for points in pixels], self.size, NO_ARRAY, NO_ARRAY,
                     flags=flags)
                 self.focal_deviation = float(deviations[0, 0])
         except cv2.error:
-            raise InputError('OpenCV finds no lens for these views. %s' % SURE) from None
-        lens = Lens(*self._size, np.asarray(matrix, np.float64), np.asarray(distortion, np.float64).ravel()[:5],
+            raise self.no_lens from None
+        if not np.all(np.isfinite(matrix)) or not np.all(np.isfinite(distortion)):
+            raise self.no_lens
+        lens = Lens(*self.size, np.asarray(matrix, np.float64), np.asarray(distortion, np.float64).ravel()[:5],
                     self._fisheye)
         errors = [_error(lens, sheet, points, turn, shift)
                   for sheet, points, turn, shift in zip(sheets, pixels, turns, shifts)]
@@ -200,10 +248,8 @@ class _Solver:
 
     def error(self, lens: Lens, views: Sequence[View]) -> float:
         """How far points are off in views that the lens is not from, pixels."""
-        errors = np.array([pose_error(lens, sheet[:, :2], points)
-                           for sheet, points in map(self._points, views)])
-        known = errors[np.isfinite(errors)]
-        return float(np.sqrt(np.mean(known**2))) if len(known) else np.inf
+        return _root_mean_square(np.array([pose_error(lens, sheet[:, :2], points)
+                                           for sheet, points in map(self._points, views)]))
 
 
 def pose_error(lens: Lens, sheet: Floats, points: Floats) -> float:
@@ -212,6 +258,8 @@ def pose_error(lens: Lens, sheet: Floats, points: Floats) -> float:
     ``sheet``: (n, 2), where they are on it. ``points``: (n, 2) pixels.
     """
     flat, rays = np.column_stack([sheet, np.zeros(len(sheet))]), lens.rays(points)
+    if not np.all(np.isfinite(rays)):
+        return np.inf
     found, turn, shift = cv2.solvePnP(flat, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
     if not found:
         return np.inf

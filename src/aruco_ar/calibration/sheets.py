@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.tag import get_dictionary
 
-from .views import View
+from .views import MIN_POINTS, View
 
 MIN_SIDE_PX = 20.0  # the corners of smaller tags are not exact enough
 MAX_SQUARES = 50    # of a board, along a side
@@ -29,13 +29,18 @@ def read_board(text: str) -> tuple[int, int, float]:
 
 
 class TagSheet:
-    """Finds the tags of a sheet. ``points``: None, since where they are on the sheet is not known."""
+    """Finds the tags of a sheet.
+
+    ``points``: None, since where they are on the sheet is not known. ``needs``: what must be in sight.
+    """
 
     points = None
 
     def __init__(self, dictionary: str) -> None:
         """Raises InputError if there is no such dictionary."""
+        self.dictionary = dictionary
         self._detector = Detector(dictionary)
+        self.needs = 'two tags of %s, each at least %.0f px wide' % (dictionary, MIN_SIDE_PX)
 
     def view(self, frame: Image) -> View:
         """The View of the sheet in a frame, (h, w, 3) BGR uint8."""
@@ -46,21 +51,36 @@ class TagSheet:
 
 
 class CharucoBoard:
-    """Finds the inner corners of a ChArUco board. ``points``: where they are, in squares."""
+    """Finds the inner corners of a ChArUco board.
+
+    ``points``: where they are, in squares. ``needs``: what must be in sight.
+    """
 
     def __init__(self, dictionary: str, columns: int, rows: int, ratio: float) -> None:
         """Raises InputError if there is no such dictionary, or if it has too few tags."""
-        try:
-            board = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, get_dictionary(dictionary))
-        except cv2.error:
-            raise InputError('%s has too few tags for a board of %d x %d squares.'
-                             % (dictionary, columns, rows)) from None
-        self._detector = cv2.aruco.CharucoDetector(board)
+        self.dictionary, table = dictionary, get_dictionary(dictionary)
+        count, tags = columns * rows // 2, len(table.bytesList)
+        if count > tags:  # OpenCV would make a board with tags that do not exist
+            raise InputError('A board of %d x %d squares has %d tags, but %s only has %d. Give the dictionary '
+                             'of the board.' % (columns, rows, count, dictionary, tags))
+        board = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, table)
+        self._detectors = [cv2.aruco.CharucoDetector(board)]
+        if rows % 2 == 0:  # OpenCV before 4.6 began such a board with a white square
+            older = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, table)
+            older.setLegacyPattern(True)
+            self._detectors.append(cv2.aruco.CharucoDetector(older))
         corners = np.array(board.getChessboardCorners(), np.float64)
         self.points = {number: corner[None, :2] for number, corner in enumerate(corners)}
+        self.needs = '%d corners of a board of %d x %d squares with tags of %s, not all in a line' % (
+            MIN_POINTS, columns, rows, dictionary)
 
     def view(self, frame: Image) -> View:
         """The View of the board in a frame, (h, w, 3) BGR uint8."""
-        corners, ids, _, _ = self._detector.detectBoard(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
-        return View({} if ids is None else {int(number): np.asarray(corner, np.float64).reshape(1, 2)
-                                            for number, corner in zip(np.ravel(ids), corners)})
+        gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+        for detector in self._detectors:
+            corners, ids, _, _ = detector.detectBoard(gray)
+            if ids is not None and len(ids) >= MIN_POINTS:
+                self._detectors = [detector]  # the board has this pattern
+                return View({int(number): np.asarray(corner, np.float64).reshape(1, 2)
+                             for number, corner in zip(np.ravel(ids), corners)})
+        return View({})

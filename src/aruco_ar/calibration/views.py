@@ -10,6 +10,7 @@ from aruco_ar.base.arrays import Booleans, Floats
 
 MAX_VIEWS = 60
 MIN_POINTS = 8  # of a view that tells something
+MIN_SPREAD = 0.5  # squares of a board: the smaller singular value of the points that are seen, less their mean
 ALIKE = 0.04  # between two views (see View.describe) that both count as different
 CELLS = 8, 6  # of the frame, for the coverage
 
@@ -28,6 +29,19 @@ class View:
         points = np.concatenate(list(self.points.values())) / np.array(size)
         spread = np.cov(points.T)
         return np.array([*points.mean(axis=0), *np.sqrt(spread.diagonal()), 4 * spread[0, 1]])
+
+
+def is_spread(view: View, board: dict[int, Floats] | None = None) -> bool:
+    """Whether a view tells something: it has enough points, and they are not all on one line of the board.
+
+    ``board``: {key: (n, 2) float64}, where the points of a board are; None for tags, which are never a line.
+    """
+    if sum(map(len, view.points.values())) < MIN_POINTS:
+        return False
+    if board is None:
+        return True
+    places = np.concatenate([board[key] for key in view.points])
+    return bool(np.linalg.svd(places - places.mean(axis=0), compute_uv=False)[-1] > MIN_SPREAD)
 
 
 def different_views(views: Sequence[View], size: tuple[int, int], least: float = ALIKE) -> list[View]:

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from aruco_ar import InputError, Lens
 from aruco_ar.calibration.calibrate import MIN_VIEWS, calibrate, corners_apart
-from aruco_ar.calibration.collection import Collection
+from aruco_ar.calibration.collection import FEW, FULL, LIKE, MOVING, Collection
 from aruco_ar.calibration.layout import learn_layout
-from aruco_ar.calibration.views import View, cells_of, different_views
+from aruco_ar.calibration.views import MAX_VIEWS, View, cells_of, different_views
 from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 
 pytestmark = pytest.mark.long
@@ -37,6 +37,9 @@ def test_a_known_board_is_enough(random):
         views.append(View({key: each + random.normal(0, 0.05, (1, 2)) for key, each in pixels.items()
                            if np.all(each > 0) and np.all(each < SIZE)}))
     views = [view for view in views if len(view.points) > 8]
+    for view in views[:3]:  # views of a single row tell nothing
+        row = {key: points for key, points in view.points.items() if key < 6}
+        views.append(View(row))
     found = calibrate(views, SIZE, board=layout)
     assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01)
     assert corners_apart(found.lens, truth).max() < 0.5
@@ -44,7 +47,7 @@ def test_a_known_board_is_enough(random):
 
 def test_a_lens_is_not_sure_where_the_sheet_was_not_or_where_few_views_are_noisy():
     truth = LENSES['barrel']
-    middle = calibrate(views_of(truth, sheet(), 12, away=0.1), SIZE)
+    middle = calibrate(views_of(truth, sheet(2, 2), 14, away=0.05), SIZE)
     assert middle.coverage < 0.8 and 'near the rims' in middle.lacks()
     noisy = calibrate(views_of(truth, sheet(), 10, noise=1.5), SIZE)
     assert noisy.corners > 0.5 and 'Show more views' in noisy.lacks()
@@ -52,7 +55,8 @@ def test_a_lens_is_not_sure_where_the_sheet_was_not_or_where_few_views_are_noisy
 
 def test_two_lenses_are_apart_at_the_corners_but_a_turn_of_the_camera_does_not_count():
     truth = LENSES['no distortion']
-    longer = Lens(*SIZE, np.diag([1.01, 1.01, 1]) @ MATRIX - [[0, 0, 3.22], [0, 0, 2.36], [0, 0, 0]], np.zeros(5))
+    longer = Lens(*SIZE, np.diag([1.01, 1.01, 1]) @ MATRIX - [[0, 0, 3.22], [0, 0, 2.36], [0, 0, 0]],
+                  np.zeros(5))
     away = np.hypot(*(np.array([[0, 0], [639, 0], [0, 479], [639, 479]]) - MATRIX[:2, 2]).T)
     np.testing.assert_allclose(corners_apart(longer, truth), 0.01 * away, rtol=0.05)
     turned = Lens(*SIZE, MATRIX + [[0, 0, 5], [0, 0, 0], [0, 0, 0]], np.zeros(5))
@@ -96,16 +100,61 @@ def test_a_view_with_wrong_tags_is_left_out(random):
     assert found.views == len(views) - 1 and corners_apart(found.lens, truth).max() < 0.5
 
 
+def test_a_lens_is_found_though_one_on_the_way_to_it_cannot_see_some_corners(recwarn):
+    matrix = np.array([[560.0, 0, 320], [0, 560, 240], [0, 0, 1]])
+    truth = Lens(*SIZE, matrix, np.array([-0.4, 0.2, 0, 0, -0.05]))
+    found = calibrate(views_of(truth, sheet(), 16, seed=1), SIZE)
+    assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01) and not recwarn.list
+
+
+def test_views_of_tags_on_another_wall_are_left_out(random):
+    truth = LENSES['barrel']
+    views, wall = views_of(truth, sheet()), views_of(truth, sheet(2, 2), 12, seed=9)
+    wall = [View({100 + key: points for key, points in view.points.items()}) for view in wall]
+    found = calibrate(views + wall, SIZE)
+    assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01) and found.views <= len(views)
+    with pytest.raises(InputError, match='Only 7 views show the tags of one sheet; at least 8 must'):
+        calibrate(views[:7] + wall[:6], SIZE)
+
+
+@pytest.mark.parametrize('fisheye', [False, True])
+def test_where_opencv_finds_no_lens_the_other_model_is_named(monkeypatch, fisheye):
+    def fail(*_, **__):
+        raise cv2.error
+    monkeypatch.setattr(cv2, 'calibrateCameraExtended', fail)
+    monkeypatch.setattr(cv2.fisheye, 'calibrate', fail)
+    with pytest.raises(InputError, match='finds no lens') as raised:
+        calibrate(views_of(LENSES['barrel'], sheet(), 12), SIZE, fisheye)
+    assert ('--fisheye, or model:=fisheye' in str(raised.value)) != fisheye
+
+
+def test_a_collection_says_why_a_view_is_not_kept(random):
+    view, other, third = views_of(LENSES['barrel'], sheet(), 3)
+    collection = Collection(SIZE)
+    alone = View(dict(list(view.points.items())[:1]))
+    said = [collection.offer(each) for each in (alone, view, view, view, other)]
+    assert said == [FEW, MOVING, '', LIKE, MOVING]
+    board = {number: np.array([[number % 12, number // 12]], float) for number in range(24)}
+    pixels = {number: 20 * place + 100 + random.normal(0, 1, (1, 2)) for number, place in board.items()}
+    for count, why in (12, FEW), (24, ''):
+        collection = Collection(SIZE, board)
+        for _ in range(2):
+            said = collection.offer(View({number: pixels[number] for number in range(count)}))
+        assert said == why
+    collection.views += [third] * MAX_VIEWS
+    assert collection.is_full and collection.offer(third) == FULL
+
+
 def test_a_collection_keeps_still_views_that_differ_and_shows_where_they_were():
     views = views_of(LENSES['barrel'], sheet(), count=12)
     collection = Collection(SIZE)
     for view in views:  # each is seen once, as if the sheet moved all the time
-        assert not collection.offer(view)
+        assert collection.offer(view)
     for view in views[:3]:
         collection.offer(view)
-        assert collection.offer(view)
         assert not collection.offer(view)
-    assert len(collection.views) == 3 and not collection.offer(View({}))
+        assert collection.offer(view)
+    assert len(collection.views) == 3 and collection.offer(View({}))
     frame = np.full((*SIZE[::-1], 3), 100, np.uint8)
     image = collection.draw(frame, View({}))
     seen = (image != frame).any(axis=2)

@@ -1,0 +1,97 @@
+"""A calibration that becomes better while a camera runs, and what is still missing."""
+from __future__ import annotations
+
+import threading
+from typing import Callable
+
+from aruco_ar.base.arrays import Image
+from aruco_ar.base.errors import InputError
+from aruco_ar.hints.other_tags import OtherTags
+
+from .calibrate import Calibrated, calibrate
+from .collection import FEW, Collection
+from .sheets import CharucoBoard, TagSheet
+from .views import View
+
+SHOW = ('Show the sheet to the camera, in all parts of its image, tilted to all sides, and hold still now and '
+        'then.')
+
+
+class Progress:
+    """The views of a sheet so far, and the best lens that they have told.
+
+    ``collection``: the Collection. ``found``: the Calibrated, or None. ``why``: why the newest views tell no
+    lens, if so. ``saved``: the file into which the lens was written, or an empty text.
+    """
+
+    def __init__(self, size: tuple[int, int], sheet: TagSheet | CharucoBoard) -> None:
+        """``size``: (width, height) of the frames."""
+        self.collection = Collection(size, sheet.points)
+        self.found: Calibrated | None = None
+        self.why = self.saved = ''
+        self._sheet = sheet
+        self._refused = ''  # why the newest view is not kept
+        self._others = OtherTags(sheet.dictionary, ())
+        self._lock = threading.Lock()
+
+    def update(self, frame: Image, stamp: float, view: View) -> Callable[[], None] | None:
+        """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds, and its View.
+
+        Returns a search for other tags, or None: see OtherTags.
+        """
+        self._refused = self.collection.offer(view)
+        return self._others.update(frame, stamp, bool(view.points))
+
+    def begin_anew(self) -> None:
+        """Forget what is true only of the last frames."""
+        self._refused = ''
+        self._others.reset()
+
+    def solve(self, count: int, fisheye: bool) -> None:
+        """Calibrate with the first views. It takes some seconds; it may be called in another thread."""
+        try:
+            found = calibrate(self.collection.views[:count], self.collection.size, fisheye, self._sheet.points)
+        except InputError as error:
+            self.why = str(error)  # what was found before is still good
+            return
+        with self._lock:
+            self.found, self.why, self.saved = found, '', ''
+
+    def note_saved(self, found: Calibrated, path: str) -> None:
+        """The lens of ``found`` has been written into a file."""
+        with self._lock:
+            if found is self.found:
+                self.saved = path
+
+    def text(self, save: str, reset: str) -> str:
+        """What there is so far, and what to do, in sentences. ``save``, ``reset``: the commands for these."""
+        with self._lock:
+            found, why, saved = self.found, self.why, self.saved
+        count = len(self.collection.views)
+        views = '%d view%s, %.0f %% of the image.' % (count, 's' * (count > 1), 100 * self.collection.coverage)
+        if found is None:
+            if self.collection.is_full:
+                return _joined(views, why, 'To begin anew: ' + reset if why else '')
+            missing = why or (self._others.hint if not count else None) or SHOW
+            return _joined(views if count else '', missing, self._advice())
+        ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
+            views, found.lens.matrix[0, 0], found.rms, found.held_out)
+        if saved:
+            return '%s It is saved as %s.' % (ready, saved)
+        if self.collection.is_full and (found.lacks() or why):
+            return '%s Save it (%s), or begin anew (%s).' % (ready, save, reset)
+        if why:
+            return '%s With the newest views there is no better one. To save it: %s' % (ready, save)
+        if found.lacks():
+            return _joined(ready, found.lacks(), self._advice())
+        return '%s To save it: %s' % (ready, save)
+
+    def _advice(self) -> str:
+        """Why the newest view is not kept."""
+        if self._refused == FEW:
+            return '%s It takes %s.' % (FEW, self._sheet.needs)
+        return self._refused
+
+
+def _joined(*sentences: str) -> str:
+    return ' '.join(sentence for sentence in sentences if sentence)
