@@ -7,7 +7,9 @@ from typing import Callable, Sequence
 import cv2
 import numpy as np
 
+from aruco_ar.base.arrays import Floats
 from aruco_ar.calibration.calibrate import pose_error
+from aruco_ar.calibration.collection import STILL
 from aruco_ar.calibration.layout import learn_layout
 from aruco_ar.calibration.views import ALIKE, MIN_POINTS, View
 from aruco_ar.geometry.homography import transform
@@ -24,7 +26,8 @@ class LensCheck:
     """Collects views of tags, and compares two errors: with the lens, and with any camera at all.
 
     A homography shows how well any pinhole camera can see the tags in one plane. If the lens fits much worse,
-    it is wrong. Tags that are not in one plane fit neither, so there is no hint about them.
+    it is wrong. Tags that are not in one plane fit neither, so there is no hint about them. Only views of a
+    still camera count: while it turns, a rolling shutter shows squares as no lens does.
     """
 
     def __init__(self) -> None:
@@ -32,10 +35,15 @@ class LensCheck:
 
     def _begin(self, lens: Lens | None) -> None:
         self._lens = lens
+        self._before: Floats | None = None  # what the last frame shows: see View.describe
+        self._result: tuple[Lens | None, str | None] = lens, None
+        self._collect()
+
+    def _collect(self) -> None:
         self._views: list[View] = []
+        self._kinds: list[Floats] = []
         self._considered = -np.inf
         self._checks = 0
-        self._result: tuple[Lens | None, str | None] = lens, None
 
     @property
     def hint(self) -> str | None:
@@ -51,18 +59,23 @@ class LensCheck:
         """
         if lens is not self._lens:
             self._begin(lens)
-        if lens is None or self._checks == len(CHECKED) or 0 <= stamp - self._considered < EVERY_S:
+        if lens is not None and self._checks == len(CHECKED) and self.hint:
+            self._collect()  # a later check may withdraw the hint
+        if lens is None or self._checks == len(CHECKED):
             return None
-        self._considered = stamp
         ids = [tag.id for tag in tags]
         view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
+        before, self._before = self._before, None
         if 4 * len(view.points) < MIN_POINTS:
             return None
-        size = lens.width, lens.height
-        kind = view.describe(size)
-        if any(np.linalg.norm(other.describe(size) - kind) < ALIKE for other in self._views):
+        kind = self._before = view.describe((lens.width, lens.height))
+        if before is None or np.linalg.norm(kind - before) > STILL or 0 <= stamp - self._considered < EVERY_S:
+            return None
+        self._considered = stamp
+        if any(np.linalg.norm(other - kind) < ALIKE for other in self._kinds):
             return None
         self._views.append(view)
+        self._kinds.append(kind)
         if len(self._views) < CHECKED[self._checks]:
             return None
         self._checks += 1
@@ -106,5 +119,5 @@ def misfit(lens: Lens, views: Sequence[View]) -> tuple[float, float]:
     known = np.array([each for each in errors if np.all(np.isfinite(each))]).reshape(-1, 2)
     if 2 * len(known) < len(views):
         return np.inf, 0.0
-    with_lens, at_best = np.sqrt(np.mean(known**2, axis=0))
+    with_lens, at_best = np.median(known, axis=0)  # a few views may be blurred, or of tags that have moved
     return float(with_lens), float(at_best)

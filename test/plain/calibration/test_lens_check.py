@@ -8,13 +8,17 @@ from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 pytestmark = pytest.mark.long
 
 
+def tags_of(view):
+    return [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
+
+
 def show(check, views, lens):
     """Show views to a LensCheck, through a lens that is taken for theirs."""
     for number, view in enumerate(views):
-        tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
-        work = check.update(float(number), tags, lens)
-        if work is not None:
-            work()
+        for part in 0.0, 0.03:  # the camera is still
+            work = check.update(number + part, tags_of(view), lens)
+            if work is not None:
+                work()
 
 
 def checked(lens, truth, noise=0.15, tilt=0.5):
@@ -57,10 +61,36 @@ def test_a_late_result_says_nothing_of_another_calibration():
     wrong = Lens(*SIZE, MATRIX * [[1.5, 1, 1], [1, 1.5, 1], [1, 1, 1]], np.zeros(5))
     check, work = LensCheck(), None
     for number, view in enumerate(views_of(truth, sheet(2, 2, gap=3.0), count=30)):
-        tags = [Tag(tag_id, np.float32(corners)) for tag_id, corners in view.points.items()]
-        work = work or check.update(float(number), tags, wrong)
+        for part in 0.0, 0.03:
+            work = work or check.update(number + part, tags_of(view), wrong)
     check.update(100.0, [], truth)
     work()
+    assert check.hint is None
+
+
+def test_nothing_is_said_of_a_rolling_shutter_while_the_robot_turns():
+    truth, check = LENSES['no distortion'], LensCheck()
+    turn = 560 / 30  # pixels from frame to frame, at 1 rad/s
+    for number, view in enumerate(views_of(truth, sheet(2, 2, gap=3.0), count=60)):
+        way = turn * (-1) ** number
+        for part in 0, 1:
+            # The last row is read 25 ms after the first one.
+            tags = [Tag(tag_id, np.float32(corners + np.stack([
+                way * (part + 0.75 * corners[:, 1] / SIZE[1]), np.zeros(4)], axis=1)))
+                for tag_id, corners in view.points.items()]
+            work = check.update(number + part / 30, tags, truth)
+            if work is not None:
+                work()
+            assert check.hint is None
+
+
+def test_a_later_check_withdraws_a_hint():
+    truth, check = LENSES['no distortion'], LensCheck()
+    wrong = Lens(*SIZE, MATRIX * [[1.5, 1, 1], [1, 1.5, 1], [1, 1, 1]], np.zeros(5))
+    layout = sheet(2, 2, gap=3.0)
+    show(check, views_of(wrong, layout, count=50), truth)
+    assert check.hint
+    show(check, views_of(truth, layout, count=60, seed=1), truth)
     assert check.hint is None
 
 
