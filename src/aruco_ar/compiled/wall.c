@@ -12,6 +12,7 @@
 #define SHARP 0.22f        /* the rim of a shadow is softer than this change of the light's logarithm in 3 pixels */
 #define STEP_FROM 1.1f     /* where the light in 3 pixels varies by a smaller factor, there is no rim of a shadow */
 #define MIN_LIGHT 0.02f
+#define WEAK 0.5f          /* a pixel that differs by a larger share of what is allowed tells nothing about noise */
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
 
 /* What compare finds out about each pixel: planes of floats, one after the other. */
@@ -101,7 +102,7 @@ void learn(const uint8_t *seen, const float whole[3], const float *planes, const
            int64_t count, float passed, float settle, float rate, float variance_rate, float *look, float *variance,
            uint8_t *known, float *seconds)
 {
-    const float *light = planes + LIGHT * count, *error = planes + ERROR * count;
+    const float *light = planes + LIGHT * count, *error = planes + ERROR * count, *excess = planes + EXCESS * count;
     float back[3] = {1 / whole[0], 1 / whole[1], 1 / whole[2]};
     for (int64_t at = 0; at < count; at++) {
         seconds[at] = smaller(seconds[at] + (wall[at] ? passed : 0), settle);
@@ -110,6 +111,7 @@ void learn(const uint8_t *seen, const float whole[3], const float *planes, const
         for (int channel = 0; channel < 3; channel++)
             look[3 * at + channel] += part * (seen[3 * at + channel] * back[channel] - look[3 * at + channel]);
         known[at] |= is_new;
-        variance[at] += (certain[at] ? variance_rate : 0) * (error[at] * error[at] - variance[at]);
+        if (certain[at] && excess[at] < WEAK)
+            variance[at] += variance_rate * (error[at] * error[at] - variance[at]);
     }
 }

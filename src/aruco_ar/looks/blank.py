@@ -1,6 +1,8 @@
 """A blank wall: one color in a light that changes smoothly. It can be known even where something hides it."""
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
@@ -10,8 +12,11 @@ from .parts import grown, parts_of, shrunk
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
 ROUNDS = 12           # rounds of the iterative fit
-DEVIATION = 0.05      # how far pixels of a blank wall are off the surface, as a share of the brightness
-HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall
+# How far pixels of a blank wall are off the surface, as a share of the brightness: those of a flat wall, and of a
+# crumpled sheet, whose creases are lit and shaded.
+FLAT, CRUMPLED = 0.05, 0.2
+HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall,
+COLOR = 0.06          # nor what differs in color by more than these gray levels and this share of the brightness
 BLANK_SHARE = 0.4     # share of a blank wall's pixels that must follow the surface
 # Longest outline of things that hide the wall, divided by the root of their size. Patterns have a longer one.
 MAX_OUTLINE = 10
@@ -20,18 +25,46 @@ RIM_PX = 7            # pixels this near to what hides the wall may be mixtures 
 MAX_HIDING = 3        # more things than this that reach over the rim of the area are a pattern
 
 
-def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None:
-    """The blank wall behind all that hides it, and where it is hidden; None if the wall is not blank.
+@dataclass(frozen=True)
+class BlankWall:
+    """A wall behind all that hides it.
+
+    ``surface``: (h, w, 3) float32, BGR. ``hidden``: (h, w), where something hides it. ``is_flat``: whether its
+    brightness changes smoothly; that of a crumpled sheet does not, though its color is the same all over.
+    """
+
+    surface: Floats
+    hidden: Booleans
+    is_flat: bool
+
+
+def blank_wall(seen: Floats, usable: Booleans) -> BlankWall | None:
+    """The BlankWall behind all that hides it; None if the wall is not blank.
 
     ``seen``: (h, w, 3) float32, the rectified area. ``usable``: (h, w), where the frame shows it, without tags.
-    Returns (h, w, 3) float32 and (h, w). Only a thing that reaches over the rim of the area hides the wall, as
-    a hand or a person does. A thing within the area hangs on the wall.
+    Only a thing that reaches over the rim of the area hides the wall, as a hand or a person does. A thing
+    within the area hangs on the wall.
     """
-    surface = _surface(seen, usable)
-    if surface is None:
-        return None
-    limit = HIDDEN_LEVELS + 3 * DEVIATION * surface.mean(axis=2)
-    labels, _ = parts_of(usable & (np.abs(seen - surface).max(axis=2) > limit))
+    for deviation in FLAT, CRUMPLED:
+        surface = _surface(seen, usable, deviation)
+        if surface is not None:
+            hidden = _hidden(usable & _differs(seen, surface, deviation), usable)
+            if hidden is not None:
+                return BlankWall(surface, hidden, deviation == FLAT)
+    return None
+
+
+def _differs(seen: Floats, surface: Floats, deviation: float) -> Booleans:
+    """(h, w): where the wall is not seen: its brightness differs much, or its color a little."""
+    gray, wall_gray = seen.mean(axis=2), np.maximum(surface.mean(axis=2), 1)
+    off = np.abs(seen - surface * (gray / wall_gray)[..., None]).max(axis=2)
+    return np.asarray((np.abs(gray - wall_gray) > HIDDEN_LEVELS + 3 * deviation * wall_gray)
+                      | (off > HIDDEN_LEVELS + COLOR * gray))
+
+
+def _hidden(differs: Booleans, usable: Booleans) -> Booleans | None:
+    """(h, w): what hides the wall, of what differs from it; None if that is a pattern."""
+    labels, _ = parts_of(differs)
     over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
     over_rim = over_rim[over_rim > 0]
     hidden = np.isin(labels, over_rim)
@@ -41,14 +74,15 @@ def blank_wall(seen: Floats, usable: Booleans) -> tuple[Floats, Booleans] | None
     other = np.count_nonzero((labels > 0) & ~hidden)
     if len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
         return None
-    return surface, grown(hidden, RIM_PX)
+    return grown(hidden, RIM_PX)
 
 
-def _surface(seen: Floats, usable: Booleans) -> Floats | None:
+def _surface(seen: Floats, usable: Booleans, deviation: float) -> Floats | None:
     """(h, w, 3) float32: a smooth surface that most pixels follow, or None.
 
-    It is a polynomial of the second order for the logarithm. It is fitted by iteratively reweighted least
-    squares. The weights are the squares of Cauchy's, so pixels that differ have hardly any influence.
+    ``deviation``: FLAT or CRUMPLED. It is a polynomial of the second order for the logarithm, fitted by
+    iteratively reweighted least squares, with the squares of Cauchy's weights. So what differs has hardly any
+    influence.
     """
     height, width = seen.shape[:2]
     chosen = usable[::STEP_PX, ::STEP_PX]
@@ -68,8 +102,8 @@ def _surface(seen: Floats, usable: Booleans) -> Floats | None:
         root = np.sqrt(weights)[:, None]
         found = np.linalg.lstsq(terms * root, values * root, rcond=None)[0]
         off = np.abs(values - terms @ found).max(axis=1)
-        weights = 1 / (1 + (off / DEVIATION)**2)**2
-    if np.mean(off < 2 * DEVIATION) < BLANK_SHARE:
+        weights = 1 / (1 + (off / deviation)**2)**2
+    if np.mean(off < 2 * deviation) < BLANK_SHARE:
         return None
     x, y = np.meshgrid(np.arange(0, width, STEP_PX) / width, np.arange(0, height, STEP_PX) / height)
     coarse = np.exp(np.clip(_terms(x, y) @ found, 0, 6)).astype(np.float32)

@@ -18,6 +18,7 @@ RIM_PX = 5            # edges of a pattern may be displaced, so the contrast in 
 NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
 # Gaps up to this wide between such pixels are filled where the light differs from that around.
 BRIDGE_PX = 21
+SMOOTH_PX = 5         # width of the window whose mean color tells where a thing goes on
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
@@ -68,6 +69,7 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     if front.any():
         unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
         weak = excess > 0.5
+        front |= _connected(np.asarray(cv2.blur(excess, (SMOOTH_PX, SMOOTH_PX))) > 0.5, front)
         front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
         front |= closed(front, BRIDGE_PX) & (weak | unusual)
         front &= ~free
@@ -101,6 +103,15 @@ def largest_difference(one: Floats, other: Floats) -> Floats:
     """(h, w) float32: the largest difference among the channels of two images, (h, w, 3) float32."""
     blue, green, red = cv2.split(cv2.absdiff(one, other))
     return np.asarray(cv2.max(cv2.max(blue, green), red), np.float32)
+
+
+def _connected(mask: Booleans, seeds: Booleans) -> Booleans:
+    """(h, w): the connected parts of a mask that contain seeds, (h, w)."""
+    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    labels = np.asarray(labels)
+    chosen = np.bincount(labels[seeds], minlength=labels.max() + 1) > 0
+    chosen[0] = False
+    return chosen[labels]
 
 
 def _usual(light: Floats, free: Booleans) -> Floats:

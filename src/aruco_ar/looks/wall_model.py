@@ -27,6 +27,9 @@ STILL_S = 1.0
 MOVED_SHARE = 0.03
 VARIANCE = 4.0                  # assumed variance of the noise until it is known
 VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of the variance
+# Noise is much the same on the whole wall: its variance at a pixel is at most this multiple of the median.
+# Otherwise a thing that is overlooked once would teach that it is noise, and be overlooked ever after.
+NOISIEST = 4.0
 # The wall or the light is another one if more than ANOTHER_SHARE of the wall differs from the look, and less
 # than BEFORE_SHARE did so in the frame before.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
@@ -114,10 +117,10 @@ class WallModel:
         self._count = 0
         found = blank_wall(self.look, valid & ~tags())
         if found is not None:
-            surface, hidden = found
-            self.plain = np.abs(self.look - surface).max(axis=2) < 0.1 * surface.mean(axis=2)
-            self.plain |= hidden
-            self.look[hidden] = surface[hidden]
+            self.look[found.hidden] = found.surface[found.hidden]
+            self._seen_s[found.hidden] = GUESS_S
+        if found is not None and found.is_flat:
+            self.plain = np.abs(self.look - found.surface).max(axis=2) < 0.1 * found.surface.mean(axis=2)
             self._seen_s[self.plain] = GUESS_S
 
     def _compare(self, seen: Image, valid: Booleans) -> Difference:
@@ -138,6 +141,8 @@ class WallModel:
                 self.free.ctypes.data, wall.size, passed, settle, 1 / self._count, VARIANCE_RATE,
                 self.look.ctypes.data, self._variance.ctypes.data, self._known.ctypes.data,
                 self._seen_s.ctypes.data)
+        usual = np.median(self._variance[::SAMPLE_PX, ::SAMPLE_PX])
+        np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 
     def _learn_front(self, seen: Floats, labels: Integers, count: int, passed: float) -> None:
         """Learn what stays in front. It becomes the wall when it has been seen for longer than the wall was."""
