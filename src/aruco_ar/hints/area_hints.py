@@ -47,9 +47,10 @@ def _choice(tags: Sequence[Tag], area: Area) -> str | None:
     sides = np.linalg.norm(area.corners - np.roll(area.corners, -1, axis=0), axis=1)
     if away.min(axis=1).max() > NEAR * sides.min():
         return None  # a tag of the area is out of sight
-    return '%d tags are in sight: %s. The area is between the outermost four, %s. Choose others by ids:=%s.' % (
-        len(ids), _listed(ids), _listed([tags[number].id for number in away.argmin(axis=1)]),
-        ','.join(map(str, ids[:4])))
+    taken, others = [tags[number].id for number in away.argmin(axis=1)], ids[:4]
+    remedy = 'the parameter ids' if set(others) == set(taken) else 'ids:=' + ','.join(map(str, others))
+    return '%d tags are in sight: %s. The area is between the outermost four, %s. Choose others by %s.' % (
+        len(ids), _listed(ids), _listed(taken), remedy)
 
 
 def _listed(ids: Sequence[int]) -> str:
@@ -61,4 +62,4 @@ def _upside_down(area: Area) -> str | None:
     across, down = foot - top
     if down > -abs(across):
         return None
-    return 'The tags hang upside down in the image, and so does the picture. Turn it by upright:=image.'
+    return 'The tags hang upside down in the image, so the top of the area is below. Turn it by upright:=image.'

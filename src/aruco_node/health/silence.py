@@ -3,7 +3,8 @@ import re
 
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
 
-OURS = re.compile(r'/(exercise5_\d/(image|mask)|tag_poses/image|page/picture)(/|$)')  # no cameras
+# Images that are not from cameras.
+OURS = re.compile(r'/(exercise5_\d/(image|mask)|(tag_poses|calibrate_live)/image|page/picture)(/|$)')
 SILENCE_S = 5.0  # after this time without a message, the node says why
 
 

@@ -156,7 +156,7 @@ RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']
 @pytest.mark.parametrize('transport, published, words', [
     ('raw', {}, 'nothing publishes it, nor any other'),
     ('raw', {'/usb/image': RAW, '/out': RAW, '/robot/exercise5_5/mask': RAW, '/page/picture': RAW,
-             '/tag_poses/image': RAW}, 'These are published: /usb/image. Choose one'),
+             '/tag_poses/image': RAW, '/calibrate_live/image': RAW}, 'are published: /usb/image. Choose one'),
     ('raw', {'/cam': 'std_msgs/String'}, 'published as std_msgs/String, but must be sensor_msgs/Image'),
     ('raw', {'/cam': COMPRESSED}, 'published as sensor_msgs/CompressedImage'),
     ('raw', {'/cam/compressed': COMPRESSED}, 'only its compressed form .*transport:=compressed'),

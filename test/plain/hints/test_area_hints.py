@@ -23,6 +23,10 @@ def test_of_more_than_four_tags_it_says_which_were_taken_and_what_chooses_others
     tags = tags_at([*CORNERS, (250, 200), (200, 160)])
     assert sentences(tags, Area(CORNERS)) == [
         ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four, 1, 2, 3, 4. '
+        'Choose others by the parameter ids.')]
+    others = tags_at([(250, 200), (200, 160), *CORNERS])
+    assert sentences(others, Area(CORNERS)) == [
+        ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four, 3, 4, 5, 6. '
         'Choose others by ids:=1,2,3,4.')]
     assert sentences(tags, Area(CORNERS), ids=(1, 2, 3, 4)) == []
     assert sentences(tags, Area(CORNERS), seconds=1) == []
@@ -33,10 +37,10 @@ def test_with_four_tags_or_with_one_of_them_out_of_sight_it_says_nothing(tags):
     assert sentences(tags, Area(CORNERS)) == []
 
 
-def test_a_picture_that_is_upside_down_comes_with_the_remedy():
+def test_an_area_that_is_upside_down_comes_with_the_remedy():
     turned = Area(np.roll(CORNERS, 2, axis=0))
     assert sentences(tags_at(CORNERS), turned) == [
-        'The tags hang upside down in the image, and so does the picture. Turn it by upright:=image.']
+        'The tags hang upside down in the image, so the top of the area is below. Turn it by upright:=image.']
     assert sentences(tags_at(CORNERS), turned, upright='image') == []
     assert sentences(tags_at(CORNERS), Area(np.roll(CORNERS, 1, axis=0))) == []
 
