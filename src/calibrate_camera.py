@@ -19,9 +19,13 @@ from aruco_ar.base.progress import progress
 from aruco_ar.calibration.calibrate import calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
+from aruco_ar.calibration.views import is_spread
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen
+OTHER_SHEET = 'Choose the dictionary: --dictionary NAME.'
+OTHER_BOARD = ('Choose the dictionary (--dictionary NAME), and the squares, those across first (--charuco 6x8 '
+               'is another board than 8x6).')
 
 
 def board(text):
@@ -60,8 +64,8 @@ class FrameFile:
         self._path, self._photo = path, cv2.imread(path)
         self._video = cv2.VideoCapture(path) if self._photo is None else None
         count = 1 if self._video is None else int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
-        self._step = max(1, count // MAX_FRAMES)
-        self._count = count // self._step
+        self._step = max(1, -(-count // MAX_FRAMES))  # rounded up
+        self._count = -(-count // self._step)
 
     def __length_hint__(self):
         return max(self._count, 0)
@@ -102,10 +106,9 @@ def main(argv):
     try:
         sheet = CharucoBoard(args.dictionary, *args.charuco) if args.charuco else TagSheet(args.dictionary)
         size, views = look(args.files, sheet)
-        if not any(view.points for view in views):
-            what = 'corner of the board' if args.charuco else 'tag of ' + args.dictionary
-            raise InputError('No %s is in sight in any of %d frames. Choose the dictionary: --dictionary NAME.'
-                             % (what, len(views)))
+        if not any(is_spread(view, sheet.points) for view in views):
+            raise InputError('None of %d frames shows %s. %s' % (
+                len(views), sheet.needs, OTHER_BOARD if args.charuco else OTHER_SHEET))
         print('%d frames of %d x %d pixels' % (len(views), *size))
         found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())

@@ -1,6 +1,8 @@
 """A camera's calibration as a file."""
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
 from aruco_ar.geometry.lens import Lens
@@ -16,7 +18,8 @@ def camera_yaml(lens: Lens, name: str) -> str:
     projection = np.column_stack([lens.matrix, np.zeros(3)])
     parts = [('camera_matrix', lens.matrix), ('distortion_coefficients', lens.distortion[None]),
              ('rectification_matrix', np.eye(3)), ('projection_matrix', projection)]
-    lines = ['image_width: %d' % lens.width, 'image_height: %d' % lens.height, 'camera_name: %s' % name,
+    lines = ['image_width: %d' % lens.width, 'image_height: %d' % lens.height,
+             'camera_name: %s' % json.dumps(name, ensure_ascii=False),  # quoted: it may be true, or 12
              'distortion_model: %s' % MODELS[lens.fisheye]]
     for key, matrix in parts:
         rows, columns = matrix.shape

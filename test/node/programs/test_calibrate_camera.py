@@ -8,7 +8,7 @@ import pytest
 import yaml
 from aruco_ar.calibration.calibrate import corners_apart
 from aruco_ar.simulation.robot import Camera
-from calibrate_camera import main
+from calibrate_camera import MAX_FRAMES, FrameFile, main
 from rig.accuracy.sheets import BARREL, frames_of, lens_of_file
 
 
@@ -18,7 +18,7 @@ def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
     for frame in frames_of(BARREL, tmp_path / 'wall.yaml'):
         video.write(frame)
     video.release()
-    main([path, '--out', out, '--name', 'webcam'])
+    main([path, '--out', out, '--name', 'web: cam #1 \U0001f600'])
     said = capsys.readouterr().out
     assert '36 frames of 640 x 480 pixels' in said and 'coverage' in said and 'held out' in said
     assert 'Wrote %s' % out in said
@@ -26,7 +26,20 @@ def test_a_video_of_a_sheet_makes_a_file_that_tells_the_lens(tmp_path, capsys):
     assert lens.matrix[0, 0] == pytest.approx(BARREL.matrix[0, 0], rel=0.01)
     assert corners_apart(lens, BARREL.lens).max() < 0.5
     with open(out) as file:
-        assert yaml.safe_load(file)['camera_name'] == 'webcam'
+        assert yaml.safe_load(file)['camera_name'] == 'web: cam #1 \U0001f600'
+
+
+@pytest.mark.parametrize('count', [400, 401, 799, 801])
+def test_of_a_long_video_frames_are_chosen_evenly(tmp_path, count):
+    path = str(tmp_path / 'numbers.avi')
+    video = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'MJPG'), 10, (32, 32))
+    for number in range(count):
+        video.write(np.full((32, 32, 3), 250 * number // count, np.uint8))
+    video.release()
+    frames = FrameFile(path)
+    levels = [frame.mean() for frame in frames]
+    assert len(levels) == frames.__length_hint__() and MAX_FRAMES / 2 < len(levels) <= MAX_FRAMES
+    assert np.ptp(levels) > 240
 
 
 def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
@@ -49,7 +62,9 @@ def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
 @pytest.mark.parametrize('arguments, words', [
     (['none.mp4'], ['There is no file "none.mp4"']),
     (['{text}'], ['text.mp4" is neither a video nor a photo']),
-    (['{gray}'], ['No tag of DICT_6X6_250 is in sight in any of 1 frames', '--dictionary NAME']),
+    (['{gray}'], ['None of 1 frames shows two tags of DICT_6X6_250', '--dictionary NAME']),
+    (['{gray}', '--charuco', '6x8'], ['None of 1 frames shows 8 corners of a board of 6 x 8 squares',
+                                      '--dictionary NAME', '--charuco 6x8 is another board than 8x6']),
     (['{gray}', '{small}'], ['frames of 64 x 48 pixels, and those before it have 640 x 480']),
     (['{gray}', '--dictionary', 'DICT_7'], ['DICT_7']),
     (['{gray}', '--charuco', '1x1'], ['"1x1" is no board', '5x7:0.75'])])
