@@ -74,11 +74,13 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
 
 def _check_possible(matrix, width, height):
     """Raise an InputError if no lens has this camera matrix, (3, 3), for images of width x height pixels."""
+    if not width or not height:
+        return  # only the size of the region of interest is known, but not where the middle is in it
     focal, center, size = matrix[[0, 1], [0, 1]], matrix[:2, 2], np.array([width, height])
-    share = focal / size.max()
+    impossible = (focal < FOCAL_SHARES[0] * size.max()) | (focal > FOCAL_SHARES[1] * size.max())
     why = ''
-    if np.any(share < FOCAL_SHARES[0]) or np.any(share > FOCAL_SHARES[1]):
-        why = 'says that the focal length is %.4g px' % focal[0]
+    if np.any(impossible):
+        why = 'says that the focal length is %.4g px' % focal[impossible][0]
     elif focal.max() > MAX_ASPECT * focal.min():
         why = 'has the focal lengths %.4g and %.4g px' % tuple(focal)
     elif np.any(center < 0) or np.any(center > size):

@@ -50,6 +50,13 @@ def test_a_resized_frame_has_the_same_rays():
     np.testing.assert_allclose(half.project(points) + 0.5, (whole.project(points) + 0.5) / 2)
 
 
+@pytest.mark.parametrize('size', [(0, 0), (0, 480), (640, 0)])
+def test_the_size_of_a_region_of_interest_is_enough(size):
+    message = info(width=size[0], height=size[1])
+    message.roi.width, message.roi.height = SIZE
+    np.testing.assert_allclose(lens_from_info(message, SIZE).matrix, CAMERA.matrix)
+
+
 def test_binning_and_a_region_of_interest_are_taken_into_account():
     message = info(binning_x=2, binning_y=2)
     message.roi.x_offset, message.roi.y_offset, message.roi.width, message.roi.height = 100, 80, 400, 320
@@ -67,6 +74,7 @@ def test_binning_and_a_region_of_interest_are_taken_into_account():
     (info(K=[500.0, 500, 320, 500, 500, 240, 0, 0, 1]), 'K is not a camera matrix'),
     # What image_publisher invents for a webcam.
     (info(K=[1.0, 0, 320, 0, 1, 240, 0, 0, 1]), 'focal length is 1 px, which no lens has'),
+    (info(K=[500.0, 0, 320, 0, 1, 240, 0, 0, 1]), 'focal length is 1 px, which no lens has'),
     (info(K=[7e4, 0, 320, 0, 7e4, 240, 0, 0, 1]), 'focal length is 7e.04 px'),
     (info(K=[500.0, 0, 320, 0, 1400, 240, 0, 0, 1]), 'focal lengths 500 and 1400 px'),
     (info(K=[500.0, 0, 700, 0, 500, 240, 0, 0, 1]), r'center at \(700, 240\)'),
