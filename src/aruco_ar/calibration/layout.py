@@ -1,12 +1,13 @@
 """Where the tags are on a flat sheet, learned from views of it."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Mapping, Sequence
 
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Floats
+from aruco_ar.base.arrays import Floats, Integers
 from aruco_ar.geometry.homography import transform
 
 SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
@@ -81,53 +82,63 @@ def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Float
     The unknowns are the pose of each tag but the first, which is the origin, and a homography for each view.
     """
     ids = sorted(poses, key=lambda tag_id: bool(np.any(poses[tag_id])))
-    places = {tag_id: number for number, tag_id in enumerate(ids)}
     layout = np.array([poses[tag_id] for tag_id in ids])
-    maps = np.array([_homography([_corners(layout[places[tag_id]]) for tag_id in view], list(view.values()))
-                     for view in views])
-    scale = np.median([np.linalg.norm(corners[1] - corners[0]) for view in views for corners in view.values()])
-    damping, (off, slopes) = FIRST_DAMPING, _system(views, places, layout, maps, scale)
+    sheet = {tag_id: _corners(poses[tag_id]) for tag_id in ids}
+    maps = np.array([_homography([sheet[tag_id] for tag_id in view], list(view.values())) for view in views])
+    maps /= maps[:, 2:, 2:]
+    seen = _Seen(np.array([number for number, view in enumerate(views) for _ in view]),
+                 np.array([ids.index(tag_id) for view in views for tag_id in view]),
+                 np.array([corners for view in views for corners in view.values()]))
+    damping, (off, slopes) = FIRST_DAMPING, seen.system(layout, maps)
     for _ in range(ROUNDS):
         normal, right = slopes.T @ slopes, slopes.T @ off
         step = np.linalg.solve(normal + damping * np.diag(normal.diagonal() + 1e-9), right)
         tags, rest = step[:3 * len(ids) - 3].reshape(-1, 3), step[3 * len(ids) - 3:].reshape(-1, 8)
         new_layout = layout + np.concatenate([np.zeros((1, 3)), tags])
         new_maps = maps + np.concatenate([rest, np.zeros((len(views), 1))], axis=1).reshape(-1, 3, 3)
-        new_off, new_slopes = _system(views, places, new_layout, new_maps, scale)
+        new_off, new_slopes = seen.system(new_layout, new_maps)
         if not new_off @ new_off < off @ off:
             damping *= 10
             continue
         layout, maps, off, slopes, damping = new_layout, new_maps, new_off, new_slopes, damping / 5
         if np.abs(tags).max(initial=0) < SMALL_STEP:
             break
-    return {tag_id: layout[places[tag_id]] for tag_id in ids}
+    return {tag_id: layout[number] for number, tag_id in enumerate(ids)}
 
 
-def _system(views: Sequence[Quads], places: dict[int, int], layout: Floats, maps: Floats,
-            scale: float) -> tuple[Floats, Floats]:
-    """(n,) by what the corners are off, in tags' sides, and (n, unknowns), the slopes of what is computed."""
-    first_map = 3 * len(places) - 3
-    off, slopes = [], []
-    for number, view in enumerate(views):
-        to_image = maps[number] / maps[number, 2, 2]
-        maps[number] = to_image
-        for tag_id, seen in view.items():
-            place = places[tag_id]
-            on_sheet = _corners(layout[place])
-            mapped = on_sheet @ to_image[:, :2].T + to_image[:, 2]
-            pixels = mapped[:, :2] / mapped[:, 2:]
-            off.append(((seen - pixels) / scale).ravel())
-            rows = np.zeros((4, 2, first_map + 8 * len(views)))
-            by_depth = 1 / mapped[:, 2:]
-            point = np.column_stack([on_sheet, np.ones(4)]) * by_depth
-            at = first_map + 8 * number
-            rows[:, 0, at:at + 3] = rows[:, 1, at + 3:at + 6] = point
-            rows[:, :, at + 6:at + 8] = -pixels[:, :, None] * point[:, None, :2]
-            if place:
-                by_place = (to_image[None, :2, :2] - pixels[:, :, None] * to_image[2, :2]) * by_depth[:, None]
-                x, y = (on_sheet - layout[place, :2]).T
-                turned = np.stack([-y, x], axis=1)
-                rows[:, :, 3 * place - 3:3 * place - 1] = by_place
-                rows[:, :, 3 * place - 1] = (by_place @ turned[:, :, None])[:, :, 0]
-            slopes.append(rows.reshape(8, -1) / scale)
-    return np.concatenate(off), np.concatenate(slopes)
+@dataclass(frozen=True)
+class _Seen:
+    """All n sights of a tag in a view: the ``view``, (n,), the ``tag``, (n,), and its ``corners``, (n, 4, 2)."""
+
+    view: Integers
+    tag: Integers
+    corners: Floats
+
+    def system(self, layout: Floats, maps: Floats) -> tuple[Floats, Floats]:
+        """(8n,) by what the corners are off, in sides of the tags, and (8n, unknowns), the slopes of the unknowns.
+
+        ``layout``: (tags, 3), as x, y, angle. ``maps``: (views, 3, 3), from the sheet to the image; the last
+        entry of each is 1.
+        """
+        count, x, y, angle = len(self.view), *layout[self.tag].T[:, :, None]
+        scale = np.median(np.linalg.norm(self.corners[:, 1] - self.corners[:, 0], axis=1))
+        to_image = maps[self.view]
+        turned = np.stack([SQUARE[:, 0] * np.cos(angle) - SQUARE[:, 1] * np.sin(angle),
+                           SQUARE[:, 0] * np.sin(angle) + SQUARE[:, 1] * np.cos(angle)], axis=-1)  # (n, 4, 2)
+        on_sheet = np.stack([turned[..., 0] + x, turned[..., 1] + y, np.ones((count, 4))], axis=-1)
+        mapped = on_sheet @ to_image.swapaxes(1, 2)
+        by_depth = 1 / mapped[..., 2:]
+        pixels, point = mapped[..., :2] * by_depth, on_sheet * by_depth
+        slopes = np.zeros((count, 4, 2, 3 * len(layout) + 8 * len(maps)))  # with those of the first tag's pose
+        every, corner = np.arange(count)[:, None, None], np.arange(4)[:, None]
+        first = (3 * len(layout) + 8 * self.view)[:, None, None]
+        slopes[every, corner, 0, first + np.arange(3)] = slopes[every, corner, 1, first + np.arange(3, 6)] = point
+        for axis in range(2):
+            slopes[every, corner, axis, first + np.arange(6, 8)] = -pixels[..., axis, None] * point[..., :2]
+        by_place = (to_image[:, None, :2, :2] - pixels[..., None] * to_image[:, None, None, 2, :2]) \
+            * by_depth[..., None]                                                     # (n, 4, 2, 2)
+        by_angle = by_place @ np.stack([-turned[..., 1], turned[..., 0]], axis=-1)[..., None]
+        pose = 3 * self.tag[:, None, None] + np.arange(3)
+        for axis in range(2):
+            slopes[every, corner, axis, pose] = np.concatenate([by_place, by_angle], axis=3)[:, :, axis]
+        return (self.corners - pixels).ravel() / scale, slopes.reshape(8 * count, -1)[:, 3:] / scale
