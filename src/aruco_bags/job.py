@@ -13,7 +13,7 @@ from aruco_ar.exercise import PICTURE
 
 from .bag_reader import pieces_of
 from .drafts import drafted
-from .pieces import join_bags, join_tables, make_video
+from .pieces import join_bags, join_tables, make_video, need_video
 from .task import COLUMNS, annotate
 
 HIDDEN = '.unit5'      # subfolder of the output folder: drafts, and notes on what is done
@@ -88,8 +88,10 @@ def jobs_of(paths, task, folder, video, seconds):
     """Jobs for the bags with these paths, with all output in one folder.
 
     ``video``: whether to write MP4s. ``seconds``: the length of a piece. Raises InputError if two output files
-    would have the same name, or if one would replace a bag.
+    would have the same name, if one would replace a bag, or if MP4s cannot be written.
     """
+    if video:
+        need_video()
     folder = os.path.realpath(folder)
     names: Dict[str, str] = {}
     for path in map(os.path.realpath, paths):

@@ -1,11 +1,11 @@
 """Joins the output of pieces."""
 from fractions import Fraction
 
-import av
 import cv2
 import rosbag
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.progress import progress
+from aruco_ar.base.versions import SetupError, need
 from aruco_node.messages.images import frame_from_compressed
 from aruco_node.ros_internals.indexed_bag import forget_written
 
@@ -37,11 +37,20 @@ def join_tables(parts, target, columns=()):
                     joined.write(block)
 
 
+def need_video():
+    """Raise InputError if the library that writes videos is missing: ROS has no package for it."""
+    try:
+        need('av')
+    except SetupError as error:
+        raise InputError('%s Or leave out --video.' % error) from None
+
+
 def make_video(bag, topic, target):
     """Write the images on a topic of a bag as an MP4 with H.264, as browsers and phones play it.
 
-    Returns whether there are any. Raises InputError if the video cannot be written.
+    Returns whether there are any. Raises InputError if the video cannot be written. Call need_video first.
     """
+    import av
     with rosbag.Bag(bag) as images:
         about = images.get_type_and_topic_info([topic]).topics.get(topic)
         if about is None:

@@ -15,6 +15,7 @@ LOWEST = {
     'PIL': ('Pillow', (9, 1), 'pillow>=9.1,<13'),
     'tornado': ('Tornado', (6, 4, 2), 'tornado>=6.4.2,<7'),
     'distributed': ('Dask distributed', (2023, 5), 'distributed>=2023.5,<2026'),
+    'av': ('PyAV', (12,), 'av>=12,<20'),
 }
 
 

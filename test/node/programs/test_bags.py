@@ -125,6 +125,18 @@ def test_the_bag_has_the_painted_frames_with_their_stamps(frames, done):
     assert off[y - 10:y + 10, x - 10:x + 10].mean() > 30 > 5 > off[:40].mean()
 
 
+@pytest.mark.parametrize('arguments, code, words', [
+    (['--help'], 0, 'usage:'),
+    (['--video'], 1, 'annotate_bags: unit5 needs PyAV 12 or later, .* Or leave out --video')])
+def test_only_videos_need_the_library_that_ros_has_no_package_for(package, tmp_path, arguments, code, words):
+    start = 'import sys; sys.modules["av"] = None; import annotate_bags; annotate_bags.main(sys.argv[1:])'
+    done = subprocess.run([sys.executable, '-c', start, 'some.bag', '--out', str(tmp_path), *arguments],
+                          cwd=package + '/src', stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          timeout=WAIT_S)
+    assert done.returncode == code and re.search(words, done.stdout), done.stdout
+    assert 'Traceback' not in done.stdout
+
+
 def test_the_video_has_all_frames(frames, done):
     video, count = cv2.VideoCapture(str(done / 'drive.mp4')), 0
     while video.grab():
