@@ -13,10 +13,11 @@ from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import load_wall
 from aruco_node.messages.images import image_from_frame
 from aruco_node.messages.wall_messages import camera_info
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from rig.accuracy.sheets import frames_of
 from rig.nodes.case import NodeTest
-from rig.nodes.topics import until
+from rig.nodes.topics import Diagnostics, until
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
@@ -72,6 +73,16 @@ class CameraInfos(NodeTest):
             found = tag.pose.pose.position
             self.assertLess(np.linalg.norm(np.array([found.x, found.y, found.z]) - true), 0.015)
 
+    def test_a_missing_camera_info_is_reported_only_while_frames_arrive(self):
+        diagnostics = Diagnostics()
+        self.running.append(diagnostics.subscriber)
+        self.start_poses('/eye/image_raw', '/eye/camera_info')
+        self.show_until_logged(WallRenderer(WALL, Camera()).render(*VIEW), 'nothing arrives on it')
+        self.assertIn('lens', diagnostics.wait('tag_poses', 'but no poses', level=DiagnosticStatus.WARN))
+        for inbox in self.seen.values():
+            inbox.subscriber.unregister()
+        self.assertNotIn('lens', diagnostics.wait('tag_poses', 'Nobody listens'))
+
     def test_without_a_good_camera_info_tags_are_found_but_have_no_poses(self):
         self.start_poses('/eye/image_raw', '/eye/camera_info')
         frame, camera = WallRenderer(WALL, Camera()).render(*VIEW), Camera()
@@ -99,7 +110,7 @@ class CameraInfos(NodeTest):
         stamps = itertools.count(100)
 
         def is_told():
-            for frame in frames:
+            for frame in (frame for frame in frames for _ in range(2)):  # only still views are compared
                 self.images.publish(image_from_frame(frame, Header(stamp=rospy.Time(next(stamps)))))
                 self.seen['tags'].next()
             return any('The calibration does not fit this camera' in line for line in self.node.lines)
