@@ -31,9 +31,8 @@ def paint_picture(scene):
     corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
     homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
-    # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as
-    # the real lens bends lines, if the camera is calibrated. If the settings ask for it, the picture
-    # takes the wall's light, is transparent where something stands before the wall, and the tags vanish.
+    # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as the real
+    # lens bends lines. If the settings ask for it, people stay in front of it, and it takes the wall's light.
     mask = area_mask(window, place)
     warped = warp(picture, homography, mask, place.positions)
     warped, mask = scene.on_wall(warped, mask, area, part)

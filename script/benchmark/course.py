@@ -9,6 +9,15 @@ import numpy as np
 from aruco_ar import DICTIONARIES
 
 
+def course_order(centers):
+    """The indices of centers, (n, 2), that the course takes as top left, top right, bottom right, bottom left.
+
+    A center may be taken twice.
+    """
+    total, difference = centers.sum(axis=1), np.diff(centers, axis=1).ravel()
+    return [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
+
+
 class Course:
     """Finds the area in each frame separately, and paints the whole frame.
 
@@ -30,8 +39,7 @@ class Course:
         if ids is None or len(corners) < 4:
             return None
         centers = np.array([(int(quad[0][:, 0].mean()), int(quad[0][:, 1].mean())) for quad in corners])
-        total, difference = centers.sum(axis=1), np.diff(centers, axis=1)
-        return centers[[np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]]
+        return centers[course_order(centers)]
 
     def paint(self, frame):
         """The frame with the picture painted into the area, and the area's corners.

@@ -108,14 +108,14 @@ def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Float
 
 @dataclass(frozen=True)
 class _Seen:
-    """All n sights of a tag in a view: the ``view``, (n,), the ``tag``, (n,), and its ``corners``, (n, 4, 2)."""
+    """All n sights of tags: the number of the ``view``, (n,), of the ``tag``, (n,), and ``corners``, (n, 4, 2)."""
 
     view: Integers
     tag: Integers
     corners: Floats
 
     def system(self, layout: Floats, maps: Floats) -> tuple[Floats, Floats]:
-        """(8n,) by what the corners are off, in sides of the tags, and (8n, unknowns), the slopes of the unknowns.
+        """(8n,) by what the corners are off, in sides of the tags, and (8n, unknowns), the slopes.
 
         ``layout``: (tags, 3), as x, y, angle. ``maps``: (views, 3, 3), from the sheet to the image; the last
         entry of each is 1.
@@ -132,8 +132,8 @@ class _Seen:
         slopes = np.zeros((count, 4, 2, 3 * len(layout) + 8 * len(maps)))  # with those of the first tag's pose
         every, corner = np.arange(count)[:, None, None], np.arange(4)[:, None]
         first = (3 * len(layout) + 8 * self.view)[:, None, None]
-        slopes[every, corner, 0, first + np.arange(3)] = slopes[every, corner, 1, first + np.arange(3, 6)] = point
         for axis in range(2):
+            slopes[every, corner, axis, first + 3 * axis + np.arange(3)] = point
             slopes[every, corner, axis, first + np.arange(6, 8)] = -pixels[..., axis, None] * point[..., :2]
         by_place = (to_image[:, None, :2, :2] - pixels[..., None] * to_image[:, None, None, 2, :2]) \
             * by_depth[..., None]                                                     # (n, 4, 2, 2)

@@ -6,17 +6,12 @@ import numpy as np
 import pytest
 from aruco_ar import InputError, largest_quadrilateral, order_coordinates
 from aruco_ar.geometry.ordering import is_quadrilateral
+from benchmark.course import course_order
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 coordinate = st.integers(-1000, 1000)
 four_points = st.lists(st.tuples(coordinate, coordinate), min_size=4, max_size=4).map(np.array)
-
-
-def course_rule(points):
-    """Indices of the points as the course chooses them; a point may be chosen twice."""
-    total, difference = points.sum(axis=1), np.diff(points, axis=1).ravel()
-    return [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
 
 
 def turned_square(degrees, side=100.0):
@@ -37,7 +32,7 @@ def test_every_point_is_returned_exactly_once(points):
 @given(four_points)
 @settings(max_examples=500, deadline=None)
 def test_the_order_agrees_with_the_course_if_that_uses_each_point_once(points):
-    order = course_rule(points)
+    order = course_order(points)
     if len(set(order)) == 4:
         assert np.array_equal(order_coordinates(points), points[order])
 
