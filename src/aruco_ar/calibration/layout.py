@@ -108,14 +108,14 @@ def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Float
 
 @dataclass(frozen=True)
 class _Seen:
-    """All n sights of tags: the number of the ``view``, (n,), of the ``tag``, (n,), and ``corners``, (n, 4, 2)."""
+    """All n sights of tags: the numbers of ``view`` and ``tag``, (n,) each, and ``corners``, (n, 4, 2)."""
 
     view: Integers
     tag: Integers
     corners: Floats
 
     def system(self, layout: Floats, maps: Floats) -> tuple[Floats, Floats]:
-        """(8n,) by what the corners are off, in sides of the tags, and (8n, unknowns), the slopes.
+        """(8n,) by what the corners are off, in sides of tags, and (8n, unknowns), the slopes.
 
         ``layout``: (tags, 3), as x, y, angle. ``maps``: (views, 3, 3), from the sheet to the image; the last
         entry of each is 1.

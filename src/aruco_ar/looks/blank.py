@@ -12,11 +12,12 @@ from .parts import grown, parts_of, shrunk
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
 ROUNDS = 12           # rounds of the iterative fit
-# How far pixels of a blank wall are off the surface, as a share of the brightness: those of a flat wall, and of a
-# crumpled sheet, whose creases are lit and shaded.
+# How far pixels of a blank wall are off the surface, as a share of the brightness: those of a flat wall, and
+# those of a crumpled sheet, whose creases are lit and shaded.
 FLAT, CRUMPLED = 0.05, 0.2
-HIDDEN_LEVELS = 4.0   # what differs by more than these gray levels and three deviations is not the blank wall,
-COLOR = 0.06          # nor what differs in color by more than these gray levels and this share of the brightness
+# A pixel is not the blank wall if its brightness differs by more than HIDDEN_LEVELS and three deviations, or
+# its color by more than HIDDEN_LEVELS and this share of the brightness.
+HIDDEN_LEVELS, COLOR = 4.0, 0.06
 BLANK_SHARE = 0.4     # share of a blank wall's pixels that must follow the surface
 # Longest outline of things that hide the wall, divided by the root of their size. Patterns have a longer one.
 MAX_OUTLINE = 10

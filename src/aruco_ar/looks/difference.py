@@ -69,7 +69,8 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     if front.any():
         unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
         weak = excess > 0.5
-        front |= _connected(np.asarray(cv2.blur(excess, (SMOOTH_PX, SMOOTH_PX))) > 0.5, front)
+        around = np.asarray(cv2.blur(excess, (SMOOTH_PX, SMOOTH_PX)))
+        front |= _connected((around > 0.5) & (excess > 0.25), front)
         front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
         front |= closed(front, BRIDGE_PX) & (weak | unusual)
         front &= ~free

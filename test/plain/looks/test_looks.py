@@ -137,7 +137,8 @@ def test_a_pale_hand_stays_in_front_of_white_paper_for_as_long_as_it_writes(wall
 
 def test_a_hand_that_is_there_from_the_first_frame_stays_in_front_of_a_crumpled_sheet(wall, tmp_path, random):
     ridges = sum(deep * np.abs(cv2.resize(random.normal(0, 1, (1200 // wide, 1600 // wide)), (1600, 1200),
-                                          interpolation=cv2.INTER_CUBIC)) for wide, deep in ((200, 60), (80, 15)))
+                                          interpolation=cv2.INTER_CUBIC))
+                 for wide, deep in ((200, 60), (80, 15)))
     shade = np.clip(215 * (1 + 0.3 * cv2.Sobel(ridges, -1, 1, 0) / 8), 120, 245)
     cv2.imwrite(str(tmp_path / 'sheet.png'), np.dstack([shade, shade + 2, shade + 4]).astype(np.uint8))
     poster = Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2)

@@ -69,7 +69,8 @@ def test_learning_is_the_same_as_in_numpy(shape):
     unlit, new = seen / whole, (wall & ~known)[..., None]
     usual = (certain & (np.abs(planes[2] - 1) < 0.1))[..., None]
     expected = np.where(new, unlit, np.where(usual, look + 0.25 * (unlit - look), look))
-    varied = np.where(certain & (planes[4] < 0.5), variance + VARIANCE_RATE * (planes[3]**2 - variance), variance)
+    noise = variance + VARIANCE_RATE * (planes[3]**2 - variance)
+    varied = np.where(certain & (planes[4] < 0.5), noise, variance)
     longer = np.minimum(seconds + 0.5 * wall, 30)
     C.learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
             wall.size, 0.5, 30.0, 0.25, VARIANCE_RATE, look.ctypes.data, variance.ctypes.data,
