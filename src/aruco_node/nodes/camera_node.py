@@ -3,9 +3,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import rospy
 from aruco_ar.base.errors import InputError
+from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.exercise import TRACKER, TRACKER_PARAMETERS, Stage, detection
 from aruco_ar.hints.hints import Hints
-from aruco_ar.hints.lens_check import LensCheck
 from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray

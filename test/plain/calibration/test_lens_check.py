@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 from aruco_ar import Lens, Tag
-from aruco_ar.hints.lens_check import LensCheck
+from aruco_ar.calibration.lens_check import LensCheck
 from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 
 pytestmark = pytest.mark.long

@@ -8,13 +8,14 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats
-from aruco_ar.calibration.calibrate import pose_error
-from aruco_ar.calibration.collection import STILL
-from aruco_ar.calibration.layout import learn_layout
-from aruco_ar.calibration.views import ALIKE, MIN_POINTS, View
 from aruco_ar.geometry.homography import transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.tag import Tag
+
+from .calibrate import pose_error
+from .collection import STILL
+from .layout import learn_layout
+from .views import ALIKE, MIN_POINTS, View
 
 EVERY_S = 0.3           # at most one frame is considered within this time
 CHECKED = 12, 18, 24    # numbers of different views at which the lens is checked
