@@ -52,6 +52,7 @@ def main():
     if args.real and args.only == 'looks':
         with recorded('real_looks', args.record):
             looks.run_clips(clips.clips_of(args.real))
+            looks.run_arm(clips.clips_of(args.real))
         return
     if args.real:
         with recorded('real', args.record):

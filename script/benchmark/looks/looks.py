@@ -12,7 +12,7 @@ from aruco_ar.looks.look import FOREGROUNDS
 from benchmark import PACKAGE
 from benchmark.course import Course
 
-from . import grain, hidden
+from . import grain, hidden, real_arm
 from .painter import Painter
 from .scenes import SCENES
 
@@ -58,11 +58,32 @@ def kept(bare, painted, kept_image):
     return np.clip(share, 0, 1), length > SURE_LEVELS**2
 
 
+def judge_front(moment, inside, painted, kept_image):
+    """(6,): sums over a frame for the intersection, union, what is painted over, front, left unpainted, wall.
+
+    The arguments are those of kept, for a Moment, and ``inside``: (h, w), where the area is.
+    """
+    share, clear = kept(moment.bare, painted, kept_image)
+    clear &= inside
+    share, front = share[clear], moment.front[clear]
+    return np.array([np.minimum(share, front).sum(), np.maximum(share, front).sum(),
+                     np.maximum(front - share, 0).sum(), front.sum(),
+                     np.maximum(share - front, 0).sum(), (1 - front).sum()])
+
+
+FRONT_TITLE = '%-26s %5s %15s %16s' % ('foreground:=keep', 'IoU', 'painted over', 'wall left free')
+
+
+def front_row(name, sums):
+    """A line of the table about what is in front, for sums of judge_front."""
+    return '%-26s %6.3f %10.1f %% %10.2f %%' % (
+        name, sums[0] / sums[1], 100 * sums[2] / sums[3], 100 * sums[4] / sums[5])
+
+
 def run_scene(scene, picture):
     """({method: [likeness of each judged frame]}, foreground's sums, {method: ms of each frame}, sights).
 
-    The sums are those for the intersection, the union, what is painted over, the front, what is left
-    unpainted, the wall. ``sights``: [(color difference with both, frames side by side)].
+    For the sums, see judge_front. ``sights``: [(color difference with both, frames side by side)].
     """
     course = Course('DICT_6X6_250', picture)
     painters = {name: Painter(picture, scene.lens, **changes)
@@ -79,12 +100,7 @@ def run_scene(scene, picture):
         inside = area_mask(moment.bare, Area(np.float32(moment.corners), lens=scene.lens))[..., 0] == 255
         for name, result in results.items():
             scores[name].append(likeness(result, moment.printed, inside))
-        share, clear = kept(moment.bare, results['ours'], results['+ keep'])
-        clear &= inside
-        share, front = share[clear], moment.front[clear]
-        sums += [np.minimum(share, front).sum(), np.maximum(share, front).sum(),
-                 np.maximum(front - share, 0).sum(), front.sum(),
-                 np.maximum(share - front, 0).sum(), (1 - front).sum()]
+        sums += judge_front(moment, inside, results['ours'], results['+ keep'])
         images = moment.bare, results['course'], results['+ both'], moment.printed
         sights.append((scores['+ both'][-1][2], np.hstack([image[SIGHT] for image in images])))
     return scores, sums, times, sights
@@ -112,6 +128,23 @@ def run_clips(clips):
                 np.mean(shares), np.median(shares), np.percentile(shares, 90)]))))
 
 
+def run_arm(clips):
+    """Print what keep makes of a real arm, if its clip is among the clips."""
+    for clip in clips:
+        if os.path.basename(clip.path) == real_arm.CLIP:
+            arm, picture = real_arm.cut_out(clip.frames()[0][real_arm.FRAME]), load_picture(PICTURE)
+            tell('\nAn arm, cut out of %s, that writes on a sheet from the first frame on\n\n%s'
+                 % (real_arm.CLIP, FRONT_TITLE))
+            for name, depth in real_arm.SHEETS:
+                painters, sums = [Painter(picture, foreground=each) for each in FOREGROUNDS], np.zeros(6)
+                for moment in real_arm.ArmScene(arm, depth).moments(picture, SECONDS):
+                    images = [painter.paint(moment.bare, moment.stamp).images[0] for painter in painters]
+                    inside = area_mask(moment.bare, Area(np.float32(moment.corners)))[..., 0] == 255
+                    if moment.stamp >= FIRST_S:
+                        sums += judge_front(moment, inside, *images)
+                tell(front_row(name, sums))
+
+
 def run(chart='unit5-bench-looks.png'):
     """Judge all scenes, print the tables, and write the picture of the median and the worst frames."""
     library()
@@ -126,8 +159,7 @@ def run(chart='unit5-bench-looks.png'):
         tell('%-26s %s' % (name, ' '.join('%4.1f %5.3f %5.1f  ' % tuple(np.median(scores[each], axis=0))
                                           for each in METHODS)))
         if sums[3]:
-            fronts.append('%-26s %6.3f %10.1f %% %10.2f %%' % (
-                name, sums[0] / sums[1], 100 * sums[2] / sums[3], 100 * sums[4] / sums[5]))
+            fronts.append(front_row(name, sums))
         for each, values in times.items():
             ms[each] += values
         sights.sort(key=lambda sight: sight[0])

@@ -30,12 +30,14 @@ MAX_HIDING = 3        # more things than this that reach over the rim of the are
 class BlankWall:
     """A wall behind all that hides it.
 
-    ``surface``: (h, w, 3) float32, BGR. ``hidden``: (h, w), where something hides it. ``is_flat``: whether its
-    brightness changes smoothly; that of a crumpled sheet does not, though its color is the same all over.
+    ``surface``: (h, w, 3) float32, BGR. ``hidden``: (h, w), where something hides it. ``shown``: (h, w), where
+    the wall is seen. ``is_flat``: whether its brightness changes smoothly; that of a crumpled sheet does not,
+    though its color is the same all over.
     """
 
     surface: Floats
     hidden: Booleans
+    shown: Booleans
     is_flat: bool
 
 
@@ -49,9 +51,10 @@ def blank_wall(seen: Floats, usable: Booleans) -> BlankWall | None:
     for deviation in FLAT, CRUMPLED:
         surface = _surface(seen, usable, deviation)
         if surface is not None:
-            hidden = _hidden(usable & _differs(seen, surface, deviation), usable)
+            differs = _differs(seen, surface, deviation)
+            hidden = _hidden(usable & differs, usable)
             if hidden is not None:
-                return BlankWall(surface, hidden, deviation == FLAT)
+                return BlankWall(surface, hidden, usable & ~differs, deviation == FLAT)
     return None
 
 
@@ -102,7 +105,13 @@ def _surface(seen: Floats, usable: Booleans, deviation: float) -> Floats | None:
     for _ in range(ROUNDS):
         root = np.sqrt(weights)[:, None]
         found = np.linalg.lstsq(terms * root, values * root, rcond=None)[0]
-        off = np.abs(values - terms @ found).max(axis=1)
+        if deviation == CRUMPLED:  # it has one color: otherwise a large hand among creases would pass for paper
+            found[1:] = found[1:].mean(axis=1, keepdims=True)
+            found[0] = np.average(values - terms[:, 1:] @ found[1:], axis=0, weights=weights)
+        rest = values - terms @ found
+        shade = rest.mean(axis=1)
+        off = np.abs(rest).max(axis=1) if deviation == FLAT else np.maximum(
+            np.abs(shade), np.abs(rest - shade[:, None]).max(axis=1) * CRUMPLED / FLAT)
         weights = 1 / (1 + (off / deviation)**2)**2
     if np.mean(off < 2 * deviation) < BLANK_SHARE:
         return None

@@ -118,7 +118,7 @@ class WallModel:
         found = blank_wall(self.look, valid & ~tags())
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
-            self._seen_s[found.hidden] = GUESS_S
+            self._seen_s[found.hidden | found.shown] = GUESS_S
         if found is not None and found.is_flat:
             self.plain = np.abs(self.look - found.surface).max(axis=2) < 0.1 * found.surface.mean(axis=2)
             self._seen_s[self.plain] = GUESS_S
