@@ -81,7 +81,11 @@ class MasterRestart(NodeTest):
         self.assert_painted(self.answer_to(scene()), scene())
         compressed = self.listen('/exercise5_6/image/compressed', CompressedImage)
         until(compressed.subscriber.get_num_connections)
-        self.show(scene())
+
+        def is_answered():
+            self.show(scene())
+            return not compressed.empty()
+        until(is_answered)  # the node may learn late that somebody listens
         self.assertIn('jpeg', compressed.next().format)
         self.assertEqual((rospy.get_param('/exercise5_6/opacity'), rospy.get_param('/exercise5_6/transport')),
                          (0.5, 'raw'))
