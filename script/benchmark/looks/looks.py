@@ -164,7 +164,7 @@ def run(chart='unit5-bench-looks.png'):
             ms[each] += values
         sights.sort(key=lambda sight: sight[0])
         rows.append(np.hstack([sights[len(sights) // 2][1], sights[-1][1]]))
-    tell('\nforeground:=keep           IoU    painted over   wall left free\n' + '\n'.join(fronts))
+    tell('\n%s\n%s' % (FRONT_TITLE, '\n'.join(fronts)))
     tell('\nmilliseconds a frame on one thread, the tracker included (median, 99 %)')
     for each, values in ms.items():
         tell('%-10s %5.2f %6.2f' % (each, np.median(values), np.percentile(values, 99)))
