@@ -58,8 +58,7 @@ def area_pose(fit: WallFit, area: Area, lens: Lens) -> AreaPose | None:
     if found is None:
         return None
     points, axes, center, width, height = found
-    turns = np.array([rotation_vector(other @ axes[0].T) for other in axes])
-    off = np.concatenate([center - center[0], turns], axis=1)
+    off = np.concatenate([center - center[0], rotation_vector(axes @ axes[0].T)], axis=1)
     slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
     spread = np.eye(14)
     spread[:6, :6] = covariance

@@ -89,13 +89,16 @@ class Belief:
         return weight + history, successor
 
 
-def mixture(one: Pose, other: Pose, weight: float) -> tuple[Floats, float]:
-    """The covariance of the pose ``one``, (6, 6), which allows for the ``other`` pose, and that pose's weight.
+def mixture(one: Pose, other: Pose, weight: Floats | float) -> tuple[Floats, Floats]:
+    """The covariance of poses, (..., 6, 6), which allows for the other poses, and the weights of those, (...).
 
-    ``weight``: the weight of the other pose. Each pose is (rotation, translation,
-    covariance). The returned weight is 0 if the two poses cannot be told apart.
+    ``one``, ``other``: poses (rotation, translation, covariance), each with any
+    axes in front. ``weight``: (...), the weights of the other poses. A returned
+    weight is 0 if the two poses cannot be told apart.
     """
-    leap = np.concatenate([other[1] - one[1], rotation_vector(other[0] @ one[0].T)])
-    if leap[3:] @ leap[3:] < SAME * np.trace(one[2][3:, 3:]):
-        return one[2], 0.0
-    return (1 - weight) * one[2] + weight * (other[2] + np.outer(leap, leap)), float(weight)
+    turn = rotation_vector(other[0] @ one[0].swapaxes(-1, -2))
+    leap = np.concatenate([other[1] - one[1], turn], axis=-1)
+    alike = (turn * turn).sum(axis=-1) < SAME * np.einsum('...ii->...', one[2][..., 3:, 3:])
+    weight = np.where(alike, 0.0, weight)
+    share = weight[..., None, None]
+    return (1 - share) * one[2] + share * (other[2] + leap[..., None] * leap[..., None, :]), weight

@@ -134,17 +134,17 @@ class PoseEstimator:
             unique.probabilities[every, believed[single]] = 1 - weight[single]
             unique.probabilities[every, 1 - believed[single]] = weight[single]
         self._wall.update(unique, self._clock.now)
-        by_wall = self._wall.tag_poses
-        poses = []
+        every = np.arange(len(seen.tags))
+        one, other = (tuple(part[every, which] for part in seen.poses) for which in (believed, 1 - believed))
         for number, tag in enumerate(seen.tags):
-            first = believed[number]
-            one, other = (tuple(part[number, which] for part in seen.poses) for which in (first, 1 - first))
-            other_weight = weight[number]
-            if count[tag.id] == 1 and tag.id in by_wall:
-                one, other, other_weight = by_wall[tag.id]
-            poses.append(TagPose(tag.id, tag.corners, float(seen.sizes[number]), one[0], one[1],
-                                 *mixture(one, other, other_weight)))
-        return poses
+            if count[tag.id] == 1 and tag.id in self._wall.tag_poses:
+                *by_wall, weight[number] = self._wall.tag_poses[tag.id]
+                for poses, pose in zip((one, other), by_wall):
+                    for part, value in zip(poses, pose):
+                        part[number] = value
+        covariance, ambiguity = mixture(one, other, weight)
+        return [TagPose(tag.id, tag.corners, *rest) for tag, *rest in zip(
+            seen.tags, seen.sizes.tolist(), one[0], one[1], covariance, ambiguity.tolist())]
 
     def camera(self) -> CameraPose | None:
         """The CameraPose of the last update, or None if no tags in sight agreed on the wall's pose."""
@@ -182,11 +182,9 @@ class PoseEstimator:
         _, slopes = lens.project_rays(rays.reshape(-1, 2))
         weights = slopes.reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
-            np.repeat(square(sizes), 2, axis=0), np.repeat(rays, 2, axis=0), np.repeat(weights, 2, axis=0),
-            np.concatenate([rotations for _, (rotations, _) in found]),
-            np.concatenate([translations for _, (_, translations) in found]))
-        rotation, translation = rotation.reshape(-1, 2, 3, 3), translation.reshape(-1, 2, 3)
-        costs = squares.sum(axis=1).reshape(-1, 2)
+            square(sizes), rays, weights, np.array([rotations for _, (rotations, _) in found]),
+            np.array([translations for _, (_, translations) in found]))
+        costs = squares.sum(axis=2)
         # The camera must be in front of the tag.
         front = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)
         costs = np.where(front & np.isfinite(costs), costs, IMPOSSIBLE_COST)
@@ -196,7 +194,7 @@ class PoseEstimator:
         seen = SeenTags(
             tuple(tags[number] for number in keep), quads, sizes, rays,
             weights / np.sqrt(scale)[:, None, None, None], deviation * np.sqrt(scale),
-            (rotation, translation, covariance.reshape(-1, 2, 6, 6) * scale[:, None, None, None]),
+            (rotation, translation, covariance * scale[:, None, None, None]),
             costs, likelihood / likelihood.sum(axis=1, keepdims=True))
         return seen.subset(np.flatnonzero(front.any(axis=1)))
 

@@ -46,14 +46,9 @@ class SeenTags:
 
         The covariances allow for the other pose.
         """
-        found = []
-        for rotation, translation, covariance, probabilities in zip(*self.poses, self.probabilities):
-            first = int(np.argmax(probabilities))
-            one, other = ((rotation[which], translation[which], covariance[which])
-                          for which in (first, 1 - first))
-            found.append((*one[:2], mixture(one, other, probabilities[1 - first])[0]))
-        rotations, translations, covariances = (np.array(part) for part in zip(*found))
-        return rotations, translations, covariances
+        every, first = np.arange(len(self.tags)), np.argmax(self.probabilities, axis=1)
+        one, other = (tuple(part[every, which] for part in self.poses) for which in (first, 1 - first))
+        return one[0], one[1], mixture(one, other, self.probabilities[every, 1 - first])[0]
 
     def subset(self, numbers: Integers | list[int]) -> SeenTags:
         """The tags with those indices alone."""

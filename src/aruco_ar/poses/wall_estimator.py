@@ -129,10 +129,10 @@ class WallEstimator:
             guess = approximate_poses(points.reshape(-1, 3), seen.rays[some].reshape(-1, 2))
         if guess is None:
             return None
-        weights = seen.weights[some].reshape(-1, 2, 2)
-        rotation, translation, amounts, squares, covariance = refine(
-            points.reshape(-1, 3), seen.rays[some].reshape(-1, 2), weights, guess[0], guess[1],
-            spread.reshape(4 * len(some), 3, spread.shape[-1]))
+        rotation, translation, amounts, squares, covariance = (part[0] for part in refine(
+            points.reshape(1, -1, 3), seen.rays[some].reshape(1, -1, 2),
+            seen.weights[some].reshape(1, -1, 2, 2), guess[0][None], guess[1][None],
+            spread.reshape(4 * len(some), 3, spread.shape[-1])))
         errors = squares.reshape(2, len(some), 4).sum(axis=2)
         scale = max(1.0, errors.sum(axis=1).min() / (8 * len(some) - 6)) if len(some) > 1 else 1.0
         cost = errors.sum(axis=1) + (amounts * amounts).sum(axis=1)
