@@ -8,7 +8,7 @@
 #define SHARE 0.08f
 #define DEVIATIONS 3.5f
 #define LEVELS 2.0f
-#define RIM_SHARE 0.5f
+#define RIM_SHARE 0.6f
 #define SHARP 0.22f        /* the rim of a shadow is softer than this change of the light's logarithm in 3 pixels */
 #define STEP_FROM 1.1f     /* where the light in 3 pixels varies by a smaller factor, there is no rim of a shadow */
 #define MIN_LIGHT 0.02f

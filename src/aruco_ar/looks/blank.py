@@ -69,14 +69,14 @@ def _differs(seen: Floats, surface: Floats, deviation: float) -> Booleans:
 def _hidden(differs: Booleans, usable: Booleans) -> Booleans | None:
     """(h, w): what hides the wall, of what differs from it; None if that is a pattern."""
     labels, _ = parts_of(differs)
-    over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
-    over_rim = over_rim[over_rim > 0]
+    rims = [np.unique(rim[rim > 0]) for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1])]
+    over_rim = np.unique(np.concatenate(rims))
     hidden = np.isin(labels, over_rim)
     outline = np.count_nonzero(hidden & ~shrunk(hidden, 3))
     if outline > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(hidden), 1)):
         return None
     other = np.count_nonzero((labels > 0) & ~hidden)
-    if len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
+    if all(len(rim) for rim in rims) or len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
         return None
     return grown(hidden, RIM_PX)
 

@@ -14,7 +14,7 @@ from .parts import closed, grown, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
-RIM_PX = 5            # edges of a pattern may be displaced, so the contrast in a window of this width counts
+RIM_PX = 3            # edges of a pattern may be displaced, so the contrast in a window of this width counts
 NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
 # Gaps up to this wide between such pixels are filled where the light differs from that around.
 BRIDGE_PX = 21
@@ -22,8 +22,9 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
-LIKE = 0.8            # least correlation with the wall's pattern where that pattern is seen
-PATTERN_PX = 15       # width of the window for the correlation
+WINDOWS = (15, 0.8), (61, 0.7)
+MOST = 2.0
+FIT = 0.25
 PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recognized, in gray levels
 
 
@@ -45,12 +46,13 @@ class Difference:
     planes: Floats
 
 
-def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans) -> Difference:
+def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans,
+               lightest: float = LIGHTEST) -> Difference:
     """Compare a rectified frame with the wall.
 
     ``seen``: (h, w, 3) uint8, the frame. ``look``: (h, w, 3) float32, the wall. ``whole``: (3,) float32, the
     light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
-    where both are known.
+    where both are known. ``lightest``: see LIGHTEST.
     """
     kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
     wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
@@ -58,12 +60,12 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     height, width = usable.shape
     planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
     found = C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
-                      variance.ctypes.data, usable.ctypes.data, width, height, DARKEST, LIGHTEST,
+                      variance.ctypes.data, usable.ctypes.data, width, height, DARKEST, lightest,
                       planes.ctypes.data, front.ctypes.data)
     if not found:
         return Difference(front, planes)
-    gray, wall_gray, light, _, excess, step, noise, rims = planes
-    free = ~usable | _shows_pattern(gray, wall_gray)
+    _, wall_gray, light, _, excess, step, noise, rims = planes
+    free = ~usable | _shows_pattern(seen, wall, noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
                              cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
     if front.any():
@@ -84,9 +86,7 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     its color on the line between the two shows its share.
     """
     share = np.zeros(front.shape, np.float32)
-    x, y, width, height = cv2.boundingRect(front.astype(np.uint8))
-    part = slice(max(y - RIM_MARGIN_PX, 0), y + height + RIM_MARGIN_PX), \
-        slice(max(x - RIM_MARGIN_PX, 0), x + width + RIM_MARGIN_PX)
+    part = _around(front, RIM_MARGIN_PX)
     seen, wall, front = seen[part], wall[part], front[part]
     core = shrunk(front, 5)
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
@@ -106,6 +106,12 @@ def largest_difference(one: Floats, other: Floats) -> Floats:
     return np.asarray(cv2.max(cv2.max(blue, green), red), np.float32)
 
 
+def _around(mask: Booleans, margin: int) -> tuple[slice, slice]:
+    """The rows and columns of an image within a margin around a mask, (h, w)."""
+    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    return slice(max(y - margin, 0), y + height + margin), slice(max(x - margin, 0), x + width + margin)
+
+
 def _connected(mask: Booleans, seeds: Booleans) -> Booleans:
     """(h, w): the connected parts of a mask that contain seeds, (h, w)."""
     _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
@@ -122,14 +128,31 @@ def _usual(light: Floats, free: Booleans) -> Floats:
     return np.asarray((sums + 1e-3) / (weights + 1e-3))
 
 
-def _shows_pattern(gray: Floats, wall: Floats) -> Booleans:
-    """Where the wall's pattern is seen, so that nothing stands before it, whatever the light or a glare does.
+def _shows_pattern(seen: Image, wall: Image, noise: Floats, where: Booleans) -> Booleans:
+    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is before it.
 
-    Both are (h, w) float32. It is seen where their normalized correlation in a window is high.
+    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``noise``: (h, w) float32,
+    what may be noise. In a window, light changes the contrast of the pattern, and a glare adds to it. Both are
+    estimated. The pattern is seen where it correlates with the wall's, and where the pixel itself fits.
     """
-    def mean(image: Floats) -> Floats:
-        return np.asarray(cv2.boxFilter(image, -1, (PATTERN_PX, PATTERN_PX)))
-    gray, wall = gray - mean(gray), wall - mean(wall)
-    own, known = (np.maximum(mean(image * image), 0) for image in (gray, wall))  # rounding can make it negative
-    return np.asarray((mean(gray * wall) > LIKE * np.sqrt(own * known)) & (known > PATTERN_LEVELS**2)
-                      & (own > PATTERN_LEVELS**2 / 16))
+    shows = np.zeros(where.shape, bool)
+    for px, likeness in WINDOWS:
+        part = _around(where, px)
+        images = [np.asarray(image[part], np.float32) for image in (seen, wall)]
+        grays = [np.asarray(image.mean(axis=2), np.float32) for image in images]
+
+        def mean(image: Floats) -> Floats:
+            return np.asarray(cv2.boxFilter(image, -1, (px, px)))
+        gray, wall_gray = (gray - mean(gray) for gray in grays)
+        own, known = (np.maximum(mean(gray * gray), 0) for gray in (gray, wall_gray))
+        both = mean(gray * wall_gray)
+        part_shows = (both > likeness * np.sqrt(own * known)) & (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
+        if part_shows.any():
+            contrast = both / np.maximum(known, PATTERN_LEVELS**2)
+            rest, pattern = (image - mean(image) for image in images)
+            off = largest_difference(rest, pattern * contrast[..., None])
+            part_shows &= off < noise[part] + FIT * contrast * np.sqrt(known)
+        shows[part] |= part_shows
+    return shows & where
+
+

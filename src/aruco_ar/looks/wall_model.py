@@ -19,7 +19,7 @@ from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
-GUESS_S = 10.0                  # a blank wall counts at first as seen for this time, even if hidden
+GUESS_S = 3.0                   # a blank wall counts at first as seen for this time, even if hidden
 SURE_S = 2.0                    # a color seen for less time than this gives way to any color that stays
 SAME_LEVELS = 16.0              # colors are the same if they differ by less than this, in gray levels
 # A thing is still if at most MOVED_SHARE of its outline has moved for STILL_S seconds.
@@ -31,11 +31,16 @@ VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of t
 # Otherwise a thing that is overlooked once would teach that it is noise, and be overlooked ever after.
 NOISIEST = 4.0
 # The wall or the light is another one if more than ANOTHER_SHARE of the wall differs from the look, and less
-# than BEFORE_SHARE did so in the frame before.
-ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
+# than BEFORE_SHARE did so in the frame before. Light does not change its color by more than ANOTHER_COLOR, the
+# largest change of a channel divided by the smallest one, from one frame to the next. So that is another wall too.
+ANOTHER_SHARE, BEFORE_SHARE, ANOTHER_COLOR = 0.85, 0.5, 1.5
+# A spot of light is at most SPOT times as light as the wall without a shadow. That light is the percentile UNSHADED
+# of the light at all places, and is remembered for about SHADE_S seconds, since a shadow may fall on all of the wall.
+SPOT, UNSHADED, SHADE_S = 1.5, 90, 5.0
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
 MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light
 MIN_LIGHT = 0.02                # least light, as a factor of the look
+DIM = 0.2                       # in less light than this, the color of the light is uncertain
 NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
 
 C.learn.restype = None
@@ -78,12 +83,15 @@ class WallModel:
         seen = cv2.blur(image, (3, 3))
         if not self.look.size:
             self._begin(seen, valid, tags)
-        found = self._compare(seen, valid)
+        before = self.light
+        found = self._compare(seen, valid, passed)
         known = self._known & valid & (self._seen_s >= KNOWN_S)
         share = np.count_nonzero(found.front & known) / max(np.count_nonzero(known), 1)
-        if share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE:
+        change = np.maximum(self.light, DIM) / np.maximum(before, DIM)
+        if (share > ANOTHER_SHARE or change.max() > ANOTHER_COLOR * change.min()) and \
+                self._front_share < BEFORE_SHARE:
             self._begin(seen, valid, tags)
-            found = self._compare(seen, valid)
+            found = self._compare(seen, valid, passed)
         self._front_share = share
         labels, count = parts_of(found.front) if found.front.any() else (np.zeros(valid.shape, np.int32), 0)
         front = labels > 0
@@ -115,6 +123,7 @@ class WallModel:
         self._earlier = [self._before] * 2          # the same, earlier
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
+        self._unshaded = 0.0                        # the light where there is no shadow
         found = blank_wall(self.look, valid & ~tags())
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
@@ -123,15 +132,20 @@ class WallModel:
             self.plain = np.abs(self.look - found.surface).max(axis=2) < 0.1 * found.surface.mean(axis=2)
             self._seen_s[self.plain] = GUESS_S
 
-    def _compare(self, seen: Image, valid: Booleans) -> Difference:
+    def _compare(self, seen: Image, valid: Booleans, passed: float) -> Difference:
         """The Difference from the wall in the light of this frame."""
         usable = self._known & valid
         sample = (usable & ~self._before)[::SAMPLE_PX, ::SAMPLE_PX]
         if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
             colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
-            ratio = np.median((colors / np.maximum(looks, 1))[sample], axis=0)
-            self.light = np.asarray(np.maximum(ratio, MIN_LIGHT), np.float32)
-        return difference(seen, self.look, self.light, self._variance, usable)
+            gray = looks.sum(axis=2)
+            bright = sample & (gray >= np.median(gray[sample]))  # a glare changes black by a large factor
+            lights = (colors / np.maximum(looks, 1))[bright]
+            self.light = np.asarray(np.maximum(np.median(lights, axis=0), MIN_LIGHT), np.float32)
+            now = np.percentile(lights.mean(axis=1), UNSHADED)
+            self._unshaded = max(now, self._unshaded * np.exp(-passed / SHADE_S))
+        lightest = SPOT * max(1.0, self._unshaded / self.light.mean())
+        return difference(seen, self.look, self.light, self._variance, usable, lightest)
 
     def _learn_wall(self, seen: Image, found: Difference, wall: Booleans, passed: float,
                     settle: float) -> None:

@@ -27,8 +27,8 @@ def in_numpy(seen, look, whole, variance, contrast):
     gray, wall_gray = seen.mean(axis=2), np.maximum(wall.mean(axis=2), 1)
     light, noise = gray / wall_gray, 2 + 3.5 * np.sqrt(variance)
     off = np.abs(seen - wall * light[..., None])
-    allowed = 0.08 * wall * light[..., None] + 0.5 * contrast * light[..., None] + noise[..., None]
-    excess, error, rim = (off / allowed).max(axis=2), off.max(axis=2), 0.5 * contrast.mean(axis=2)
+    allowed = 0.08 * wall * light[..., None] + 0.6 * contrast * light[..., None] + noise[..., None]
+    excess, error, rim = (off / allowed).max(axis=2), off.max(axis=2), 0.6 * contrast.mean(axis=2)
     square, slack = np.ones((3, 3), np.uint8), (noise * 2 / 3 + rim) / wall_gray
     bright = np.maximum(light, 0.02)
     change = np.log(cv2.dilate(bright, square) / cv2.erode(bright, square))
@@ -41,7 +41,7 @@ def in_numpy(seen, look, whole, variance, contrast):
 def test_comparing_finds_what_the_same_in_numpy_finds(shape):
     seen, look, whole, variance, usable = scene(shape)
     wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
-    square = np.ones((5, 5), np.uint8)
+    square = np.ones((3, 3), np.uint8)
     contrast = cv2.subtract(cv2.dilate(wall, square), cv2.erode(wall, square)).reshape(*shape, 3)
     found = difference(seen, look, whole, variance, usable)
     expected, front = in_numpy(seen.astype(float), look, whole, variance, contrast.astype(float))
