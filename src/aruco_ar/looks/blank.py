@@ -23,7 +23,8 @@ BLANK_SHARE = 0.4     # share of a blank wall's pixels that must follow the surf
 MAX_OUTLINE = 10
 MAX_OTHER_SHARE = 0.2  # share of a blank wall that may be something else that hangs there
 RIM_PX = 7            # pixels this near to what hides the wall may be mixtures with it
-MAX_HIDING = 3        # more things than this that reach over the rim of the area are a pattern
+# More things than this that reach over the rim of the area are a pattern. So are things over all of its sides.
+MAX_HIDING = 3
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,8 @@ def _hidden(differs: Booleans, usable: Booleans) -> Booleans | None:
     if outline > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(hidden), 1)):
         return None
     other = np.count_nonzero((labels > 0) & ~hidden)
-    if all(len(rim) for rim in rims) or len(over_rim) > MAX_HIDING or other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1):
+    is_other = other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1)
+    if all(len(rim) for rim in rims) or len(over_rim) > MAX_HIDING or is_other:
         return None
     return grown(hidden, RIM_PX)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.compiled import library
 
 from .parts import closed, grown, shrunk
@@ -22,12 +22,19 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
+# A pattern is recognized in windows of these widths, if it correlates with the wall's by at least so much. The
+# large window also shows what a glare has made pale.
 WINDOWS = (15, 0.8), (61, 0.7)
-MOST = 2.0
-FIT = 0.25
+FIT = 0.25            # a pixel fits if it is off by less than noise plus this share of the pattern's deviation
 PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recognized, in gray levels
 
 
+# How the wall is aligned with the frame. Its displacement is at most MAX_MOVE_PX pixels, and is averaged in a
+# window of the width MOVED_PX, weighted by the contrast beyond NO_PATTERN gray levels. With a mean contrast of
+# about FEW_PATTERN or less beyond that, it is hardly moved.
+MAX_MOVE_PX, MOVED_PX = 4, 31
+NO_PATTERN, FEW_PATTERN = 6.0, 2.0
+FLOW = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
 C = library('wall')  # its comments explain the limits for each pixel
 C.compare.restype = ctypes.c_int64
 C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
@@ -54,16 +61,15 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
     where both are known. ``lightest``: see LIGHTEST.
     """
-    kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
     wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
-    contrast = cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
-    height, width = usable.shape
-    planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
-    found = C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
-                      variance.ctypes.data, usable.ctypes.data, width, height, DARKEST, lightest,
-                      planes.ctypes.data, front.ctypes.data)
-    if not found:
+    contrast = contrast_near(wall)
+    front, planes = compare(seen, look, whole, contrast, variance, usable, lightest)
+    if not front.any():
         return Difference(front, planes)
+    aligned = _aligned(look, wall, contrast, seen)
+    wall = cv2.multiply(aligned, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
+    still_front, planes = compare(seen, aligned, whole, contrast_near(wall), variance, usable, lightest)
+    front &= still_front
     _, wall_gray, light, _, excess, step, noise, rims = planes
     free = ~usable | _shows_pattern(seen, wall, noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
@@ -77,6 +83,39 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
         front |= closed(front, BRIDGE_PX) & (weak | unusual)
         front &= ~free
     return Difference(front, planes)
+
+
+def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
+             lightest: float) -> tuple[Booleans, Floats]:
+    """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
+    height, width = usable.shape
+    planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
+    C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data, variance.ctypes.data,
+              usable.ctypes.data, width, height, DARKEST, lightest, planes.ctypes.data, front.ctypes.data)
+    return front, planes
+
+
+def contrast_near(wall: Image) -> Image:
+    """(h, w, 3) uint8: the largest differences in an image near each pixel."""
+    kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
+    return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
+
+
+def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
+    """(h, w, 3) float32: the look, moved by a few pixels to where the frame shows it.
+
+    A sheet that is not flat, or a lens that is not calibrated, displaces it. The
+    displacement is smooth, and known where the wall has a pattern. ``wall``:
+    (h, w, 3) uint8, the look in this light. ``contrast``: see contrast_near.
+    """
+    height, width = contrast.shape[:2]
+    flow = FLOW.calc(*(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall)), NO_ARRAY)
+    weight = np.maximum(contrast.max(axis=2).astype(np.float32) - NO_PATTERN, 0)
+    moved = cv2.blur(np.clip(flow, -MAX_MOVE_PX, MAX_MOVE_PX) * weight[..., None], (MOVED_PX, MOVED_PX))
+    moved /= (cv2.blur(weight, (MOVED_PX, MOVED_PX)) + FEW_PATTERN)[..., None]
+    moved += np.dstack(np.meshgrid(np.arange(width), np.arange(height)))
+    aligned = cv2.remap(look, moved, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.ascontiguousarray(aligned, np.float32)
 
 
 def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
@@ -104,6 +143,11 @@ def largest_difference(one: Floats, other: Floats) -> Floats:
     """(h, w) float32: the largest difference among the channels of two images, (h, w, 3) float32."""
     blue, green, red = cv2.split(cv2.absdiff(one, other))
     return np.asarray(cv2.max(cv2.max(blue, green), red), np.float32)
+
+
+def _mean(image: Floats, px: int) -> Floats:
+    """The mean of an image in a window of that width around each pixel."""
+    return np.asarray(cv2.boxFilter(image, -1, (px, px)))
 
 
 def _around(mask: Booleans, margin: int) -> tuple[slice, slice]:
@@ -136,23 +180,22 @@ def _shows_pattern(seen: Image, wall: Image, noise: Floats, where: Booleans) -> 
     estimated. The pattern is seen where it correlates with the wall's, and where the pixel itself fits.
     """
     shows = np.zeros(where.shape, bool)
-    for px, likeness in WINDOWS:
+    for px, least in WINDOWS:
         part = _around(where, px)
         images = [np.asarray(image[part], np.float32) for image in (seen, wall)]
         grays = [np.asarray(image.mean(axis=2), np.float32) for image in images]
 
-        def mean(image: Floats) -> Floats:
-            return np.asarray(cv2.boxFilter(image, -1, (px, px)))
-        gray, wall_gray = (gray - mean(gray) for gray in grays)
-        own, known = (np.maximum(mean(gray * gray), 0) for gray in (gray, wall_gray))
-        both = mean(gray * wall_gray)
-        part_shows = (both > likeness * np.sqrt(own * known)) & (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
-        if part_shows.any():
-            contrast = both / np.maximum(known, PATTERN_LEVELS**2)
-            rest, pattern = (image - mean(image) for image in images)
-            off = largest_difference(rest, pattern * contrast[..., None])
-            part_shows &= off < noise[part] + FIT * contrast * np.sqrt(known)
-        shows[part] |= part_shows
+        gray, wall_gray = (gray - _mean(gray, px) for gray in grays)
+        own, known = (np.maximum(_mean(gray * gray, px), 0) for gray in (gray, wall_gray))
+        both = _mean(gray * wall_gray, px)
+        like = both > least * np.sqrt(own * known)
+        like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
+        if like.any():
+            factor = both / np.maximum(known, PATTERN_LEVELS**2)
+            color, wall_color = (image - _mean(image, px) for image in images)
+            off = largest_difference(color, wall_color * factor[..., None])
+            like &= off < noise[part] + FIT * factor * np.sqrt(known)
+        shows[part] |= like
     return shows & where
 
 

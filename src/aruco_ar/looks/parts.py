@@ -41,13 +41,14 @@ def parts_of(mask: Booleans) -> tuple[Integers, int]:
     return np.asarray(labels, np.int32), count - 1
 
 
-def still_parts(labels: Integers, count: int, before: Booleans, share: float) -> Booleans:
+def still_parts(labels: Integers, count: int, before: Booleans, changed: Booleans, share: float) -> Booleans:
     """The parts whose outlines have hardly moved: at most ``share`` of an outline by more than a pixel.
 
-    ``labels``, ``count``: see parts_of. ``before``: (h, w), where parts were in the frame before.
+    ``labels``, ``count``: see parts_of. ``before``: (h, w), where parts were in an earlier frame. ``changed``:
+    (h, w), where the colors have changed since then; elsewhere, nothing has moved.
     """
     now = labels > 0
-    changed = (now & ~grown(before, 3)) | (before & ~grown(now, 3))
+    changed = changed & ((now & ~grown(before, 3)) | (before & ~grown(now, 3)))
     near = np.asarray(cv2.dilate(labels.astype(np.float32), np.ones((5, 5), np.uint8)), np.int32)
     moved = np.bincount(near[changed], minlength=count + 1)
     outline = np.bincount(labels[~shrunk(now, 3)], minlength=count + 1)

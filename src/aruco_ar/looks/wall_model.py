@@ -31,11 +31,12 @@ VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of t
 # Otherwise a thing that is overlooked once would teach that it is noise, and be overlooked ever after.
 NOISIEST = 4.0
 # The wall or the light is another one if more than ANOTHER_SHARE of the wall differs from the look, and less
-# than BEFORE_SHARE did so in the frame before. Light does not change its color by more than ANOTHER_COLOR, the
-# largest change of a channel divided by the smallest one, from one frame to the next. So that is another wall too.
+# than BEFORE_SHARE did so in the frame before. It is also another one if the light changes its color at once:
+# one channel by ANOTHER_COLOR times as much as another.
 ANOTHER_SHARE, BEFORE_SHARE, ANOTHER_COLOR = 0.85, 0.5, 1.5
-# A spot of light is at most SPOT times as light as the wall without a shadow. That light is the percentile UNSHADED
-# of the light at all places, and is remembered for about SHADE_S seconds, since a shadow may fall on all of the wall.
+# A spot of light is at most SPOT times as light as the wall without a shadow. That light is the percentile
+# UNSHADED of the light at all places. It is remembered for about SHADE_S seconds, since a shadow may fall on
+# nearly all of the wall.
 SPOT, UNSHADED, SHADE_S = 1.5, 90, 5.0
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
 MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light
@@ -70,7 +71,7 @@ class WallModel:
         self.plain: Booleans | None = None
         self._front_share = 1.0
         self._age = 0.0
-        self._earlier: list[Booleans] = []
+        self._earlier: list[tuple[Booleans, Floats]] = []
 
     def update(self, image: Image, valid: Booleans, tags: Callable[[], Booleans], passed: float,
                settle: float) -> None:
@@ -106,7 +107,8 @@ class WallModel:
         self._before = labels > 0
         self._age += passed
         if self._age >= STILL_S:
-            self._earlier, self._age = [self._earlier[1], self._before], 0.0
+            unlit = _times(np.asarray(seen, np.float32), 1 / self.light)
+            self._earlier, self._age = [self._earlier[1], (self._before, unlit)], 0.0
 
     def _begin(self, seen: Image, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
@@ -120,7 +122,8 @@ class WallModel:
         self._was_wall = np.zeros(shape, bool)      # whether that other look was once the wall's
         self._variance = np.full(shape, VARIANCE, np.float32)
         self._before = np.zeros(shape, bool)        # where something was in front in the frame before
-        self._earlier = [self._before] * 2          # the same, earlier
+        # The same at two earlier times, and the frames of these times, in the light of the look.
+        self._earlier = [(self._before, self.look.copy())] * 2
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
         self._unshaded = 0.0                        # the light where there is no shadow
@@ -163,7 +166,9 @@ class WallModel:
         front = labels > 0
         unlit = _times(seen, 1 / self.light)
         same = front & (largest_difference(unlit, self._other) < SAME_LEVELS)
-        stays = same & (still_parts(labels, count, self._earlier[0], MOVED_SHARE) | (self._seen_s < SURE_S))
+        before, unlit_before = self._earlier[0]
+        still = still_parts(labels, count, before, _changed(unlit, unlit_before), MOVED_SHARE)
+        stays = same & (still | (self._seen_s < SURE_S))
         self._other_s += np.float32(passed) * stays
         other = front & ~same
         self._other[other], self._other_s[other], self._was_wall[other] = unlit[other], 0, False
@@ -179,3 +184,10 @@ class WallModel:
 def _times(image: Floats, factors: Floats) -> Floats:
     """(h, w, 3) float32: an image with its channels multiplied by three factors."""
     return np.asarray(cv2.multiply(image, np.array([*factors, 0.0])), np.float32)
+
+
+def _changed(image: Floats, before: Floats) -> Booleans:
+    """(h, w): where no pixel nearby had that color before. Both are (h, w, 3) float32."""
+    near = np.ones((3, 3), np.uint8)
+    off = cv2.max(cv2.subtract(image, cv2.dilate(before, near)), cv2.subtract(cv2.erode(before, near), image))
+    return np.asarray(off).max(axis=2) > SAME_LEVELS

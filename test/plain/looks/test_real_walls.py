@@ -1,0 +1,114 @@
+"""What real walls do to the model of the wall: patterns, sheets that are not flat, glare, and deep shadows."""
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar.walls.wall import Poster
+from test_looks import FRAMES_PER_S, Drive, core, hand, is_kept, is_painted, painted, stage
+
+pytestmark = pytest.mark.long
+SHEET_PX = 800, 600
+
+
+@pytest.fixture
+def checkered(wall, tmp_path):
+    """A function that makes the wall checkered, with fields so many pixels of the sheet wide."""
+    def make(field):
+        y, x = np.mgrid[:SHEET_PX[1], :SHEET_PX[0]] // field
+        cv2.imwrite(str(tmp_path / 'sheet.png'), np.where((x + y) % 2, 210, 25).astype(np.uint8))
+        return replace(wall, posters=(Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2),))
+    return make
+
+
+def around(things, inside):
+    return inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((15, 15))) > 0)
+
+
+def bulging(frame, inside, number, px):
+    """The frame as if the sheet bulged: in the middle it moves by so many pixels to both sides."""
+    rows, columns = np.float32(np.mgrid[:frame.shape[0], :frame.shape[1]])
+    from_middle = np.hypot(rows - rows[inside].mean(), columns - columns[inside].mean())
+    off = px * np.sin(2 * np.pi * number / FRAMES_PER_S) * np.exp(-(from_middle / 60)**2)
+    return cv2.remap(frame, np.float32(columns + off), rows, cv2.INTER_LINEAR)
+
+
+def test_large_dark_fields_of_a_pattern_are_no_things_in_front(checkered):
+    drive, keeps = Drive(checkered(130)), stage(foreground='keep')
+    for number in range(10):
+        frame, inside = drive.frame(number)
+        assert is_painted(painted(keeps, frame, number), inside) > 0.99
+
+
+def test_half_of_a_wall_in_another_color_is_a_part_of_it_after_some_seconds(wall, tmp_path):
+    sheet = np.full((600, 800, 3), (225, 228, 230), np.uint8)
+    sheet[:, 450:] = 60, 40, 90
+    cv2.imwrite(str(tmp_path / 'sheet.png'), sheet)
+    poster = Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2)
+    drive, keeps = Drive(replace(wall, posters=(poster,))), stage(foreground='keep')
+    for number in range(6 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        image = painted(keeps, frame, number)
+    assert is_painted(image, inside) > 0.99
+
+
+def test_a_sheet_that_bulges_is_painted_all_over_and_a_hand_stays_in_front_of_it(checkered):
+    drive, keeps = Drive(checkered(40)), stage(foreground='keep')
+    for number in range(4 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        if number > FRAMES_PER_S:
+            frame = bulging(frame, inside, number, 5)
+        things = hand(frame, number) if number > 3 * FRAMES_PER_S else np.zeros(inside.shape, bool)
+        image = painted(keeps, frame, number)
+        assert is_painted(image, around(things, inside)) > 0.98
+        if things.any():
+            assert is_kept(image, frame, core(things) & inside) > 0.9
+
+
+def test_a_glare_on_a_pattern_is_painted_over(checkered):
+    drive, keeps = Drive(checkered(130)), stage(foreground='keep')
+    for number in range(2 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        if number > FRAMES_PER_S:
+            glare = np.zeros(frame.shape[:2], np.float32)
+            cv2.circle(glare, (290 + 4 * (number % 10), 200), 60, 1, -1)
+            glare = cv2.GaussianBlur(glare, (0, 0), 20)[..., None]
+            frame = np.uint8(np.clip(frame * (1 - 0.5 * glare) + 110 * glare, 0, 255))
+        assert is_painted(painted(keeps, frame, number), inside) > 0.97
+
+
+@pytest.mark.parametrize('sharpness', [0.7, 3.0])
+def test_what_is_much_lighter_than_the_wall_stays_in_front_though_its_color_is_the_wall_s(wall, sharpness):
+    drive, keeps = Drive(replace(wall, color=(90, 100, 110))), stage(foreground='keep')
+    for number in range(2 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        if number < FRAMES_PER_S:
+            assert is_painted(painted(keeps, frame, number), inside) == 1
+            continue
+        things = np.zeros(frame.shape[:2], np.uint8)
+        cv2.circle(things, (300 + 2 * (number % 10), 200), 45, 255, -1)
+        soft = cv2.GaussianBlur(things, (0, 0), sharpness)[..., None] / 255
+        frame = np.uint8(frame * (1 - soft) + np.array([162, 180, 198]) * soft)
+        assert is_kept(painted(keeps, frame, number), frame, core(things > 0) & inside) > 0.97
+
+
+def test_where_a_deep_shadow_leaves_the_wall_in_the_light_it_is_painted(wall):
+    drive, keeps = Drive(wall), stage(foreground='keep')
+    for number in range(5 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        if number > FRAMES_PER_S:
+            shade = np.zeros(frame.shape[:2], np.float32)
+            cv2.rectangle(shade, (0, 0), (50 + 12 * (number - FRAMES_PER_S), 480), 1.0, -1)
+            frame = np.uint8(frame * (1 - 0.6 * cv2.GaussianBlur(shade, (0, 0), 9)[..., None]))
+        assert is_painted(painted(keeps, frame, number), inside) > 0.99
+
+
+def test_a_hand_before_a_fine_pattern_stays_in_front(checkered):
+    drive, keeps = Drive(checkered(16)), stage(foreground='keep')
+    for number in range(5 * FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        if number < 3 * FRAMES_PER_S:
+            painted(keeps, frame, number)
+            continue
+        things = hand(frame, number)
+        assert is_kept(painted(keeps, frame, number), frame, core(things) & inside) > 0.98
