@@ -7,11 +7,12 @@ angles about the camera's axes. Such a turn multiplies R from the left.
 from __future__ import annotations
 
 import ctypes
+from math import isfinite
 
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats
 from aruco_ar.compiled import library
 
 _C = library('poses')
@@ -50,30 +51,34 @@ def cross_matrices(vectors: Floats) -> Floats:
     return matrix
 
 
-def approximate_poses(points: Floats, rays: Floats) -> tuple[Floats, Floats] | None:
-    """Both poses of a flat object, rotations (2, 3, 3) and translations (2, 3), or None if there are none.
+def approximate_poses(points: Floats, rays: Floats) -> tuple[Floats, Floats, Booleans]:
+    """Both poses of n flat objects: rotations (n, 2, 3, 3), translations (n, 2, 3), and whether any, (n,).
 
-    ``points``: (k, 3) meters, with z = 0. ``rays``: (k, 2), along which they are seen. The method is by
+    ``points``: (n, k, 3) meters, with z = 0. ``rays``: (n, k, 2), along which they are seen. The method is by
     T. Collins and A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
     """
-    # A tag in the middle of the view may be turned about one of its own edges. OpenCV then takes the root of a
-    # rounding error, which may be negative. A second attempt with slightly changed rays succeeds.
-    for nudge in (0, NUDGE * (np.arange(rays.size) % 3).reshape(rays.shape)):
-        try:
-            _, angles, shifts, _ = cv2.solvePnPGeneric(points, rays + nudge, np.eye(3), NO_ARRAY,
-                                                       flags=cv2.SOLVEPNP_IPPE)
-        except cv2.error:
-            return None
-        if not len(angles):
-            return None
-        rotations = rotation_matrices(np.array(angles, np.float64).reshape(-1, 3))
-        shifts = np.array(shifts, np.float64).reshape(-1, 3)
-        good = np.isfinite(rotations).all(axis=(1, 2)) & np.isfinite(shifts).all(axis=1)
-        good &= shifts[:, 2] > NEAR_M
-        if good.any():
-            keep = np.resize(np.flatnonzero(good), 2)
-            return rotations[keep], shifts[keep]
-    return None
+    turns, shifts = np.zeros((len(points), 2, 3)), np.zeros((len(points), 2, 3))
+    for number, (corners, seen) in enumerate(zip(points, rays)):
+        # A tag in the middle of the view may be turned about one of its own edges. OpenCV then takes the root
+        # of a rounding error, which may be negative. A second attempt with slightly changed rays succeeds.
+        for nudge in (0, NUDGE * (np.arange(seen.size) % 3).reshape(seen.shape)):
+            found = _poses_of_plane(corners, seen + nudge)
+            if found:
+                turns[number], shifts[number] = zip(found[0], found[-1])
+                break
+    return rotation_matrices(turns.reshape(-1, 3)).reshape(-1, 2, 3, 3), shifts, shifts[:, 0, 2] > NEAR_M
+
+
+def _poses_of_plane(points: Floats, rays: Floats) -> list[tuple[Floats, Floats]]:
+    """The possible poses of a flat object, at most two: rotation vectors, (3,), and translations, (3,)."""
+    try:
+        _, turns, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
+    except cv2.error:
+        return []
+    poses = [(np.asarray(turn, np.float64).ravel(), np.asarray(shift, np.float64).ravel())
+             for turn, shift in zip(turns, shifts)]
+    return [(turn, shift) for turn, shift in poses
+            if isfinite(turn.sum()) and isfinite(shift.sum()) and shift[2] > NEAR_M]
 
 
 def refine(points: Floats, rays: Floats, weights: Floats, rotations: Floats, translations: Floats,

@@ -34,7 +34,7 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 # about FEW_PATTERN or less beyond that, it is hardly moved.
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6.0, 2.0
-FLOW = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
+FLOW = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
 C = library('wall')  # its comments explain the limits for each pixel
 C.compare.restype = ctypes.c_int64
 C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,

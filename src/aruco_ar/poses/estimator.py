@@ -171,19 +171,17 @@ class PoseEstimator:
         good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
         good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise, so seen from the front
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        first_poses = [approximate_poses(points, ray) if is_good else None
-                       for points, ray, is_good in zip(square(sizes), rays, good)]
-        found = [(number, pair) for number, pair in enumerate(first_poses) if pair is not None]
-        if not found:
+        keep = np.flatnonzero(good)
+        first_rotations, first_translations, is_posed = approximate_poses(square(sizes[keep]), rays[keep])
+        keep = keep[is_posed]
+        if not len(keep):
             return None
-        keep = [number for number, _ in found]
         rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
         deviation = corner_deviation(quads)
         _, slopes = lens.project_rays(rays.reshape(-1, 2))
         weights = slopes.reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
         rotation, translation, _, squares, covariance = refine(
-            square(sizes), rays, weights, np.array([rotations for _, (rotations, _) in found]),
-            np.array([translations for _, (_, translations) in found]))
+            square(sizes), rays, weights, first_rotations[is_posed], first_translations[is_posed])
         costs = squares.sum(axis=2)
         # The camera must be in front of the tag.
         front = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)

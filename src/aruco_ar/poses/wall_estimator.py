@@ -124,14 +124,15 @@ class WallEstimator:
         if len(some) == 1:
             rotation, center, _ = self._places.poses(ids)
             first = seen.poses[0][some[0]] @ rotation[0].T
-            guess = first, seen.poses[1][some[0]] - first @ center[0]
+            rotations, translations = first[None], (seen.poses[1][some[0]] - first @ center[0])[None]
         else:
-            guess = approximate_poses(points.reshape(-1, 3), seen.rays[some].reshape(-1, 2))
-        if guess is None:
-            return None
+            rotations, translations, is_posed = approximate_poses(
+                points.reshape(1, -1, 3), seen.rays[some].reshape(1, -1, 2))
+            if not is_posed[0]:
+                return None
         rotation, translation, amounts, squares, covariance = (part[0] for part in refine(
             points.reshape(1, -1, 3), seen.rays[some].reshape(1, -1, 2),
-            seen.weights[some].reshape(1, -1, 2, 2), guess[0][None], guess[1][None],
+            seen.weights[some].reshape(1, -1, 2, 2), rotations, translations,
             spread.reshape(4 * len(some), 3, spread.shape[-1])))
         errors = squares.reshape(2, len(some), 4).sum(axis=2)
         scale = max(1.0, errors.sum(axis=1).min() / (8 * len(some) - 6)) if len(some) > 1 else 1.0

@@ -1,4 +1,6 @@
 """Conversion of poses to messages."""
+from math import copysign, sqrt
+
 import cv2
 import numpy as np
 from geometry_msgs.msg import (
@@ -32,12 +34,12 @@ def quaternion(rotation):
     The matrix gives the product of any two of x, y, z and w. The row with the largest square is the most exact,
     for half turns too.
     """
-    products = np.empty((4, 4))  # four times each product
-    products[:3, :3] = rotation + rotation.T + (1 - np.trace(rotation)) * np.eye(3)
-    products[3, :3] = products[:3, 3] = (rotation - rotation.T)[[2, 0, 1], [1, 2, 0]]
-    products[3, 3] = 1 + np.trace(rotation)
-    row = products[np.argmax(np.diag(products))]
-    return Quaternion(*row / np.copysign(np.linalg.norm(row), row[3]))
+    (a, b, c), (d, e, f), (g, h, i) = rotation.tolist()
+    products = [(1 + a - e - i, b + d, c + g, h - f), (b + d, 1 - a + e - i, f + h, c - g),
+                (c + g, f + h, 1 - a - e + i, d - b), (h - f, c - g, d - b, 1 + a + e + i)]  # four times each
+    _, row = max((row[number], row) for number, row in enumerate(products))
+    length = copysign(sqrt(sum(product * product for product in row)), row[3])
+    return Quaternion(*(product / length for product in row))
 
 
 def pose_message(pose):
