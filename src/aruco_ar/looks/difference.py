@@ -34,7 +34,6 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 # about FEW_PATTERN or less beyond that, it is hardly moved.
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6.0, 2.0
-FLOW = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)
 C = library('wall')  # its comments explain the limits for each pixel
 C.compare.restype = ctypes.c_int64
 C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
@@ -86,7 +85,7 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
 
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
-             lightest: float) -> tuple[Booleans, Floats]:
+            lightest: float) -> tuple[Booleans, Floats]:
     """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
     height, width = usable.shape
     planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
@@ -109,7 +108,9 @@ def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
     (h, w, 3) uint8, the look in this light. ``contrast``: see contrast_near.
     """
     height, width = contrast.shape[:2]
-    flow = FLOW.calc(*(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall)), NO_ARRAY)
+    method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
+    gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
+    flow = method.calc(gray, wall_gray, NO_ARRAY)
     weight = np.maximum(contrast.max(axis=2).astype(np.float32) - NO_PATTERN, 0)
     moved = cv2.blur(np.clip(flow, -MAX_MOVE_PX, MAX_MOVE_PX) * weight[..., None], (MOVED_PX, MOVED_PX))
     moved /= (cv2.blur(weight, (MOVED_PX, MOVED_PX)) + FEW_PATTERN)[..., None]
