@@ -6,6 +6,10 @@
    changes it by less than DEVIATIONS standard deviations plus LEVELS gray levels. The rims of a pattern may be blurred
    or off by a pixel. There it may also differ by RIM_SHARE of the contrast nearby. */
 #define SHARE 0.08f
+/* Where the wall was first seen in a shadow, and the rest is in one now, light has changed by a large factor. Then it
+   may change the color by up to TINT more, beyond the factor TINTED_FROM. */
+#define TINTED_FROM 2.0f
+#define TINT 0.2f
 #define DEVIATIONS 3.5f
 #define LEVELS 2.0f
 #define RIM_SHARE 0.6f
@@ -24,9 +28,9 @@ static inline float mean3(float one, float two, float three) { return (one + two
 static inline void compare_channel(float seen, float wall, float light, float contrast, float noise, float *error,
                                    float *excess)
 {
-    float lit = wall * light, off = fabsf(seen - lit);
+    float lit = wall * light, off = fabsf(seen - lit), share = SHARE + TINT * larger(1 - TINTED_FROM / light, 0);
     *error = larger(*error, off);
-    *excess = larger(*excess, off / (SHARE * lit + RIM_SHARE * contrast * light + noise));
+    *excess = larger(*excess, off / (share * lit + RIM_SHARE * contrast * light + noise));
 }
 
 /* The part of compare that looks at a pixel alone. */

@@ -14,6 +14,9 @@ from .parts import closed, grown, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
+# What is lighter than the whole wall by this factor is no spot of light if this share of its outline is sharp.
+LIGHTER, SHARP_SHARE = 1.3, 0.6
+THING_PX = 9          # narrower things than this are found by their rims alone
 RIM_PX = 3            # edges of a pattern may be displaced, so the contrast in a window of this width counts
 NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
 # Gaps up to this wide between such pixels are filled where the light differs from that around.
@@ -53,30 +56,31 @@ class Difference:
 
 
 def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans,
-               lightest: float = LIGHTEST) -> Difference:
+               unshaded: float = 1.0) -> Difference:
     """Compare a rectified frame with the wall.
 
     ``seen``: (h, w, 3) uint8, the frame. ``look``: (h, w, 3) float32, the wall. ``whole``: (3,) float32, the
     light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
-    where both are known. ``lightest``: see LIGHTEST.
+    where both are known. ``unshaded``: the light outside of shadows, as a factor of that on the whole wall.
     """
     wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
     contrast = contrast_near(wall)
-    front, planes = compare(seen, look, whole, contrast, variance, usable, lightest)
+    front, planes = compare(seen, look, whole, contrast, variance, usable, unshaded)
     if not front.any():
         return Difference(front, planes)
     aligned = _aligned(look, wall, contrast, seen)
     wall = cv2.multiply(aligned, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
-    still_front, planes = compare(seen, aligned, whole, contrast_near(wall), variance, usable, lightest)
+    still_front, planes = compare(seen, aligned, whole, contrast_near(wall), variance, usable, unshaded)
     front &= still_front
     _, wall_gray, light, _, excess, step, noise, rims = planes
     free = ~usable | _shows_pattern(seen, wall, noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
                              cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
     if front.any():
+        front |= _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
         unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
         weak = excess > 0.5
-        around = np.asarray(cv2.blur(excess, (SMOOTH_PX, SMOOTH_PX)))
+        around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
         front |= _connected((around > 0.5) & (excess > 0.25), front)
         front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
         front |= closed(front, BRIDGE_PX) & (weak | unusual)
@@ -85,12 +89,13 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
 
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
-            lightest: float) -> tuple[Booleans, Floats]:
+            unshaded: float = 1.0) -> tuple[Booleans, Floats]:
     """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
     height, width = usable.shape
     planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
     C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data, variance.ctypes.data,
-              usable.ctypes.data, width, height, DARKEST, lightest, planes.ctypes.data, front.ctypes.data)
+              usable.ctypes.data, width, height, DARKEST, unshaded * LIGHTEST, planes.ctypes.data,
+              front.ctypes.data)
     return front, planes
 
 
@@ -155,6 +160,17 @@ def _around(mask: Booleans, margin: int) -> tuple[slice, slice]:
     """The rows and columns of an image within a margin around a mask, (h, w)."""
     x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
     return slice(max(y - margin, 0), y + height + margin), slice(max(x - margin, 0), x + width + margin)
+
+
+def _light_things(lighter: Booleans, sharp: Booleans) -> Booleans:
+    """(h, w): the connected parts of what is lighter than the wall that have sharp rims. Both are (h, w)."""
+    lighter = grown(shrunk(lighter, THING_PX), THING_PX) & lighter
+    _, labels = cv2.connectedComponents(lighter.astype(np.uint8), connectivity=4)
+    labels = np.asarray(labels)
+    outline = lighter & ~shrunk(lighter, 3)
+    length, sharp_length = (np.bincount(labels[part], minlength=labels.max() + 1)
+                            for part in (outline, outline & grown(sharp, 3)))
+    return (sharp_length > SHARP_SHARE * length)[labels]
 
 
 def _connected(mask: Booleans, seeds: Booleans) -> Booleans:

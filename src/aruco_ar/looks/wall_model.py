@@ -34,11 +34,12 @@ NOISIEST = 4.0
 # than BEFORE_SHARE did so in the frame before. It is also another one if the light changes its color at once:
 # one channel by ANOTHER_COLOR times as much as another.
 ANOTHER_SHARE, BEFORE_SHARE, ANOTHER_COLOR = 0.85, 0.5, 1.5
-# A spot of light is at most SPOT times as light as the wall without a shadow. That light is the percentile
-# UNSHADED of the light at all places. It is remembered for about SHADE_S seconds, since a shadow may fall on
-# nearly all of the wall.
-SPOT, UNSHADED, SHADE_S = 1.5, 90, 5.0
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
+# Samples darker than this share of that percentile do not count: a glare changes black by a large factor.
+BRIGHT, BRIGHT_PERCENTILE = 0.3, 90
+# This percentile of the light at all samples is that outside of shadows. It is remembered for about SHADE_S
+# seconds, since a shadow may fall on most of the wall.
+UNSHADED_PERCENTILE, SHADE_S = 90, 5.0
 MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light
 MIN_LIGHT = 0.02                # least light, as a factor of the look
 DIM = 0.2                       # in less light than this, the color of the light is uncertain
@@ -126,7 +127,7 @@ class WallModel:
         self._earlier = [(self._before, self.look.copy())] * 2
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
-        self._unshaded = 0.0                        # the light where there is no shadow
+        self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
         found = blank_wall(self.look, valid & ~tags())
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
@@ -142,13 +143,13 @@ class WallModel:
         if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
             colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
             gray = looks.sum(axis=2)
-            bright = sample & (gray >= np.median(gray[sample]))  # a glare changes black by a large factor
+            bright = sample & (gray >= BRIGHT * np.percentile(gray[sample], BRIGHT_PERCENTILE))
             lights = (colors / np.maximum(looks, 1))[bright]
             self.light = np.asarray(np.maximum(np.median(lights, axis=0), MIN_LIGHT), np.float32)
-            now = np.percentile(lights.mean(axis=1), UNSHADED)
-            self._unshaded = max(now, self._unshaded * np.exp(-passed / SHADE_S))
-        lightest = SPOT * max(1.0, self._unshaded / self.light.mean())
-        return difference(seen, self.look, self.light, self._variance, usable, lightest)
+            now = float(np.percentile(lights.mean(axis=1), UNSHADED_PERCENTILE))
+            self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
+        unshaded = max(1.0, self._unshaded / float(self.light.mean()))
+        return difference(seen, self.look, self.light, self._variance, usable, unshaded)
 
     def _learn_wall(self, seen: Image, found: Difference, wall: Booleans, passed: float,
                     settle: float) -> None:
