@@ -56,17 +56,17 @@ static void compare_pixels(const uint8_t *restrict seen, const float *restrict l
     }
 }
 
-/* Compare a frame with the wall. Returns in how many pixels something seems to stand before it.
+/* Compare a frame with the wall.
 
    seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look.
    contrast: the largest differences in it near each pixel, in this light. variance: of the noise.
    usable: where both are known. darkest, lightest: limits of the light at a pixel, relative to that on the whole wall,
    in a shadow and in a spot. Writes the planes, and into front where something seems to stand. */
-int64_t compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
-                const float *variance, const uint8_t *usable, int width, int height, float darkest, float lightest,
-                float *planes, uint8_t *front)
+void compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
+             const float *variance, const uint8_t *usable, int width, int height, float darkest, float lightest,
+             float *planes, uint8_t *front)
 {
-    int64_t count = (int64_t)width * height, found = 0;
+    int64_t count = (int64_t)width * height;
     compare_pixels(seen, look, whole, contrast, variance, count, planes);
     const float *lights = planes + LIGHT * count;
     float least[width], most[width];  /* the least and the most light in three rows */
@@ -90,10 +90,8 @@ int64_t compare(const uint8_t *seen, const float *look, const float whole[3], co
             planes[STEP * count + at] = step;
             front[at] = usable[at] && (planes[EXCESS * count + at] > 1 || step > 1 || row[x] < darkest - slack
                                        || row[x] > lightest + slack);
-            found += front[at];
         }
     }
-    return found;
 }
 
 /* Learn the wall where nothing is in front.

@@ -30,15 +30,14 @@ MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed
 WINDOWS = (15, 0.8), (61, 0.7)
 FIT = 0.25            # a pixel fits if it is off by less than noise plus this share of the pattern's deviation
 PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recognized, in gray levels
-
-
 # How the wall is aligned with the frame. Its displacement is at most MAX_MOVE_PX pixels, and is averaged in a
 # window of the width MOVED_PX, weighted by the contrast beyond NO_PATTERN gray levels. With a mean contrast of
 # about FEW_PATTERN or less beyond that, it is hardly moved.
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6.0, 2.0
+
 C = library('wall')  # its comments explain the limits for each pixel
-C.compare.restype = ctypes.c_int64
+C.compare.restype = None
 C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
                       *[ctypes.c_void_p] * 2]
 PLANES = 8
