@@ -31,12 +31,17 @@ VARIANCE_RATE = 0.03            # weight of a new frame in the running mean of t
 # Otherwise a thing that is overlooked once would teach that it is noise, and be overlooked ever after.
 NOISIEST = 4.0
 # The wall or the light is another one if more than ANOTHER_SHARE of the wall differs from the look, and less
-# than BEFORE_SHARE did so in the frame before. It is also another one if the light changes its color at once:
-# one channel by ANOTHER_COLOR times as much as another.
-ANOTHER_SHARE, BEFORE_SHARE, ANOTHER_COLOR = 0.85, 0.5, 1.5
+# than BEFORE_SHARE did so in the frame before. It is also another one if the light changes its color at once,
+# one channel by ANOTHER_COLOR times as much as another, though in the frame before hardly anything differed:
+# otherwise the color may be that of a person.
+ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
+ANOTHER_COLOR, HARDLY = 1.5, 0.01
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
 # Samples darker than this share of that percentile do not count: a glare changes black by a large factor.
 BRIGHT, BRIGHT_PERCENTILE = 0.3, 90
+# If at least MIN_ALIKE of the samples have the color of the light before, up to ANOTHER_TINT, the others do not
+# count: a person in a red shirt has just come.
+MIN_ALIKE, ANOTHER_TINT = 0.2, 0.2
 # This percentile of the light at all samples is that outside of shadows. It is remembered for about SHADE_S
 # seconds, since a shadow may fall on most of the wall.
 UNSHADED_PERCENTILE, SHADE_S = 90, 5.0
@@ -90,8 +95,8 @@ class WallModel:
         known = self._known & valid & (self._seen_s >= KNOWN_S)
         share = np.count_nonzero(found.front & known) / max(np.count_nonzero(known), 1)
         change = np.maximum(self.light, DIM) / np.maximum(before, DIM)
-        if (share > ANOTHER_SHARE or change.max() > ANOTHER_COLOR * change.min()) and \
-                self._front_share < BEFORE_SHARE:
+        if (share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE) or \
+                (change.max() > ANOTHER_COLOR * change.min() and self._front_share < HARDLY):
             self._begin(seen, valid, tags)
             found = self._compare(seen, valid, passed)
         self._front_share = share
@@ -145,6 +150,11 @@ class WallModel:
             gray = looks.sum(axis=2)
             bright = sample & (gray >= BRIGHT * np.percentile(gray[sample], BRIGHT_PERCENTILE))
             lights = (colors / np.maximum(looks, 1))[bright]
+            means = np.maximum(lights.mean(axis=1, keepdims=True), MIN_LIGHT)
+            tints = lights / means / (self.light / self.light.mean())
+            alike = np.abs(tints - 1).max(axis=1) < ANOTHER_TINT
+            if np.count_nonzero(alike) > MIN_ALIKE * len(alike):
+                lights = lights[alike]
             self.light = np.asarray(np.maximum(np.median(lights, axis=0), MIN_LIGHT), np.float32)
             now = float(np.percentile(lights.mean(axis=1), UNSHADED_PERCENTILE))
             self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))

@@ -4,6 +4,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from aruco_ar.looks.wall_model import WallModel
 from aruco_ar.walls.wall import Poster
 from test_looks import FRAMES_PER_S, Drive, core, hand, is_kept, is_painted, painted, stage
 
@@ -112,3 +113,24 @@ def test_a_hand_before_a_fine_pattern_stays_in_front(checkered):
             continue
         things = hand(frame, number)
         assert is_kept(painted(keeps, frame, number), frame, core(things) & inside) > 0.98
+
+
+def test_the_light_does_not_take_its_color_from_a_person_who_comes_while_a_shadow_falls():
+    model, valid = WallModel(), np.ones((160, 240), bool)
+    wall = np.full((160, 240, 3), (180, 190, 200), np.uint8)
+    for number in range(30):
+        frame = wall.copy()
+        if number >= 20:
+            frame[:, :80] = 60, 60, 210                 # a red shirt
+            frame[:, 160:] = frame[:, 160:] * 0.45      # a shadow
+        model.update(frame, valid, lambda: ~valid, 1 / FRAMES_PER_S, 30)
+        assert model.light.max() < 1.1 * model.light.min()
+
+
+def test_a_black_frame_teaches_nothing_and_says_nothing(recwarn):
+    model, valid = WallModel(), np.ones((160, 240), bool)
+    wall = np.full((160, 240, 3), (180, 190, 200), np.uint8)
+    for frame in wall, wall * 0, wall:
+        model.update(frame, valid, lambda: ~valid, 1 / FRAMES_PER_S, 30)
+    assert not recwarn.list
+    assert model.front.mean() < 0.01
