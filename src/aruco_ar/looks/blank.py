@@ -8,7 +8,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats
 
-from .parts import grown, parts_of, shrunk
+from .parts import grown, outline_of, parts_of
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
 ROUNDS = 12           # rounds of the iterative fit
@@ -73,7 +73,7 @@ def _hidden(differs: Booleans, usable: Booleans) -> Booleans | None:
     rims = [np.unique(rim[rim > 0]) for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1])]
     over_rim = np.unique(np.concatenate(rims))
     hidden = np.isin(labels, over_rim)
-    outline = np.count_nonzero(hidden & ~shrunk(hidden, 3))
+    outline = np.count_nonzero(outline_of(hidden))
     if outline > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(hidden), 1)):
         return None
     other = np.count_nonzero((labels > 0) & ~hidden)

@@ -10,7 +10,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.compiled import library
 
-from .parts import closed, grown, shrunk
+from .parts import closed, components, grown, outline_of, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
@@ -62,17 +62,16 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
     where both are known. ``unshaded``: the light outside of shadows, as a factor of that on the whole wall.
     """
-    wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
-    contrast = contrast_near(wall)
+    wall, contrast = _lit_wall(look, whole)
     front, planes = compare(seen, look, whole, contrast, variance, usable, unshaded)
     if not front.any():
         return Difference(front, planes)
     aligned = _aligned(look, wall, contrast, seen)
-    wall = cv2.multiply(aligned, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
-    still_front, planes = compare(seen, aligned, whole, contrast_near(wall), variance, usable, unshaded)
+    wall, contrast = _lit_wall(aligned, whole)
+    still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
     front &= still_front
-    _, wall_gray, light, _, excess, step, noise, rims = planes
-    free = ~usable | _shows_pattern(seen, wall, noise, front)
+    gray, wall_gray, light, _, excess, step, noise, rims = planes
+    free = ~usable | _shows_pattern(seen, gray, wall, noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
                              cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
     if front.any():
@@ -98,24 +97,25 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
     return front, planes
 
 
-def contrast_near(wall: Image) -> Image:
-    """(h, w, 3) uint8: the largest differences in an image near each pixel."""
+def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
+    """The wall in this light, and the largest differences in it near each pixel: (h, w, 3) uint8 each."""
     kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
-    return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
+    wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
+    return wall, cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 
 def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
     """(h, w, 3) float32: the look, moved by a few pixels to where the frame shows it.
 
     A sheet that is not flat, or a lens that is not calibrated, displaces it. The
-    displacement is smooth, and known where the wall has a pattern. ``wall``:
-    (h, w, 3) uint8, the look in this light. ``contrast``: see contrast_near.
+    displacement is smooth, and known where the wall has a pattern. ``wall``,
+    ``contrast``: see _lit_wall.
     """
     height, width = contrast.shape[:2]
     method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
     gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
-    weight = np.maximum(contrast.max(axis=2).astype(np.float32) - NO_PATTERN, 0)
+    weight = np.maximum(largest_channel(contrast).astype(np.float32) - NO_PATTERN, 0)
     moved = cv2.blur(np.clip(flow, -MAX_MOVE_PX, MAX_MOVE_PX) * weight[..., None], (MOVED_PX, MOVED_PX))
     moved /= (cv2.blur(weight, (MOVED_PX, MOVED_PX)) + FEW_PATTERN)[..., None]
     moved += np.dstack(np.meshgrid(np.arange(width), np.arange(height)))
@@ -146,8 +146,13 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
 
 def largest_difference(one: Floats, other: Floats) -> Floats:
     """(h, w) float32: the largest difference among the channels of two images, (h, w, 3) float32."""
-    blue, green, red = cv2.split(cv2.absdiff(one, other))
-    return np.asarray(cv2.max(cv2.max(blue, green), red), np.float32)
+    return np.asarray(largest_channel(cv2.absdiff(one, other)), np.float32)
+
+
+def largest_channel(image: Image) -> Image:
+    """(h, w): the largest of the three channels of an image. NumPy's own maximum takes many times as long."""
+    blue, green, red = cv2.split(image)
+    return cv2.max(cv2.max(blue, green), red)
 
 
 def _mean(image: Floats, px: int) -> Floats:
@@ -163,52 +168,49 @@ def _around(mask: Booleans, margin: int) -> tuple[slice, slice]:
 
 def _light_things(lighter: Booleans, sharp: Booleans) -> Booleans:
     """(h, w): the connected parts of what is lighter than the wall that have sharp rims. Both are (h, w)."""
-    lighter = grown(shrunk(lighter, THING_PX), THING_PX) & lighter
-    _, labels = cv2.connectedComponents(lighter.astype(np.uint8), connectivity=4)
-    labels = np.asarray(labels)
-    outline = lighter & ~shrunk(lighter, 3)
-    length, sharp_length = (np.bincount(labels[part], minlength=labels.max() + 1)
+    lighter = grown(shrunk(lighter, THING_PX), THING_PX)
+    labels, count = components(lighter)
+    outline = outline_of(lighter)
+    length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
                             for part in (outline, outline & grown(sharp, 3)))
     return (sharp_length > SHARP_SHARE * length)[labels]
 
 
 def _connected(mask: Booleans, seeds: Booleans) -> Booleans:
     """(h, w): the connected parts of a mask that contain seeds, (h, w)."""
-    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
-    labels = np.asarray(labels)
-    chosen = np.bincount(labels[seeds], minlength=labels.max() + 1) > 0
+    labels, count = components(mask)
+    chosen = np.bincount(labels[seeds], minlength=count + 1) > 0
     chosen[0] = False
     return chosen[labels]
 
 
 def _usual(light: Floats, free: Booleans) -> Floats:
     """(h, w) float32: the mean light around each pixel, where it is free; 1 where nothing is free."""
-    weight, size = free.astype(np.float32), (AROUND_PX, AROUND_PX)
-    sums, weights = (cv2.boxFilter(image, -1, size) for image in (light * weight, weight))
+    weight = free.astype(np.float32)
+    sums, weights = (_mean(image, AROUND_PX) for image in (light * weight, weight))
     return np.asarray((sums + 1e-3) / (weights + 1e-3))
 
 
-def _shows_pattern(seen: Image, wall: Image, noise: Floats, where: Booleans) -> Booleans:
+def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
     """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is before it.
 
-    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``noise``: (h, w) float32,
-    what may be noise. In a window, light changes the contrast of the pattern, and a glare adds to it. Both are
-    estimated. The pattern is seen where it correlates with the wall's, and where the pixel itself fits.
+    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
+    the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes
+    the contrast of the pattern, and a glare adds to it. Both are estimated. The pattern is seen where it
+    correlates with the wall's, and where the pixel itself fits.
     """
-    shows = np.zeros(where.shape, bool)
+    shows, wall_gray = np.zeros(where.shape, bool), np.asarray(wall.mean(axis=2), np.float32)
     for px, least in WINDOWS:
         part = _around(where, px)
-        images = [np.asarray(image[part], np.float32) for image in (seen, wall)]
-        grays = [np.asarray(image.mean(axis=2), np.float32) for image in images]
-
-        gray, wall_gray = (gray - _mean(gray, px) for gray in grays)
-        own, known = (np.maximum(_mean(gray * gray, px), 0) for gray in (gray, wall_gray))
-        both = _mean(gray * wall_gray, px)
+        pattern, wall_pattern = (image[part] - _mean(image[part], px) for image in (gray, wall_gray))
+        own, known = (np.maximum(_mean(image * image, px), 0) for image in (pattern, wall_pattern))
+        both = _mean(pattern * wall_pattern, px)
         like = both > least * np.sqrt(own * known)
         like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
         if like.any():
             factor = both / np.maximum(known, PATTERN_LEVELS**2)
-            color, wall_color = (image - _mean(image, px) for image in images)
+            colors = (np.asarray(image[part], np.float32) for image in (seen, wall))
+            color, wall_color = (image - _mean(image, px) for image in colors)
             off = largest_difference(color, wall_color * factor[..., None])
             like &= off < noise[part] + FIT * factor * np.sqrt(known)
         shows[part] |= like

@@ -14,7 +14,7 @@ from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
 from .difference import DARKEST, LIGHTEST, difference, soft_rim
-from .parts import grown, parts_of
+from .parts import components, grown, parts_of
 
 SIZE = 64, 64          # size of a patch, which shows the wall straight from the front, in pixels
 SCALE = 2.5            # width of the wall in a patch, in sides of its tag
@@ -237,8 +237,8 @@ def _paper(look: Image) -> Booleans:
     ring = _square(PAPER_SCALE) & ~_square(1.02)
     color = np.maximum(np.median(look[ring], axis=0), 1)
     like = np.abs(look / color - 1).max(axis=2) < PAPER_LEVELS
-    _, labels = cv2.connectedComponents((like | _square(1.0)).astype(np.uint8), connectivity=4)
-    paper = np.asarray(labels) == labels[SIZE[0] // 2, SIZE[1] // 2]
+    labels, _ = components(like | _square(1.0))
+    paper = labels == labels[SIZE[0] // 2, SIZE[1] // 2]
     inner = paper[REACH_PX:-REACH_PX, REACH_PX:-REACH_PX]
     return paper if np.count_nonzero(inner) == np.count_nonzero(paper) else np.zeros(SIZE, bool)
 

@@ -29,6 +29,17 @@ def closed(mask: Booleans, px: int) -> Booleans:
     return np.asarray(wide)[margin:-margin, margin:-margin] > 0
 
 
+def outline_of(mask: Booleans) -> Booleans:
+    """The pixels of the mask that touch others outside of it, but not those at the rim of the image."""
+    return mask & ~shrunk(mask, 3)
+
+
+def components(mask: Booleans) -> tuple[Integers, int]:
+    """The connected parts, as (h, w) int32 labels from 1 on, 0 elsewhere, and their number."""
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    return np.asarray(labels, np.int32), count - 1
+
+
 def parts_of(mask: Booleans) -> tuple[Integers, int]:
     """The connected parts, as (h, w) labels from 1 on, 0 elsewhere, and their number.
 
@@ -36,9 +47,7 @@ def parts_of(mask: Booleans) -> tuple[Integers, int]:
     """
     mask = closed(mask, GAP_PX)
     mask |= _parts_of_size(~mask, 1, MAX_HOLE_PX)
-    mask = _parts_of_size(mask, MIN_PART_PX, mask.size)
-    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
-    return np.asarray(labels, np.int32), count - 1
+    return components(_parts_of_size(mask, MIN_PART_PX, mask.size))
 
 
 def still_parts(labels: Integers, count: int, before: Booleans, changed: Booleans, share: float) -> Booleans:
@@ -51,7 +60,7 @@ def still_parts(labels: Integers, count: int, before: Booleans, changed: Boolean
     changed = changed & ((now & ~grown(before, 3)) | (before & ~grown(now, 3)))
     near = np.asarray(cv2.dilate(labels.astype(np.float32), np.ones((5, 5), np.uint8)), np.int32)
     moved = np.bincount(near[changed], minlength=count + 1)
-    outline = np.bincount(labels[~shrunk(now, 3)], minlength=count + 1)
+    outline = np.bincount(labels[outline_of(now)], minlength=count + 1)
     still = moved <= share * outline
     still[0] = False
     return np.asarray(still[labels])

@@ -14,7 +14,7 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 
 from .blank import blank_wall
-from .difference import C, Difference, difference, largest_difference, soft_rim
+from .difference import C, Difference, difference, largest_channel, largest_difference, soft_rim
 from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
@@ -146,20 +146,24 @@ class WallModel:
         usable = self._known & valid
         sample = (usable & ~self._before)[::SAMPLE_PX, ::SAMPLE_PX]
         if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
-            colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
-            gray = looks.sum(axis=2)
-            bright = sample & (gray >= BRIGHT * np.percentile(gray[sample], BRIGHT_PERCENTILE))
-            lights = (colors / np.maximum(looks, 1))[bright]
-            means = np.maximum(lights.mean(axis=1, keepdims=True), MIN_LIGHT)
-            tints = lights / means / (self.light / self.light.mean())
-            alike = np.abs(tints - 1).max(axis=1) < ANOTHER_TINT
-            if np.count_nonzero(alike) > MIN_ALIKE * len(alike):
-                lights = lights[alike]
-            self.light = np.asarray(np.maximum(np.median(lights, axis=0), MIN_LIGHT), np.float32)
-            now = float(np.percentile(lights.mean(axis=1), UNSHADED_PERCENTILE))
-            self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
+            self._measure_light(seen, sample, passed)
         unshaded = max(1.0, self._unshaded / float(self.light.mean()))
         return difference(seen, self.look, self.light, self._variance, usable, unshaded)
+
+    def _measure_light(self, seen: Image, sample: Booleans, passed: float) -> None:
+        """Measure the light on the whole wall. ``sample``: which of every SAMPLE_PX-th pixels may show it."""
+        colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
+        gray = looks.sum(axis=2)
+        bright = sample & (gray >= BRIGHT * np.percentile(gray[sample], BRIGHT_PERCENTILE))
+        lights = (colors / np.maximum(looks, 1))[bright]
+        means = np.maximum(lights.mean(axis=1, keepdims=True), MIN_LIGHT)
+        tints = lights / means / (self.light / self.light.mean())
+        alike = np.abs(tints - 1).max(axis=1) < ANOTHER_TINT
+        if np.count_nonzero(alike) > MIN_ALIKE * len(alike):
+            lights = lights[alike]
+        self.light = np.asarray(np.maximum(np.median(lights, axis=0), MIN_LIGHT), np.float32)
+        now = float(np.percentile(lights.mean(axis=1), UNSHADED_PERCENTILE))
+        self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
 
     def _learn_wall(self, seen: Image, found: Difference, wall: Booleans, passed: float,
                     settle: float) -> None:
@@ -201,4 +205,4 @@ def _changed(image: Floats, before: Floats) -> Booleans:
     """(h, w): where no pixel nearby had that color before. Both are (h, w, 3) float32."""
     near = np.ones((3, 3), np.uint8)
     off = cv2.max(cv2.subtract(image, cv2.dilate(before, near)), cv2.subtract(cv2.erode(before, near), image))
-    return np.asarray(off).max(axis=2) > SAME_LEVELS
+    return np.asarray(largest_channel(off) > SAME_LEVELS)

@@ -134,14 +134,12 @@ class PoseEstimator:
             unique.probabilities[every, believed[single]] = 1 - weight[single]
             unique.probabilities[every, 1 - believed[single]] = weight[single]
         self._wall.update(unique, self._clock.now)
-        every = np.arange(len(seen.tags))
-        one, other = (tuple(part[every, which] for part in seen.poses) for which in (believed, 1 - believed))
+        one, other = seen.pairs(believed)
         for number, tag in enumerate(seen.tags):
             if count[tag.id] == 1 and tag.id in self._wall.tag_poses:
-                *by_wall, weight[number] = self._wall.tag_poses[tag.id]
-                for poses, pose in zip((one, other), by_wall):
-                    for part, value in zip(poses, pose):
-                        part[number] = value
+                first, second, weight[number] = self._wall.tag_poses[tag.id]
+                for part, value in zip((*one, *other), (*first, *second)):
+                    part[number] = value
         covariance, ambiguity = mixture(one, other, weight)
         return [TagPose(tag.id, tag.corners, *rest) for tag, *rest in zip(
             seen.tags, seen.sizes.tolist(), one[0], one[1], covariance, ambiguity.tolist())]

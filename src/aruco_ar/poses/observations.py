@@ -46,9 +46,14 @@ class SeenTags:
 
         The covariances allow for the other pose.
         """
-        every, first = np.arange(len(self.tags)), np.argmax(self.probabilities, axis=1)
+        one, other = self.pairs(np.argmax(self.probabilities, axis=1))
+        return one[0], one[1], mixture(one, other, self.probabilities.min(axis=1))[0]
+
+    def pairs(self, first: Integers) -> tuple[Pose, Pose]:
+        """Of each tag the pose with the index ``first``, (n,), 0 or 1, and the other one."""
+        every = np.arange(len(self.tags))
         one, other = (tuple(part[every, which] for part in self.poses) for which in (first, 1 - first))
-        return one[0], one[1], mixture(one, other, self.probabilities[every, 1 - first])[0]
+        return one, other
 
     def subset(self, numbers: Integers | list[int]) -> SeenTags:
         """The tags with those indices alone."""

@@ -84,11 +84,20 @@ def core(where):
     return cv2.erode(where.astype(np.uint8), np.ones((5, 5))) > 0
 
 
+def around(things, inside, px=15):
+    """Where the area is farther from things than px // 2 pixels."""
+    return inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((px, px))) > 0)
+
+
+def with_sheet(wall, path):
+    """The wall with a picture hung behind its tags."""
+    return replace(wall, posters=(Poster(str(path), 0, 0.6, 1.6, 1.2),))
+
+
 def assert_in_front(image, frame, things, inside):
     """Assert that the picture is painted all around things that stand before it, and not over them."""
     assert is_kept(image, frame, core(things) & inside) > 0.97
-    around = inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((9, 9))) > 0)
-    assert is_painted(image, around) > 0.99
+    assert is_painted(image, around(things, inside, 9)) > 0.99
 
 
 @pytest.mark.parametrize('light, levels', [('full', 0), ('match', 2)])  # with keep, light is learned more often
@@ -126,8 +135,7 @@ def test_a_hand_that_is_there_from_the_first_frame_stays_in_front_on_a_blank_wal
 
 
 def test_a_hand_before_a_painting_stays_in_front(wall, package):
-    poster = Poster(package + '/images/earth.jpg', 0, 0.6, 1.6, 1.2)
-    drive, keeps = Drive(replace(wall, posters=(poster,))), stage(foreground='keep')
+    drive, keeps = Drive(with_sheet(wall, package + '/images/earth.jpg')), stage(foreground='keep')
     for number in range(30):
         frame, inside = drive.frame(number)
         things = hand(frame, number) if number >= 10 else None
@@ -136,8 +144,7 @@ def test_a_hand_before_a_painting_stays_in_front(wall, package):
             assert is_painted(image, inside) == 1
         else:
             assert is_kept(image, frame, core(things) & inside) > 0.9
-            around = inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((15, 15))) > 0)
-            assert is_painted(image, around) > 0.98
+            assert is_painted(image, around(things, inside)) > 0.98
 
 
 def shadow(frame, number, factor=(0.55, 0.5, 0.48)):
@@ -219,7 +226,7 @@ def test_a_screen_that_shows_a_film_stays_in_front_until_it_stops(wall):
         image = painted(keeps, frame, number)
         if 10 <= number < 60:
             assert is_kept(image, frame, core(screen)) > 0.9
-        assert is_painted(image, inside & ~(cv2.dilate(screen.astype(np.uint8), np.ones((9, 9))) > 0)) > 0.99
+        assert is_painted(image, around(screen, inside, 9)) > 0.99
     assert is_painted(image, inside) > 0.97
 
 

@@ -4,8 +4,19 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from aruco_ar.walls.wall import Poster
-from test_looks import FRAMES_PER_S, Drive, assert_in_front, core, hand, is_kept, is_painted, painted, stage
+from test_looks import (
+    FRAMES_PER_S,
+    Drive,
+    around,
+    assert_in_front,
+    core,
+    hand,
+    is_kept,
+    is_painted,
+    painted,
+    stage,
+    with_sheet,
+)
 
 pytestmark = pytest.mark.long
 PALE = 130, 141, 168
@@ -27,13 +38,11 @@ def test_a_hand_that_is_there_from_the_first_frame_stays_in_front_of_a_crumpled_
                  for wide, deep in ((200, 60), (80, 15)))
     shade = np.clip(215 * (1 + 0.3 * cv2.Sobel(ridges, -1, 1, 0) / 8), 120, 245)
     cv2.imwrite(str(tmp_path / 'sheet.png'), np.dstack([shade, shade + 2, shade + 4]).astype(np.uint8))
-    poster = Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2)
-    drive, keeps = Drive(replace(wall, posters=(poster,))), stage(foreground='keep')
+    drive, keeps = Drive(with_sheet(wall, tmp_path / 'sheet.png')), stage(foreground='keep')
     for number in range(2 * FRAMES_PER_S):
         frame, inside = drive.frame(number)
         assert np.ptp(np.percentile(frame[inside], (20, 80))) > 20  # it is crumpled, indeed
         things = hand(frame, number, moves=False)
         image = painted(keeps, frame, number)
         assert is_kept(image, frame, core(things) & inside) > 0.95
-        around = inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((15, 15))) > 0)
-        assert is_painted(image, around) > 0.97
+        assert is_painted(image, around(things, inside)) > 0.97

@@ -5,8 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar.looks.wall_model import WallModel
-from aruco_ar.walls.wall import Poster
-from test_looks import FRAMES_PER_S, Drive, core, hand, is_kept, is_painted, painted, stage
+from test_looks import FRAMES_PER_S, Drive, around, core, hand, is_kept, is_painted, painted, stage, with_sheet
 
 pytestmark = pytest.mark.long
 SHEET_PX = 800, 600
@@ -18,12 +17,8 @@ def checkered(wall, tmp_path):
     def make(field):
         y, x = np.mgrid[:SHEET_PX[1], :SHEET_PX[0]] // field
         cv2.imwrite(str(tmp_path / 'sheet.png'), np.where((x + y) % 2, 210, 25).astype(np.uint8))
-        return replace(wall, posters=(Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2),))
+        return with_sheet(wall, tmp_path / 'sheet.png')
     return make
-
-
-def around(things, inside):
-    return inside & ~(cv2.dilate(things.astype(np.uint8), np.ones((15, 15))) > 0)
 
 
 def bulging(frame, inside, number, px):
@@ -45,8 +40,7 @@ def test_half_of_a_wall_in_another_color_is_a_part_of_it_after_some_seconds(wall
     sheet = np.full((600, 800, 3), (225, 228, 230), np.uint8)
     sheet[:, 450:] = 60, 40, 90
     cv2.imwrite(str(tmp_path / 'sheet.png'), sheet)
-    poster = Poster(str(tmp_path / 'sheet.png'), 0, 0.6, 1.6, 1.2)
-    drive, keeps = Drive(replace(wall, posters=(poster,))), stage(foreground='keep')
+    drive, keeps = Drive(with_sheet(wall, tmp_path / 'sheet.png')), stage(foreground='keep')
     for number in range(6 * FRAMES_PER_S):
         frame, inside = drive.frame(number)
         image = painted(keeps, frame, number)
