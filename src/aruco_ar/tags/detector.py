@@ -179,7 +179,7 @@ class Detector:
                               & is_quadrilateral(fitted))
         if self._preset.rereads:
             good = _without_duplicates(fitted, likeness, good)
-        return [Tag(ids[number], fitted[number]) for number in good]
+        return [Tag(ids[number], fitted[number], float(likeness[number])) for number in good]
 
 
 def _scaled(frame: Image, scale: float) -> Image:
