@@ -89,7 +89,7 @@ class LiveCalibration(FrameNode):
         except (InputError, OSError) as error:
             return TriggerResponse(False, 'Nothing is saved. %s' % error)
         progress.note_saved(found, path)
-        return TriggerResponse(True, self._text())
+        return TriggerResponse(True, 'It is saved as %s.' % path)
 
     def _on_reset(self, request):
         self._begin((0, 0))
