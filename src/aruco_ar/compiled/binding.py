@@ -1,7 +1,7 @@
 """The functions of libunit5.so. What they get is checked here, and nowhere else is the library called.
 
-Each raises InputError for an array of a wrong type or shape, or one that is read-only where it is changed. Arrays
-that are only read need not be contiguous. What the functions do is explained where they are used.
+Each raises InputError for an array of a wrong type or shape, or one that is read-only where it is changed.
+Arrays that are only read need not be contiguous. What the functions do is explained where they are used.
 """
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ PROFILE_POSITIONS = np.ctypeslib.as_array(
 def fit_tags(frame: Image, quads: Numbers, cells: Image) -> tuple[Floats, Booleans, Floats]:
     """See fit_tags in tags/edges.py. A frame may also have a fourth channel, which is ignored."""
     frame = _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
-    quads = np.require(quads, np.float32, 'CA')
+    quads = _numbers(quads, np.float32)
     count = len(quads) if quads.ndim else 0
     check_array('quadrilaterals', quads, np.float32, (count, 4, 2))
-    cells = np.require(cells, np.uint8, 'CA') if count else np.zeros((0, 3, 3), np.uint8)
+    cells = _numbers(cells, np.uint8) if count else np.zeros((0, 3, 3), np.uint8)
     side = cells.shape[-1] if cells.ndim else 0
     check_array('cells of the tags', cells, np.uint8, (count, max(side, 3), max(side, 3)))
     fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
@@ -80,7 +80,7 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
     ``frame``: (h, w) or (h, w, k) uint8, which may be empty. ``positions``: see warp in painting/paint.py.
     """
     check_array('frame', frame, np.uint8, *_sized(frame, 'k'))
-    corners = np.require(corners, np.float64, 'CA')
+    corners = _numbers(corners, np.float64)
     check_array('corners', corners, np.float64, (4, 2))
     mask = np.zeros(frame.shape, np.uint8)
     positions = _positions(positions, mask)
@@ -98,7 +98,7 @@ def warp(levels: Sequence[Image], to_picture: Floats, mask: Image, positions: Im
         raise InputError('The picture is %d x %d pixels large; give one of at most %d each way.'
                          % (*levels[0].shape[1::-1], MAX_PICTURE_SIDE_PX))
     mask = _packed('mask', mask, np.uint8, *_sized(mask, 3))
-    to_picture = np.require(to_picture, np.float64, 'CA')
+    to_picture = _numbers(to_picture, np.float64)
     check_array('homography', to_picture, np.float64, (3, 3))
     warped, positions = np.zeros((*mask.shape[:2], channels), np.uint8), _positions(positions, mask)
     pyramid = (_Frame * len(levels))(*[
@@ -112,10 +112,10 @@ def warp(levels: Sequence[Image], to_picture: Floats, mask: Image, positions: Im
 def refine_pairs(points: Numbers, rays: Numbers, weights: Numbers, rotations: Numbers, translations: Numbers,
                  spread: Numbers | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """See refine in geometry/plane_pose.py."""
-    points, rays, weights = (np.require(each, np.float64, 'CA') for each in (points, rays, weights))
+    points, rays, weights = (_numbers(each, np.float64) for each in (points, rays, weights))
     rotations, translations = (np.array(each, np.float64, order='C') for each in (rotations, translations))
     objects, count = points.shape[:2] if points.ndim == 3 else (0, 0)
-    spread = np.require(np.zeros((count, 3, 0)) if spread is None else spread, np.float64, 'CA')
+    spread = _numbers(np.zeros((count, 3, 0)) if spread is None else spread, np.float64)
     deviations = min(spread.shape[-1] if spread.ndim else 0, MAX_DEVIATIONS)
     for name, array, shape in (('points', points, (objects, count, 3)), ('rays', rays, (objects, count, 2)),
                                ('weights', weights, (objects, count, 2, 2)),
@@ -133,16 +133,19 @@ def refine_pairs(points: Numbers, rays: Numbers, weights: Numbers, rotations: Nu
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             darkest: float, lightest: float) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes, (PLANES, h, w) float32: see wall.c."""
+    """(h, w), where something seems to stand before the wall, and the planes, (PLANES, h, w) float32.
+
+    wall.c says what the arguments and the planes are.
+    """
     usable = _packed('usable pixels', usable, np.bool_, *_sized(usable))
     height, width = size = usable.shape
     seen, look = _packed('frame', seen, np.uint8, (*size, 3)), _packed('look', look, np.float32, (*size, 3))
-    whole, contrast = _packed('light', whole, np.float32, (3,)), _packed('contrast', contrast, np.uint8, (*size, 3))
-    variance = _packed('variance', variance, np.float32, size)
+    whole, variance = _packed('light', whole, np.float32, (3,)), _packed('variance', variance, np.float32, size)
+    contrast = _packed('contrast', contrast, np.uint8, (*size, 3))
     planes, front = np.empty((PLANES, *size), np.float32), np.empty(size, bool)
     if not _compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
-                    variance.ctypes.data, usable.ctypes.data, width, height, darkest, lightest, planes.ctypes.data,
-                    front.ctypes.data):
+                    variance.ctypes.data, usable.ctypes.data, width, height, darkest, lightest,
+                    planes.ctypes.data, front.ctypes.data):
         raise MemoryError
     return front, planes
 
@@ -156,20 +159,28 @@ def learn(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: B
     seen, whole = _packed('frame', seen, np.uint8, (*size, 3)), _packed('light', whole, np.float32, (3,))
     planes = _packed('planes', planes, np.float32, (PLANES, *size))
     certain = _packed('certain wall', certain, np.bool_, size)
-    for name, array, dtype, shape in (('look', look, np.float32, (*size, 3)), ('variance', variance, np.float32, size),
-                                      ('known wall', known, np.bool_, size), ('seconds', seconds, np.float32, size)):
+    for name, array, dtype, shape in (
+            ('look', look, np.float32, (*size, 3)), ('variance', variance, np.float32, size),
+            ('known wall', known, np.bool_, size), ('seconds', seconds, np.float32, size)):
         check_array(name, array, dtype, shape, writes=True)
         if not _is_packed(array):
-            raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().' % name)
+            raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().'
+                             % name)
     _learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
            wall.size, passed, settle, rate, variance_rate, look.ctypes.data, variance.ctypes.data,
            known.ctypes.data, seconds.ctypes.data)
 
 
 def _sized(array: Any, *channels: int | str) -> list[Shape]:
-    """The shapes (h, w) and (h, w, channels) with the array's own size, which may be 0; with names if it has none."""
-    size: tuple[Any, ...] = ('h', 'w') if not isinstance(array, np.ndarray) or array.ndim < 2 else array.shape[:2]
+    """(h, w) and, if given, (h, w, channels), with the array's own size, which may be 0."""
+    has_size = isinstance(array, np.ndarray) and array.ndim >= 2
+    size: tuple[Any, ...] = array.shape[:2] if has_size else ('h', 'w')
     return [size, (*size, *channels)] if channels else [size]
+
+
+def _numbers(values: Any, dtype: Any) -> Any:
+    """Numbers as an array of that dtype, contiguous in memory; the same array if it is so already."""
+    return np.require(values, dtype, ['C', 'A'])
 
 
 def _is_packed(array: Any) -> bool:
@@ -179,14 +190,16 @@ def _is_packed(array: Any) -> bool:
 def _packed(name: str, array: Any, dtype: type, *shapes: Shape) -> Any:
     """The array, checked, or a copy of it that is contiguous."""
     check_array(name, array, dtype, *shapes)
-    return array if _is_packed(array) else np.require(array, requirements='CA')
+    return array if _is_packed(array) else _numbers(array, array.dtype)
 
 
 def _rows(name: str, array: Any, dtype: type, *shapes: Shape) -> Any:
     """The array, checked, or a copy of it; each row is contiguous, as in a part of a frame."""
     check_array(name, array, dtype, *shapes)
-    packed = (array.itemsize,) if array.ndim == 2 else (array.shape[2] * array.itemsize, array.itemsize)
-    return array if array.strides[1:] == packed and array.flags.aligned else np.require(array, requirements='CA')
+    size = array.itemsize
+    packed = (size,) if array.ndim == 2 else (array.shape[2] * size, size)
+    is_good = array.strides[1:] == packed and array.flags.aligned
+    return array if is_good else _numbers(array, array.dtype)
 
 
 def _positions(positions: Image | None, mask: Image) -> Image | None:

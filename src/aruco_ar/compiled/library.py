@@ -29,7 +29,7 @@ def load() -> ctypes.CDLL:
         found = _opened(path, version)
         if found is not None:
             return found
-    return _built(version, kept)
+    return _built(kept)
 
 
 def version_of_sources() -> str:
@@ -84,23 +84,33 @@ def _opened(path: str, version: str) -> ctypes.CDLL | None:
         return None
 
 
-def _built(version: str, kept: str) -> ctypes.CDLL:
+def _built(kept: str) -> ctypes.CDLL:
     """The library, compiled. It is kept at that path if programs may be there."""
-    problems = []
-    for is_kept in True, False:
-        try:
-            if is_kept:
-                os.makedirs(os.path.dirname(kept), exist_ok=True)
-            # The folder may be gone when the library is loaded. Other processes may do the same at this moment.
-            with tempfile.TemporaryDirectory(dir=os.path.dirname(kept) if is_kept else None) as folder:
-                draft = os.path.join(folder, NAME)
-                compile_to(draft)
-                found = ctypes.CDLL(draft)
-                if is_kept:
-                    os.replace(draft, kept)
-                return found
-        except OSError as error:  # not writable, full, or mounted so that nothing in it may be run
-            problems.append(str(error))
-    raise SetupError('unit5 is not built, and there is no folder in which it can be compiled and run (%s). Run '
-                     'script/setup in the folder of unit5, or set XDG_CACHE_HOME to a folder in which programs may '
-                     'be run.' % '; '.join(problems))
+    # What fails is a folder that is not writable, or is mounted so that nothing in it may be run.
+    try:
+        os.makedirs(os.path.dirname(kept), exist_ok=True)
+        return _compiled_in(os.path.dirname(kept), kept)
+    except OSError as error:
+        problem = str(error)
+    try:
+        return _compiled_in(None, None)
+    except OSError as error:
+        raise SetupError(
+            'unit5 is not built, and there is no folder in which it can be compiled and run (%s; %s). Run '
+            'script/setup in the folder of unit5, or set XDG_CACHE_HOME to a folder in which programs may be '
+            'run.'
+            % (problem, error)) from None
+
+
+def _compiled_in(folder: str | None, kept: str | None) -> ctypes.CDLL:
+    """The library, compiled in a folder or, without one, in a temporary folder.
+
+    ``kept``: where it is then kept. If it is not, it stays loaded though its file is gone.
+    """
+    with tempfile.TemporaryDirectory(dir=folder) as drafts:  # other processes may do the same at this moment
+        draft = os.path.join(drafts, NAME)
+        compile_to(draft)
+        found = ctypes.CDLL(draft)
+        if kept is not None:
+            os.replace(draft, kept)
+    return found

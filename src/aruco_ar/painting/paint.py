@@ -78,9 +78,9 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
     would break and flicker. A lens distorts the picture as it distorts the frame.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
-    undistorted pixels. ``mask``: (h, w, 3) or (h, w) uint8. ``positions``: (h, w, 2) float32, the undistorted position
-    of each pixel of the mask, or None without a lens. The result has the mask's size and the channels of the
-    picture. Raises InputError for arrays of other types and shapes.
+    undistorted pixels. ``mask``: (h, w, 3) or (h, w) uint8. ``positions``: (h, w, 2) float32, the undistorted
+    position of each pixel of the mask, or None without a lens. The result has the mask's size and the channels
+    of the picture. Raises InputError for arrays of other types and shapes.
     """
     check_array('picture', picture, np.uint8, *PICTURE)
     homography = np.asarray(homography, np.float64)

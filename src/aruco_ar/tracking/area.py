@@ -86,11 +86,11 @@ class Area:
             self, corners=corners, positions=self.positions[rows, columns])
 
     def check_size(self, frame: Image) -> None:
-        """Raise InputError if ``positions`` are not those of a frame of this size: the lens is of another camera."""
+        """Raise InputError if the lens, and so ``positions``, is not that of a frame of this size."""
         if self.positions is not None and self.positions.shape[:2] != frame.shape[:2]:
-            raise InputError('The frame has %d x %d pixels, but the lens is that of %d x %d. Calibrate the camera at '
-                             'the size at which it runs.'
-                             % (*frame.shape[1::-1], *self.positions.shape[1::-1]), 'lens of another size')
+            sizes = *frame.shape[1::-1], *self.positions.shape[1::-1]
+            raise InputError('The frame has %d x %d pixels, but the lens is that of %d x %d. Calibrate the '
+                             'camera at the size at which it runs.' % sizes, 'lens of another size')
 
     def outline(self) -> Floats:
         """(n, 2) float32, pixels of the frame: the area's outline. With a lens, its sides are curves."""

@@ -48,7 +48,7 @@ def of_warp():
     mask = area_mask(frame_with_tag()[0], area)
 
     def call(picture, to_picture, mask, positions):
-        smaller = levels_of(picture, 2)[1:] if picture.ndim == 3 and picture.shape[2] == 4 and picture.size else []
+        smaller = levels_of(picture, 2)[1:] if picture.size and picture.shape[2:] == (4,) else []
         return binding.warp([picture, *smaller], to_picture, mask, positions)
     return call, {'picture': picture, 'to_picture': np.linalg.inv(area.homography(130, 90)), 'mask': mask,
                   'positions': positions()}
@@ -61,7 +61,8 @@ def of_refine_pairs():
     seen = points @ turned[0].T + shift[:, :1]
     spread = np.random.RandomState(1).normal(0, 0.01, (4, 3, 40))
     return binding.refine_pairs, {
-        'points': points, 'rays': seen[..., :2] / seen[..., 2:], 'weights': np.tile(1e3 * np.eye(2), (2, 4, 1, 1)),
+        'points': points, 'rays': seen[..., :2] / seen[..., 2:],
+        'weights': np.tile(1e3 * np.eye(2), (2, 4, 1, 1)),
         'rotations': np.tile(turned, (2, 1, 1, 1)), 'translations': shift + 0.01, 'spread': spread}
 
 
@@ -74,7 +75,8 @@ def of_compare():
     return call, {
         'seen': np.clip(look * 1.1, 0, 255).astype(np.uint8), 'look': look, 'whole': np.float32([1, 1.1, 0.9]),
         'contrast': random.randint(0, 50, look.shape).astype(np.uint8),
-        'variance': np.full((HEIGHT, WIDTH), 4, np.float32), 'usable': random.uniform(size=(HEIGHT, WIDTH)) < 0.9}
+        'variance': np.full((HEIGHT, WIDTH), 4, np.float32),
+        'usable': random.uniform(size=(HEIGHT, WIDTH)) < 0.9}
 
 
 def of_learn():
@@ -86,7 +88,8 @@ def of_learn():
         binding.learn(**arrays, passed=0.1, settle=30, rate=0.5, variance_rate=0.1)
     return learn, {
         'seen': arrays['seen'], 'whole': arrays['whole'], 'planes': planes, 'wall': wall, 'certain': wall,
-        'look': arrays['look'], 'variance': arrays['variance'], 'known': ~wall, 'seconds': np.ones(size, np.float32)}
+        'look': arrays['look'], 'variance': arrays['variance'], 'known': ~wall,
+        'seconds': np.ones(size, np.float32)}
 
 
 MADE = {made.__name__[3:]: made for made in
@@ -158,10 +161,12 @@ def test_only_what_is_changed_must_not_be_read_only(name, argument):
 def test_an_array_of_another_type_is_refused_or_converted(name, argument):
     array = MADE[name]()[1][argument]
     others = [array.astype(dtype) for dtype in (np.float64, np.uint16, np.int8) if dtype != array.dtype]
-    others.append(array.astype(array.dtype.newbyteorder()) if array.itemsize > 1 else others[0])
+    if array.itemsize > 1:
+        others.append(array.astype(array.dtype.newbyteorder()))
     for other in others:
         if argument not in CONVERTED:
-            with pytest.raises(InputError, match=r'is \(.*\) .*%s; give \(.*\) %s' % (other.dtype, array.dtype)):
+            message = r'is \(.*\) .*%s; give \(.*\) %s' % (other.dtype, array.dtype)
+            with pytest.raises(InputError, match=message):
                 result_of(name, **{argument: other})
         elif np.array_equal(other, array):
             assert_same(result_of(name, **{argument: other}), result_of(name))
@@ -278,8 +283,8 @@ def test_painting_into_what_is_no_color_frame_says_so(frame, message):
         overlay(frame, np.zeros((9, 9, 3), np.uint8), Area(CORNERS))
 
 
-@pytest.mark.parametrize('picture', [np.zeros((9, 9), np.uint8), np.zeros((9, 9, 3)), np.zeros((0, 9, 3), np.uint8),
-                                     np.zeros((9, 9, 2), np.uint8)])
+@pytest.mark.parametrize('picture', [np.zeros((9, 9), np.uint8), np.zeros((9, 9, 3)),
+                                     np.zeros((9, 9, 2), np.uint8), np.zeros((0, 9, 3), np.uint8)])
 def test_painting_what_is_no_color_picture_says_so(picture):
     with pytest.raises(InputError, match=r'The picture is .*; give \(h, w, 3\) or \(h, w, 4\) uint8'):
         overlay(frame_with_tag()[0], picture, Area(CORNERS))
@@ -330,11 +335,18 @@ def sanitizer():
     """The path of the library that the compiler's address sanitizer needs, or None."""
     if shutil.which('cc') is None:
         return None
-    path = subprocess.run(['cc', '-print-file-name=libasan.so'], stdout=subprocess.PIPE, text=True).stdout.strip()
-    return path if os.path.isabs(path) else None  # else it only repeats the name
+    asked = subprocess.run(['cc', '-print-file-name=libasan.so'], stdout=subprocess.PIPE, text=True)
+    return asked.stdout.strip() if os.path.isabs(asked.stdout) else None  # else it only repeats the name
 
 
 CHECKED = 'CHECKED_BY_SANITIZER'
+# It is really that library, and it notices a mask that is one row too short, past our checks.
+TOO_SHORT = '''
+import numpy
+from aruco_ar.compiled import binding
+mask, corners = numpy.zeros((46, 61), numpy.uint8), numpy.float64([[0, 0], [60, 0], [60, 60], [0, 60]])
+binding._draw_mask(mask.ctypes.data, 61, 47, 1, corners.ctypes.data, None, 0)
+'''
 
 
 @pytest.mark.skipif(CHECKED in os.environ, reason='this is that run')
@@ -351,10 +363,8 @@ def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
         return done.returncode, done.stdout
     if run('-c', 'import cv2, numpy')[0]:
         pytest.skip('NumPy and OpenCV cannot be imported beside the address sanitizer')
-    # That it is really this library, and that it notices: a mask that is one row too short, without our checks.
-    code, output = run('-c', 'import numpy; from aruco_ar.compiled import binding as b\n'
-                             'm = numpy.zeros((46, 61), numpy.uint8); c = numpy.float64([[0, 0], [60, 0], [60, 60], '
-                             '[0, 60]])\nb._draw_mask(m.ctypes.data, 61, 47, 1, c.ctypes.data, None, 0)')
+    code, output = run('-c', TOO_SHORT)
     assert code and 'AddressSanitizer: heap-buffer-overflow' in output, output
-    code, output = run('-m', 'pytest', '-q', '-s', '-p', 'no:cacheprovider', '--basetemp', str(tmp_path / 'tests'), __file__)
+    code, output = run('-m', 'pytest', '-q', '-s', '-p', 'no:cacheprovider', '--basetemp',
+                       str(tmp_path / 'tests'), __file__)
     assert code == 0 and ' passed' in output, output[-5000:]

@@ -20,9 +20,15 @@ print(*paths)
 OTHER = '''
 #include <stdlib.h>
 const char *unit5_version(void) { return "0123456789abcdef"; }
-const double unit5_nearest; const int unit5_plane_count, unit5_profile_count; const float unit5_profile_positions[1];
-void unit5_fit_tags(void) { abort(); } void unit5_draw_mask(void) { abort(); } void unit5_warp(void) { abort(); }
-void unit5_refine_pairs(void) { abort(); } void unit5_compare(void) { abort(); } void unit5_learn(void) { abort(); }
+const double unit5_nearest;
+const int unit5_plane_count, unit5_profile_count;
+const float unit5_profile_positions[1];
+void unit5_fit_tags(void) { abort(); }
+void unit5_draw_mask(void) { abort(); }
+void unit5_warp(void) { abort(); }
+void unit5_refine_pairs(void) { abort(); }
+void unit5_compare(void) { abort(); }
+void unit5_learn(void) { abort(); }
 '''
 WITHOUT_VERSION = 'void unit5_fit_tags(void) {}'
 
@@ -39,12 +45,21 @@ def copied(package, tmp_path):
                     ignore=shutil.ignore_patterns('__pycache__'))
 
     def run(script=FIT, before=(), **environment):
-        clean = {key: value for key, value in os.environ.items() if key not in ('LD_LIBRARY_PATH', 'LD_PRELOAD')}
+        clean = {key: value for key, value in os.environ.items() if not key.startswith('LD_')}
         clean.update({'PYTHONPATH': str(tmp_path), 'XDG_CACHE_HOME': str(tmp_path / 'cache'), **environment})
         done = subprocess.run([*before, sys.executable, '-c', script], env=clean, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True)
         return done.returncode, done.stdout
     return run
+
+
+def compiled(source, folder):
+    """The path of a libunit5.so made of this source, in a new folder."""
+    folder.mkdir()
+    (folder / 'source.c').write_text(source)
+    path = str(folder / 'libunit5.so')
+    subprocess.run(['cc', '-shared', '-fPIC', '-o', path, str(folder / 'source.c')], check=True)
+    return path
 
 
 @needs_compiler
@@ -77,10 +92,7 @@ def test_without_a_compiler_one_sentence_says_what_to_do(copied):
 @needs_compiler
 @pytest.mark.parametrize('source', [OTHER, WITHOUT_VERSION], ids=['other version', 'no version'])
 def test_a_library_of_another_version_is_not_used(copied, tmp_path, source):
-    (tmp_path / 'old').mkdir()
-    (tmp_path / 'old.c').write_text(source)
-    old = str(tmp_path / 'old' / 'libunit5.so')
-    subprocess.run(['cc', '-shared', '-fPIC', '-o', old, str(tmp_path / 'old.c')], check=True)
+    old = compiled(source, tmp_path / 'old')
     code, output = copied(PATH='', LD_LIBRARY_PATH=str(tmp_path / 'old'))
     assert code == 1 and '"%s" is of another version' % old in output.splitlines()[-1]
     assert copied(LD_LIBRARY_PATH=str(tmp_path / 'old')) == (0, '')
@@ -92,12 +104,10 @@ def test_the_library_that_catkin_built_is_used_even_behind_another_one(copied, p
     built = package + '/build/devel/lib'
     if not os.path.exists(built + '/libunit5.so'):
         pytest.skip('catkin has not built the package')
-    (tmp_path / 'old.c').write_text(OTHER)
-    (tmp_path / 'old').mkdir()
-    subprocess.run(['cc', '-shared', '-fPIC', '-o', str(tmp_path / 'old' / 'libunit5.so'), str(tmp_path / 'old.c')],
-                   check=True)
+    compiled(OTHER, tmp_path / 'old')
     code, output = copied(MAPPED, PATH='', LD_LIBRARY_PATH='%s::%s' % (tmp_path / 'old', built))
-    assert code == 0 and os.path.realpath(built + '/libunit5.so') in map(os.path.realpath, output.split()), output
+    assert code == 0, output
+    assert os.path.realpath(built + '/libunit5.so') in map(os.path.realpath, output.split())
 
 
 @needs_compiler
@@ -106,9 +116,9 @@ def test_only_names_of_unit5_can_be_seen(tmp_path):
         pytest.skip('nm is missing')
     from aruco_ar.compiled.library import compile_to
     compile_to(str(tmp_path / 'libunit5.so'))
-    shown = subprocess.run(['nm', '-D', '--defined-only', str(tmp_path / 'libunit5.so')], stdout=subprocess.PIPE,
-                           text=True, check=True).stdout.split('\n')
-    names = {line.split()[-1] for line in shown if line}
+    shown = subprocess.run(['nm', '-D', '--defined-only', str(tmp_path / 'libunit5.so')], check=True, text=True,
+                           stdout=subprocess.PIPE)
+    names = {line.split()[-1] for line in shown.stdout.splitlines()}
     assert len(names) == 11 and all(name.startswith('unit5_') for name in names)
 
 
@@ -122,7 +132,7 @@ def test_where_the_cache_cannot_be_written_it_is_compiled_into_a_temporary_folde
 
 @needs_compiler
 def test_folders_in_which_nothing_may_be_run(copied, tmp_path):
-    """The cache, or both it and the temporary folder, are mounted so that no library can be loaded from them."""
+    """The cache, or also the temporary folder, is mounted so that no library can be loaded from it."""
     (tmp_path / 'noexec').mkdir()
     mounted = ['unshare', '--map-root-user', '--mount', 'bash', '-c',
                'mount -t tmpfs -o noexec none "$0" && exec "$@"', str(tmp_path / 'noexec')]
