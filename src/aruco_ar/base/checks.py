@@ -14,7 +14,7 @@ GRAY_OR_COLOR: tuple[Shape, ...] = ('h', 'w'), ('h', 'w', 3)
 COLOR: tuple[Shape, ...] = (('h', 'w', 3),)
 PICTURE: tuple[Shape, ...] = ('h', 'w', 3), ('h', 'w', 4)
 
-LARGEST = 2**31 - 1  # the sides are ints in C and in OpenCV
+LARGEST = 2**31 - 1  # numbers in an array; so its sides are ints in C
 
 
 def check_array(name: str, array: Any, dtype: type, *shapes: Shape, writes: bool = False) -> None:
@@ -22,29 +22,38 @@ def check_array(name: str, array: Any, dtype: type, *shapes: Shape, writes: bool
 
     ``name``: what it is, for the message. ``writes``: it must not be read-only.
     """
-    is_array = isinstance(array, np.ndarray)
-    if not is_array or array.dtype != dtype or not any(_fits(array.shape, shape) for shape in shapes):
-        found = '%s %s' % (_text(array.shape), array.dtype) if is_array else \
-            'no array but a %s' % type(array).__name__
-        sentence = 'The %s is %s; give %s %s.' % (
-            name, found, ' or '.join(_text(shape) for shape in shapes), np.dtype(dtype).name)
-        if is_array and array.ndim == 2 and all(len(shape) == 3 for shape in shapes):
-            sentence += ' Gray becomes BGR by cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR).'
-        raise InputError(sentence)
-    if max(array.shape, default=0) > LARGEST:
-        raise InputError('The %s is too large, %s; no side may be longer than %d.' % (
+    if not isinstance(array, np.ndarray) or array.dtype != dtype or not _fits_one(array.shape, shapes):
+        raise _error(name, array, dtype, shapes)
+    if array.size > LARGEST:
+        raise InputError('The %s is too large, %s; give one of at most %d numbers.' % (
             name, _text(array.shape), LARGEST))
     if writes and not array.flags.writeable:
         raise InputError('The %s is read-only, but it would be changed; give a copy, by .copy().' % name)
 
 
-def _fits(found: tuple[int, ...], wanted: Shape) -> bool:
-    if len(found) != len(wanted):
-        return False
-    for one, other in zip(found, wanted):  # this takes half as long as a generator for all(...)
-        if one != other and (one == 0 or not isinstance(other, str)):
-            return False
-    return True
+def _error(name: str, array: Any, dtype: type, shapes: Sequence[Shape]) -> InputError:
+    """The InputError that says what the array is, and what it should be."""
+    is_array = isinstance(array, np.ndarray)
+    found = '%s %s' % (_text(array.shape), array.dtype) if is_array else \
+        'no array but a %s' % type(array).__name__
+    wanted = '%s %s' % (' or '.join(map(_text, shapes)), np.dtype(dtype).name)
+    sentence = 'The %s is %s; give %s.' % (name, found, wanted)
+    if is_array and array.ndim == 2 and all(len(shape) == 3 for shape in shapes):
+        sentence += ' Gray becomes BGR by cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR).'
+    return InputError(sentence)
+
+
+def _fits_one(found: tuple[int, ...], shapes: Sequence[Shape]) -> bool:
+    if found in shapes:
+        return True
+    for wanted in shapes:
+        if len(found) == len(wanted):
+            for one, other in zip(found, wanted):
+                if one != other and (one == 0 or not isinstance(other, str)):
+                    break
+            else:
+                return True
+    return False
 
 
 def _text(shape: Shape) -> str:

@@ -91,12 +91,13 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
 
 def warp(levels: Sequence[Image], to_picture: Floats, mask: Image, positions: Image | None = None) -> Image:
     """See warp in painting/paint.py. ``levels``: see levels_of. ``to_picture``: (3, 3), the other direction."""
-    channels = levels[0].shape[-1]
-    levels = [_rows('picture', level, np.uint8, *(PICTURE if level is levels[0] else [('h', 'w', channels)]))
-              for level in levels]
-    if max(levels[0].shape) > MAX_PICTURE_SIDE_PX:
+    check_array('picture', levels[0], np.uint8, *PICTURE)
+    height, width, channels = levels[0].shape
+    if max(height, width) > MAX_PICTURE_SIDE_PX:
         raise InputError('The picture is %d x %d pixels large; give one of at most %d each way.'
-                         % (*levels[0].shape[1::-1], MAX_PICTURE_SIDE_PX))
+                         % (width, height, MAX_PICTURE_SIDE_PX))
+    levels = [_rows('picture', level, np.uint8, (height >> number, width >> number, channels))
+              for number, level in enumerate(levels)]
     mask = _packed('mask', mask, np.uint8, *_sized(mask, 3))
     to_picture = _numbers(to_picture, np.float64)
     check_array('homography', to_picture, np.float64, (3, 3))
@@ -180,7 +181,8 @@ def _sized(array: Any, *channels: int | str) -> list[Shape]:
 
 def _numbers(values: Any, dtype: Any) -> Any:
     """Numbers as an array of that dtype, contiguous in memory; the same array if it is so already."""
-    return np.require(values, dtype, ['C', 'A'])
+    array = np.asarray(values, dtype, 'C')
+    return array if array.flags.aligned else array.copy()
 
 
 def _is_packed(array: Any) -> bool:

@@ -110,9 +110,15 @@ static int side_of_run(const Line sides[4], const float *here, int count)
     return is_inside;
 }
 
+static inline void set_pixel(uint8_t *pixel, int channels, uint8_t value)
+{
+    for (int channel = 0; channel < channels; channel++)
+        pixel[channel] = value;
+}
+
 /* Draw an area into a mask of a distorted frame, as unit5_draw_mask does. */
-static void draw_distorted_mask(uint8_t *mask, int width, int height, int channels, const Side corners[4],
-                                const Positions *positions)
+static inline void draw_distorted_mask(uint8_t *mask, int width, int height, int channels, const Side corners[4],
+                                       const Positions *positions)
 {
     Line sides[4];
     for (int side = 0; side < 4; side++)
@@ -128,9 +134,16 @@ static void draw_distorted_mask(uint8_t *mask, int width, int height, int channe
             for (int x = 0; side == 0 && x < count; x++) {
                 int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
                 float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
-                memset(mask + channels * (left + x), (int)(255 * cover + 0.5f), channels);
+                set_pixel(mask + channels * (left + x), channels, (int)(255 * cover + 0.5f));
             }
         }
+}
+
+/* Draw the pixels of a row of a mask that the area may cover in part, from ``begin`` to before ``end``. */
+static void draw_rim(uint8_t *mask, int channels, const Side sides[4], int y, int begin, int end)
+{
+    for (int x = begin; x < end; x++)
+        set_pixel(mask + channels * x, channels, (int)(255 * cover_of(sides, x, y) + 0.5f));
 }
 
 /* Draw an area into a mask, (height, width, channels), which is black before: white inside, gray on the rim.
@@ -141,16 +154,19 @@ EXPORT void unit5_draw_mask(uint8_t *mask, int width, int height, int channels, 
     Side sides[4];
     find_sides(corners, sides);
     if (positions) {
-        if (width > 1 && height > 1)
+        if (width > 1 && height > 1 && channels == 3)  /* compilers make faster code if they know the number */
+            draw_distorted_mask(mask, width, height, 3, sides, &(Positions){positions, row});
+        else if (width > 1 && height > 1)
             draw_distorted_mask(mask, width, height, channels, sides, &(Positions){positions, row});
         return;
     }
     for (int y = 0; y < height; y++, mask += channels * width) {
         Span some = find_span(sides, y, 0, width), whole = find_span(sides, y, 1, width);
-        for (int x = some.first; x <= some.last; x++) {
-            int is_whole = whole.first <= x && x <= whole.last;
-            memset(mask + channels * x, is_whole ? 255 : (int)(255 * cover_of(sides, x, y) + 0.5f), channels);
-        }
+        if (whole.first > whole.last)
+            whole = (Span){some.last + 1, some.last};
+        draw_rim(mask, channels, sides, y, some.first, whole.first);
+        memset(mask + channels * whole.first, 255, channels * (whole.last + 1 - whole.first));
+        draw_rim(mask, channels, sides, y, whole.last + 1, some.last + 1);
     }
 }
 
