@@ -5,6 +5,7 @@ import ctypes
 import glob
 import hashlib
 import os
+import shutil
 import subprocess
 import tempfile
 
@@ -20,8 +21,8 @@ def load() -> ctypes.CDLL:
     """The library that was built of the sources in this folder.
 
     A library of other sources is not used, since it may take other arguments. It is searched on
-    LD_LIBRARY_PATH, where catkin's environment has it, and in the user's cache. Otherwise it is compiled into
-    that cache or, if that is not possible, into a temporary folder. Raises SetupError if that fails.
+    LD_LIBRARY_PATH, where catkin's environment has it, and in the user's cache. Otherwise it is compiled and
+    kept in that cache, if possible. Raises SetupError if it cannot be compiled or loaded.
     """
     version = version_of_sources()
     kept = os.path.join(_cache(), '%s-%s' % (version[:16], NAME))
@@ -85,32 +86,23 @@ def _opened(path: str, version: str) -> ctypes.CDLL | None:
 
 
 def _built(kept: str) -> ctypes.CDLL:
-    """The library, compiled. It is kept at that path if programs may be there."""
-    # What fails is a folder that is not writable, or is mounted so that nothing in it may be run.
+    """The library, compiled and kept at that path. If it cannot be, it stays loaded though its file is gone."""
+    problems = []
     try:
-        os.makedirs(os.path.dirname(kept), exist_ok=True)
-        return _compiled_in(os.path.dirname(kept), kept)
+        with tempfile.TemporaryDirectory() as folder:
+            built = os.path.join(folder, NAME)
+            compile_to(built)
+            try:
+                os.makedirs(os.path.dirname(kept), exist_ok=True)
+                draft = '%s.%d' % (kept, os.getpid())  # other processes may do the same at this moment
+                shutil.copy(built, draft)
+                os.replace(draft, kept)
+                return ctypes.CDLL(kept)
+            except OSError as error:  # not writable, or mounted so that nothing in it may be run
+                problems.append(str(error))
+            return ctypes.CDLL(built)
     except OSError as error:
-        problem = str(error)
-    try:
-        return _compiled_in(None, None)
-    except OSError as error:
-        raise SetupError(
-            'unit5 is not built, and there is no folder in which it can be compiled and run (%s; %s). Run '
-            'script/setup in the folder of unit5, or set XDG_CACHE_HOME to a folder in which programs may be '
-            'run.'
-            % (problem, error)) from None
-
-
-def _compiled_in(folder: str | None, kept: str | None) -> ctypes.CDLL:
-    """The library, compiled in a folder or, without one, in a temporary folder.
-
-    ``kept``: where it is then kept. If it is not, it stays loaded though its file is gone.
-    """
-    with tempfile.TemporaryDirectory(dir=folder) as drafts:  # other processes may do the same at this moment
-        draft = os.path.join(drafts, NAME)
-        compile_to(draft)
-        found = ctypes.CDLL(draft)
-        if kept is not None:
-            os.replace(draft, kept)
-    return found
+        problems.append(str(error))
+    raise SetupError('unit5 is not built, and there is no folder in which it can be compiled and run (%s). Run '
+                     'script/setup in the folder of unit5, or set XDG_CACHE_HOME to a folder in which programs '
+                     'may be run.' % '; '.join(problems))

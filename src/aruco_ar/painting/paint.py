@@ -35,7 +35,12 @@ def area_mask(frame: Image, area: Area | None) -> Image:
 
 
 def subtract(frame: Image, mask: Image) -> Image:
-    """The frame with the area cut out: black where the mask is white, unchanged where the mask is black."""
+    """The frame with the area cut out: black where the mask is white, unchanged where the mask is black.
+
+    Raises InputError if they are not two images, uint8, of one shape: see area_mask.
+    """
+    check_array('mask', mask, np.uint8, frame.shape)
+    check_array('frame', frame, np.uint8, frame.shape)
     return cv2.subtract(frame, mask)
 
 

@@ -110,7 +110,11 @@ class Area:
         return np.asarray(found, np.float64)
 
     def rectified(self, frame: Image, size: tuple[int, int]) -> Image:
-        """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h)."""
+        """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h).
+
+        Raises InputError as check_size does.
+        """
+        self.check_size(frame)
         larger = min(int(np.linalg.norm(self.undistorted[1] - self.undistorted[0]) / size[0]), MAX_SHRINK)
         shrinks = larger >= 2 and self.lens is None
         window, part = self.window(frame) if shrinks else (frame, self)

@@ -10,7 +10,7 @@ import sys
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay
+from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
 from aruco_ar.compiled import binding
 from aruco_ar.compiled.library import compile_to
 from aruco_ar.painting.levels import levels_of
@@ -292,6 +292,16 @@ def test_painting_what_is_no_color_picture_says_so(picture):
         warp(picture, np.eye(3), frame_with_tag()[0])
 
 
+def test_an_area_is_cut_out_of_gray_frames_too():
+    frame = frame_with_tag()[0]
+    gray = frame[..., 0]
+    np.testing.assert_array_equal(subtract(gray, mask_of(gray)), subtract(frame, mask_of(frame))[..., 0])
+    assert subtract(gray, mask_of(gray))[20, 30] == 0 and subtract(gray, mask_of(gray))[45, 55] == gray[45, 55]
+    for wrong in mask_of(frame), mask_of(gray)[1:], mask_of(gray).astype(float):
+        with pytest.raises(InputError, match='The mask is '):
+            subtract(gray, wrong)
+
+
 def test_put_in_takes_three_images_of_one_size_and_a_frame_that_can_be_changed():
     frame = frame_with_tag()[0]
     good = frame.copy(), frame.copy(), frame.copy()
@@ -315,7 +325,8 @@ def test_a_lens_of_another_size_is_named(size):
     area = Area(CORNERS, lens=Lens(*size, np.float64([[60, 0, 30], [0, 60, 23], [0, 0, 1]]), np.full(4, 1e-3)))
     message = 'The frame has 61 x 47 pixels, but the lens is that of %d x %d. Calibrate' % size
     for call in (lambda: area_mask(frame, area), lambda: area_mask(frame[..., 0], area),
-                 lambda: overlay(frame, np.zeros((9, 9, 3), np.uint8), area), lambda: area.window(frame)):
+                 lambda: overlay(frame, np.zeros((9, 9, 3), np.uint8), area), lambda: area.window(frame),
+                 lambda: area.rectified(frame, (20, 20))):
         with pytest.raises(InputError, match=message):
             call()
 
@@ -354,7 +365,8 @@ def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
     if sanitizer() is None:
         pytest.skip('the compiler has no address sanitizer')
     compile_to(str(tmp_path / 'libunit5.so'), '-fsanitize=address', '-g', '-O1')
-    environment = {**os.environ, CHECKED: '1', 'LD_LIBRARY_PATH': str(tmp_path), 'LD_PRELOAD': sanitizer(),
+    environment = {**os.environ, CHECKED: '1', 'LD_PRELOAD': sanitizer(),
+                   'LD_LIBRARY_PATH': '%s:%s' % (tmp_path, os.environ.get('LD_LIBRARY_PATH', '')),
                    'ASAN_OPTIONS': 'detect_leaks=0'}
 
     def run(*arguments):
