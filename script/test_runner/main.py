@@ -157,7 +157,7 @@ def main(names):
     shutil.rmtree(RESULTS, ignore_errors=True)
     os.makedirs(REPORTS)
     if names == ['--quick']:
-        done = [run_pytest('plain', '-q', '-n', 'auto', 'test/plain')]
+        done = [run_pytest('plain', '-q', '-n', 'auto', '-m', 'not long and not clips', 'test/plain')]
     else:
         done = list(run_named(names) if names else run_all())
     print()

@@ -9,6 +9,7 @@ from benchmark.simulated.drives import FAST, LIVELY, SLOW, at_random, drive
 from rig.accuracy.areas import USUAL
 from rig.accuracy.stills import IDS, stills
 
+pytestmark = pytest.mark.long
 TRUTH_PX = 0.3
 
 

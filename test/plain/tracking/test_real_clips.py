@@ -10,7 +10,9 @@ from benchmark.real_clips.truth import truth_of
 TRUTH_PX = 0.8  # the truth itself may be off by this much, and by more where few other tags show it
 
 
-@pytest.fixture(scope='module', params=['board.mp4', 'dark.mp4', 'turned.avi'])
+# All tests of a clip run in one process, since its truth takes long.
+@pytest.fixture(scope='module', params=[pytest.param(name, marks=pytest.mark.xdist_group(name))
+                                        for name in ('board.mp4', 'dark.mp4', 'turned.avi')])
 def filmed(request):
     """(name, Clip, frames, frames per second, truth) of a clip."""
     if not os.path.isdir(real.CLIPS):
