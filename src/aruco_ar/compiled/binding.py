@@ -17,7 +17,7 @@ from aruco_ar.base.errors import InputError
 from .library import load
 
 MAX_PICTURE_SIDE_PX = 2**22  # positions in a picture, in parts of a pixel, are 32-bit integers
-MAX_DEVIATIONS = 4096        # of the points of an object; 17 GB of memory would be needed for more
+MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
 
 _C = load()
 
