@@ -4,7 +4,7 @@ import threading
 import time
 from collections import deque
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Any, Tuple
 
 import aruco_program  # noqa: F401  before all else
 import numpy as np
@@ -100,7 +100,7 @@ class Driver:
     def __init__(self, path):
         self._path = path
         self._pose = path.start if path else START
-        self._command = None  # the last one: when it came, and the speeds, m/s and rad/s
+        self._command: Any = None  # the last one: when it came, and the speeds, m/s and rad/s
         self._started = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
@@ -122,9 +122,9 @@ class Driver:
             self._pose, linear, angular = self._path.at((stamp - self._started).to_sec())
             return self._pose, linear, angular
         is_late = command is None or abs((stamp - command[0]).to_sec()) > COMMAND_S
-        speed = (0.0, 0.0) if is_late else command[1]
-        self._pose = drive(self._pose, *speed, seconds)
-        return (self._pose, *speed)
+        linear, angular = (0.0, 0.0) if is_late else command[1]
+        self._pose = drive(self._pose, linear, angular, seconds)
+        return self._pose, linear, angular
 
 
 class WallCamera:

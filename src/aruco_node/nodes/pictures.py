@@ -1,6 +1,7 @@
 """Opens the picture that is painted: a file, or a topic."""
 import time
 from collections import deque
+from typing import Any
 
 import rospy
 from aruco_ar.base.errors import InputError
@@ -44,7 +45,7 @@ class TopicPicture:
         self._subscriber = None
         self._is_silence_logged = self._is_fault_logged = False
         # The newest message that was not shown yet. It is decoded only when it is shown, as most are not.
-        self._messages = deque(maxlen=1)
+        self._messages: deque[Any] = deque(maxlen=1)
         self._picture = None
 
     def update_subscription(self, wanted):
