@@ -86,8 +86,8 @@ def messages(piece):
 
 
 def decoder_of(piece):
-    """The function that decodes the image messages of a Piece to frames."""
-    return TRANSPORTS[piece.transport][2]
+    """A new decoder of the image messages of a Piece, which makes frames of them."""
+    return TRANSPORTS[piece.transport][2]()
 
 
 def _absolute(topic):

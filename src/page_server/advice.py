@@ -5,6 +5,7 @@ import rospy
 from aruco_ar.hints.area_hints import NOTES
 from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
+from aruco_node.messages.images import ENCODING
 from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
@@ -51,7 +52,7 @@ def sentence_of(status):
     values = {item.key: item.value for item in status.values}
     if 'hint' not in values and values.get('area in the last frame') == NO and _is_lost(values.get(AREA_SEEN)):
         return values.get('area', '')[:MAX_TEXT], False
-    said = ' '.join(values[name] for name in ('hint', *NOTES, 'calibration') if name in values)
+    said = ' '.join(values[name] for name in ('hint', *NOTES, ENCODING, 'calibration') if name in values)
     return said[:MAX_TEXT], False
 
 
