@@ -146,7 +146,7 @@ class FrameCount:
             values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
             if has_area is not None:
                 values['area in the last frame'] = YES if has_area else NO
-        if problems:
+        if len(problems) > 1:  # a single one is told by the log
             return WARN, '%d of %d frames within %d s could not be used. %s' % (
                 len(problems), len(problems) + len(recent), WINDOW_S, problems[-1]), values
         dropped = recent[:, 3].sum()
