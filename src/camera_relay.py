@@ -30,10 +30,12 @@ class CameraRelay(FrameNode):
         self._due = 0.0  # stamp at which the next frame is due, seconds
 
     def process(self, frame, header, stamp):
+        info = self._info  # read once, since another thread replaces it
+
         def publish():
-            if self._info is not None and self._info_publisher.get_num_connections():
-                self._info.header = header
-                self._info_publisher.publish(self._info)
+            if info is not None and self._info_publisher.get_num_connections():
+                info.header = header
+                self._info_publisher.publish(info)
         return Answer([frame], publish)
 
     def is_due(self, stamp):

@@ -89,6 +89,7 @@ class SharedTopic:
         self._loop.call_soon_threadsafe(self._store, message)
 
     def _store(self, message):
+        message.header.stamp.canon()
         self.message, self.number = message, self.number + 1
         self._times.append(time.monotonic())
         self._arrival.set_result(None)

@@ -1,5 +1,6 @@
 """Opens the picture that is painted: a file, or a topic."""
 import time
+from collections import deque
 
 import rospy
 from aruco_ar.base.errors import InputError
@@ -43,7 +44,8 @@ class TopicPicture:
         self._to_picture = decoder() if compressed else ImageDecoder(keeps_alpha=True)
         self._subscriber = None
         self._is_silence_logged = self._is_fault_logged = False
-        self._message = None  # the newest message; it is decoded only when it is shown, as most are not
+        # The newest message that was not shown yet. It is decoded only when it is shown, as most are not.
+        self._messages = deque(maxlen=1)
         self._picture = None
 
     def update_subscription(self, wanted):
@@ -61,10 +63,9 @@ class TopicPicture:
 
     def at(self, stamp):
         """The newest picture, (h, w, 3 or 4) uint8, or None before the first one has arrived."""
-        message, self._message = self._message, None
-        if message is not None:
+        if self._messages:
             try:
-                self._picture = shrink_to_warp(self._to_picture(message))
+                self._picture = shrink_to_warp(self._to_picture(self._messages.pop()))
                 log_notes(self._topic, self._to_picture.notes)
             except InputError as error:
                 is_end = error.kind == END_OF_VIDEO and self._picture is not None
@@ -74,4 +75,5 @@ class TopicPicture:
         return self._picture
 
     def _on_message(self, message):
-        self._message, self._is_silence_logged = message, True
+        self._messages.append(message)
+        self._is_silence_logged = True
