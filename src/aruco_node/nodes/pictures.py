@@ -7,6 +7,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.painting.picture import shrink_to_warp
 from aruco_ar.painting.sources import open_source
+from genpy import Message
 from rosgraph.names import is_legal_name
 
 from aruco_node.health.faults import log_notes
@@ -45,7 +46,7 @@ class TopicPicture:
         self._subscriber = None
         self._is_silence_logged = self._is_fault_logged = False
         # The newest message that was not shown yet. It is decoded only when it is shown, as most are not.
-        self._messages = deque(maxlen=1)
+        self._messages: deque[Message] = deque(maxlen=1)
         self._picture = None
 
     def update_subscription(self, wanted):
