@@ -101,7 +101,8 @@ class ImageTopic(SharedTopic):
 
     def __init__(self, name, transport, registrar, encoder):
         """``transport``: a key of TRANSPORTS. ``encoder``: an executor that encodes JPEGs."""
-        suffix, kind, self._to_frame = TRANSPORTS[transport]
+        suffix, kind, decoder = TRANSPORTS[transport]
+        self._to_frame = decoder()
         super().__init__(name + suffix, kind, registrar)
         self._transport, self._encoder = transport, encoder
         self._encoded = {}  # {options: future of a JPEG}, of the newest frame

@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.lateness import Lateness
 
 from aruco_node.health.diagnostics import ERROR, OK, Diagnostics, FrameCount
-from aruco_node.health.faults import fault_barrier, log_once, note_fault
+from aruco_node.health.faults import fault_barrier, log_notes, log_once, note_fault
 from aruco_node.health.silence import SILENCE_S, explain_silence
 from aruco_node.health.snapshot import SnapshotService
 from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS
@@ -86,7 +86,8 @@ class FrameNode:
 
     def _use_transport(self, transport):
         self._transport = transport
-        suffix, self._message_class, self._decode = TRANSPORTS[transport]
+        suffix, self._message_class, decoder = TRANSPORTS[transport]
+        self._decode = decoder()
         self._topic = self.camera + suffix
 
     def decode(self, message):
@@ -125,6 +126,8 @@ class FrameNode:
     def report(self):
         """(level, sentence, values) for Diagnostics."""
         level, sentence, values = self._count.report()
+        if self.is_receiving:
+            values.update(self._decode.notes)
         if self._silence:
             sentence, is_fine = self._silence
             level = OK if is_fine else ERROR
@@ -257,6 +260,7 @@ class FrameNode:
                 self._may_end = False
                 return
             self._frame_problem = str(error)
+            self._count.on_unusable(self._frame_problem)
             log_once(error.kind, self._frame_problem)
         except Exception as error:  # a bug costs one frame, not the node
             self._frame_problem = note_fault(error)
@@ -279,6 +283,7 @@ class FrameNode:
             self._count.on_drop()  # the next frame will show the same, but fresher
             return
         frame = self.decode(message)
+        log_notes(self._topic, self._decode.notes)
         self._snapshots.keep_frame(frame)
         answer = self.process(frame, header, stamp)
         images = dict(zip(self.outputs, answer.images))
