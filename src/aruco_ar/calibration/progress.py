@@ -4,11 +4,13 @@ from __future__ import annotations
 import threading
 from typing import Callable
 
+import numpy as np
+
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.hints.other_tags import OtherTags
 
-from .calibrate import Calibrated, calibrate
+from .calibrate import GOOD_CORNERS_PX, Calibrated, calibrate, corners_apart
 from .collection import FEW, Collection
 from .sheets import CharucoBoard, TagSheet
 from .views import View
@@ -21,14 +23,16 @@ class Progress:
     """The views of a sheet so far, and the best lens that they have told.
 
     ``collection``: the Collection. ``found``: the Calibrated, or None. ``why``: why the newest views tell no
-    lens, if so. ``saved``: the file into which the lens was written, or an empty text.
+    lens, if so. ``saved``: the Calibrated that was written into a file, or None. It stays when newer views tell
+    another one.
     """
 
     def __init__(self, size: tuple[int, int], sheet: TagSheet | CharucoBoard) -> None:
         """``size``: (width, height) of the frames."""
         self.collection = Collection(size, sheet.points)
         self.found: Calibrated | None = None
-        self.why = self.saved = ''
+        self.saved: Calibrated | None = None
+        self.why = self._path = ''
         self._sheet = sheet
         self._refused = ''  # why the newest view is not kept
         self._others = OtherTags(sheet.dictionary, ())
@@ -55,18 +59,17 @@ class Progress:
             self.why = str(error)  # what was found before is still good
             return
         with self._lock:
-            self.found, self.why, self.saved = found, '', ''
+            self.found, self.why = found, ''
 
     def note_saved(self, found: Calibrated, path: str) -> None:
-        """The lens of ``found`` has been written into a file."""
+        """The lens of ``found``, perhaps no longer the newest one, has been written into a file."""
         with self._lock:
-            if found is self.found:
-                self.saved = path
+            self.saved, self._path = found, path
 
     def text(self, save: str, reset: str) -> str:
         """What there is so far, and what to do, in sentences. ``save``, ``reset``: the commands for these."""
         with self._lock:
-            found, why, saved = self.found, self.why, self.saved
+            found, why, saved, path = self.found, self.why, self.saved, self._path
         count = len(self.collection.views)
         views = '%d view%s, %.0f %% of the image.' % (count, 's' * (count > 1), 100 * self.collection.coverage)
         if found is None:
@@ -74,10 +77,14 @@ class Progress:
                 return _joined(views, why, 'To begin anew: ' + reset if why else '')
             missing = why or (self._others.hint if not count else None) or SHOW
             return _joined(views if count else '', missing, self._advice())
+        newer, is_better = _compared(saved, found)
+        if saved and not is_better:
+            found = saved
         ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
             views, found.lens.matrix[0, 0], found.rms, found.held_out)
         if saved:
-            return '%s It is saved as %s.' % (ready, saved)
+            again = 'To save that: ' + save if is_better else ''
+            return _joined(ready, 'It is saved as %s.' % path, newer, again)
         if self.collection.is_full and (found.lacks() or why):
             return '%s Save it (%s), or begin anew (%s).' % (ready, save, reset)
         if why:
@@ -91,6 +98,20 @@ class Progress:
         if self._refused == FEW:
             return '%s It takes %s.' % (FEW, self._sheet.needs)
         return self._refused
+
+
+def _compared(saved: Calibrated | None, found: Calibrated) -> tuple[str, bool]:
+    """What a newer lens is like beside the saved one, in a sentence, and whether it is worth saving, too."""
+    if saved is None or saved is found:
+        return '', False
+    apart = float(corners_apart(saved.lens, found.lens).max())
+    if apart <= GOOD_CORNERS_PX:
+        return 'Newer views move the corners of the image by %.2f px, too little to matter.' % apart, False
+    if found.corners >= saved.corners:
+        return 'Newer views tell no better lens.', False
+    saved_one = '%.1f px away from it' % apart if np.isfinite(apart) else 'far off'
+    return 'Newer views tell a better lens: at the corners of the image it may be off by %.1f px, and the ' \
+           'saved one is %s.' % (found.corners, saved_one), True
 
 
 def _joined(*sentences: str) -> str:
