@@ -33,7 +33,7 @@ def test_every_file_of_the_page_is_allowed_by_the_description(package):
     assert len(files) > 6 and all(re.search(pattern, name) for name in files)
 
 
-def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path, monkeypatch):
+def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path):
     (tmp_path / 'images').mkdir()
     (tmp_path / 'secret.png').touch()
     for name in ('b.png', 'a.png', '.hidden.png', 'new\nline.png'):
@@ -42,7 +42,5 @@ def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path, monkeypatch):
     (tmp_path / 'images' / 'out.png').symlink_to(tmp_path / 'secret.png')
     (tmp_path / 'images' / 'nowhere.png').symlink_to('missing.png')
     (tmp_path / 'images' / 'in.png').symlink_to('a.png')
-    monkeypatch.setattr(choices, 'package_folder', lambda: str(tmp_path))
-    there = choices.Choices.__new__(choices.Choices)  # without its ROS parts
-    there._drops = 0
-    assert there.pictures() == ['a.png', 'b.png', 'in.png']
+    assert choices.files_in(str(tmp_path / 'images')) == ['a.png', 'b.png', 'in.png']
+    assert choices.files_in(str(tmp_path / 'nowhere')) == []

@@ -100,6 +100,23 @@ class PageHttp(ServerTest):
         self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (240, 320, 3))
         stream.close()
 
+    def test_a_stream_goes_on_if_the_camera_comes_back_with_another_transport(self):
+        stream = None
+        for suffix, kind, blue in (('/compressed', CompressedImage, 10), ('', Image, 200)):
+            connections = Connections()
+            publisher = rospy.Publisher('/other/image' + suffix, kind, connections, queue_size=1)
+            self.wait_until_listed('/other/image')
+            stream = stream or Stream(self.port, '/stream?topic=/other/image')
+            connections.wait(1)
+            make = image_from_frame if kind is Image else compressed_from_frame
+            publisher.publish(make(np.full((48, 64, 3), blue, np.uint8), Header(stamp=rospy.Time(1))))
+            shown = cv2.imdecode(np.frombuffer(stream.part()[1], np.uint8), 1)
+            self.assertLess(abs(int(shown[20, 30, 0]) - blue), 5)
+            if kind is Image:
+                stream.close()
+                connections.wait(0)
+            publisher.unregister()
+
     def test_snapshots_of_a_raw_and_of_a_compressed_camera(self):
         for topic, suffix, kind in (('/eye/image', '', Image), ('/lens/image', '/compressed', CompressedImage)):
             publish, connections = self.camera(topic + suffix, kind)
