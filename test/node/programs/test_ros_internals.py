@@ -30,14 +30,13 @@ from aruco_node.ros_internals.subscribers import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, GroupState
 from dynamic_reconfigure.server import Server
 from dynamic_reconfigure.srv import Reconfigure
+from rig.processes.started import WAIT_S
 from rospy.exceptions import TransportException
 from rospy.impl import tcpros_base
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Header, UInt8
 from tf2_msgs.msg import TFMessage
-
-WAIT_S = 20
 
 
 @pytest.fixture(autouse=True)

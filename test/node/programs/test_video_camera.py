@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from aruco_ar import InputError
+from rig.processes.started import WAIT_S
 from video_camera import find_source
 
 
@@ -44,5 +45,5 @@ def test_it_says_so_once_waits_and_then_becomes_image_publisher(package, tmp_pat
     said = process.stderr.readline()
     assert 'There is no file "%s"' % path in said and 'Waiting for it' in said
     path.write_bytes(b'')
-    output, errors = process.communicate(timeout=20)
+    output, errors = process.communicate(timeout=WAIT_S)
     assert output == 'published: %s __name:=eye\n' % path and errors == ''

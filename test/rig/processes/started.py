@@ -4,7 +4,9 @@ import signal
 import subprocess
 import threading
 
-WAIT_S = 20
+# The deadline of all waits, seconds. A wait ends by an event; the deadline is only for what hangs. It is long,
+# since a machine may be slow, or busy with other things.
+WAIT_S = 180
 
 
 class Started:

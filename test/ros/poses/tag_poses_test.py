@@ -42,7 +42,7 @@ class TagPoses(unittest.TestCase):
     def setUpClass(cls):
         cls.tf = tf2_ros.Buffer(rospy.Duration(60))
         cls.listener = tf2_ros.TransformListener(cls.tf)
-        cls.moments = moments(TOPICS, COUNT, 60)
+        cls.moments = moments(TOPICS, COUNT)
 
     def truth(self, moment):
         """(R, t) of the wall in the camera's optical frame at that moment."""
