@@ -83,7 +83,7 @@ class Progress:
         ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
             views, found.lens.matrix[0, 0], found.rms, found.held_out)
         if saved:
-            again = 'To save that: ' + save if is_better else ''
+            again = 'To save the better one: ' + save if is_better else ''
             return _joined(ready, 'It is saved as %s.' % path, newer, again)
         if self.collection.is_full and (found.lacks() or why):
             return '%s Save it (%s), or begin anew (%s).' % (ready, save, reset)

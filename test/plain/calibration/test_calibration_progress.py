@@ -14,7 +14,7 @@ FRAME = np.full((480, 640, 3), 200, np.uint8)
 FOUND = Calibrated(LENSES['barrel'], 0.1, 0.1, 20, 1.0, 0.1)
 UNSURE = Calibrated(LENSES['barrel'], 0.1, 0.1, 20, 1.0, 2.0)
 BETTER = 'Newer views tell a better lens: at the corners of the image it may be off by 0.2 px, and the saved ' \
-         'one is 1.4 px away from it. To save that: SAVE'
+         'one is 1.4 px away from it. To save the better one: SAVE'
 
 
 def frame_with(dictionary, side):
