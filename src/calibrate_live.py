@@ -6,6 +6,7 @@ now and then. The image shows where in the frame the sheet has been seen, and th
 node says what is missing. The service ~save then writes the calibration.
 """
 import os
+import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import aruco_program  # noqa: F401  before all else
@@ -32,6 +33,7 @@ class LiveCalibration(FrameNode):
         super().__init__(['image'], CalibrationSettings)
         dictionary, charuco = self.settings.dictionary, self.settings.charuco
         self._sheet = CharucoBoard(dictionary, *read_board(charuco)) if charuco else TagSheet(dictionary)
+        self._saving = threading.Lock()  # of two calls of ~save, the later one writes the newer lens
         self._solver, self._searcher = ThreadPoolExecutor(1, 'solver'), ThreadPoolExecutor(1, 'hints')
         self._begin((0, 0))
 
@@ -77,6 +79,10 @@ class LiveCalibration(FrameNode):
                                      for name in ('~save', '~reset')))
 
     def _on_save(self, request):
+        with self._saving:
+            return self._save()
+
+    def _save(self):
         progress = self._progress  # read once, since ~reset may change it
         found = progress.found
         if found is None:

@@ -10,7 +10,7 @@ from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
 OLD_S = 5.0   # a node that has been silent for this time has ended
-MAX_TEXT = 400
+MAX_TEXT = 600
 LOST_S = 1.0  # an area that has not been seen for this time is reported
 NOTHING = '', False
 

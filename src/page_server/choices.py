@@ -23,8 +23,6 @@ from PIL.Image import DecompressionBombError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from .picture_folder import FOLDER, PictureFolder
-
 EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6'
 PAINTER, SIMULATION = EXERCISES[-1:], ('wall_camera',)
 # The nodes that have each parameter. Sliders set numbers, and fields set texts.
@@ -33,6 +31,7 @@ FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
 # The nodes that have each switch's parameter, and its values for off and on.
 SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
             'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
+FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PIXELS = 32 * 1000 * 1000
@@ -67,11 +66,15 @@ class RemoteParameters:
         if job is None:
             self._job = job = asyncio.get_event_loop().run_in_executor(self._worker, self._set_wanted)
         try:
-            await asyncio.wait_for(asyncio.shield(job), ANSWER_S)
+            refused = await asyncio.wait_for(asyncio.shield(job), ANSWER_S)
         except asyncio.TimeoutError:
             raise InputError('%s does not answer. Start it, or look at its log.' % self.name) from None
+        for name, value in values.items():
+            if refused.get(name) == value:  # otherwise it is another request's value that is refused
+                raise InputError('%s refuses "%s". Its log says why.' % (self.name, value))
 
     def _set_wanted(self):
+        """Set all wanted values. Returns {name: text} of the texts that the node refuses."""
         with self._lock:
             values, self._wanted = self._wanted, {}
         config = Config()
@@ -86,9 +89,8 @@ class RemoteParameters:
             why = error if self._updates.get_num_connections() else 'it is not running'
             raise InputError('%s does not answer: %s. Start it, or look at its log.'
                              % (self.name, why)) from None
-        for name, value in values.items():
-            if isinstance(value, str) and taken.get(name) != value:
-                raise InputError('%s refuses "%s". Its log says why.' % (self.name, value))
+        return {name: value for name, value in values.items()
+                if isinstance(value, str) and taken.get(name) != value}
 
     @fault_barrier
     def _on_update(self, config):
@@ -106,8 +108,12 @@ class Choices:
 
     def __init__(self, on_change):
         """``on_change`` is called, from any thread, when a choice has changed, on the page or elsewhere."""
-        self._worker = ThreadPoolExecutor(1, 'pictures')
-        self._folder = PictureFolder(on_change)
+        self._on_change = on_change
+        self._worker = ThreadPoolExecutor(1, 'pictures')  # decodes and shrinks what is in memory
+        # These wait for the file system, which may hang. The event loop never does.
+        self._folder, self._reader = ThreadPoolExecutor(1, 'folder'), ThreadPoolExecutor(1, 'reader')
+        self._package = package_folder()
+        self._files, self._listing = [], None
         self._nodes = {name: RemoteParameters(name, on_change) for name in EXERCISES + SIMULATION}
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
@@ -115,7 +121,6 @@ class Choices:
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
-        self._folder.refresh()
         values = {name: node.values for name, node in self._nodes.items()}
 
         def value(parameter, nodes):
@@ -129,25 +134,42 @@ class Choices:
                 'switches': {name: now == on for name, (now, on) in switches.items() if now is not None}}
 
     def pictures(self):
-        """The sorted names of the files in images/, and of the picture that was dropped last."""
-        return self._folder.names + [self._drop_name()] * (self._drops > 0)
+        """The sorted names of the files in images/, and of the picture that was dropped last.
+
+        The files are those of a moment ago; they are looked for again, and ``on_change`` is called if there are
+        others.
+        """
+        self._look_for_files()
+        return self._files + [self._drop_name()] * (self._drops > 0)
+
+    def _look_for_files(self):
+        """Read the names of the files again, in a thread. Returns its Future, of None."""
+        if self._listing is None or self._listing.done():
+            self._listing = self._folder.submit(self._read_folder)
+        return self._listing
+
+    @fault_barrier
+    def _read_folder(self):
+        files = files_in(os.path.join(self._package, FOLDER))
+        if files != self._files:
+            self._files = files
+            self._on_change()
 
     async def choose(self, name):
         """Have the picture of that name painted. Raises InputError if there is none."""
         await self._check(name)
-        dropped = self._drops and name == self._drop_name()
-        await self._set(PAINTER, picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
+        await self._set(PAINTER, picture=self._drop_topic() if self._is_dropped(name) else
+                        '%s/%s' % (FOLDER, name))
 
     async def drop(self, parts):
         """Have a new picture painted. ``parts``: a list with the bytes of its file, which is emptied.
 
         Raises InputError if they are not a usable picture.
         """
-        picture = await self._in_worker(self._decode, parts)
-        self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
+        picture = await _in(self._worker, self._publish, parts)
         self._thumbnails.pop(self._drop_name(), None)
         self._drops += 1
-        self._thumbnails[self._drop_name()] = self._in_worker(_shrink, picture)
+        self._thumbnails[self._drop_name()] = _in(self._worker, _shrink, picture)
         await self._set(PAINTER, picture=self._drop_topic())
 
     async def slide(self, name, value):
@@ -174,8 +196,8 @@ class Choices:
         """The picture of that name as a small JPEG. Raises InputError if there is none."""
         await self._check(name)
         if name not in self._thumbnails:
-            path = os.path.join(package_folder(), FOLDER, name)
-            self._thumbnails[name] = self._in_worker(lambda: _shrink(open_source(path).at(0)))
+            path = os.path.join(self._package, FOLDER, name)
+            self._thumbnails[name] = _in(self._reader, lambda: _shrink(open_source(path).at(0)))
         try:
             return await asyncio.shield(self._thumbnails[name])  # shield: other requests may wait for it, too
         except Exception:
@@ -193,19 +215,33 @@ class Choices:
     def _drop_topic(self):
         return TOPIC + self._dropped.resolved_name
 
-    async def _check(self, name):
-        if not (name in self.pictures() or await self._folder.has(name)):
-            raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
+    def _is_dropped(self, name):
+        return self._drops > 0 and name == self._drop_name()
 
-    def _in_worker(self, work, *arguments):
-        return asyncio.get_event_loop().run_in_executor(self._worker, work, *arguments)
+    async def _check(self, name):
+        """Raise InputError unless there is a picture of that name."""
+        if self._is_dropped(name):
+            return
+        listing = asyncio.shield(asyncio.wrap_future(self._look_for_files()))
+        try:
+            await asyncio.wait_for(listing, ANSWER_S)
+        except asyncio.TimeoutError:
+            raise InputError('The folder %s/ cannot be read: its file system does not answer.'
+                             % FOLDER) from None
+        if name not in self._files:
+            raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
 
     def _name_of(self, picture):
         """The page's name for the picture that exercise 5.6 paints, or '' if it is not one of ``pictures``."""
         if picture == self._drop_topic():
             return self._drop_name()
-        folder, name = os.path.split(os.path.join(package_folder(), picture))
-        return name if folder == os.path.join(package_folder(), FOLDER) else ''
+        folder, name = os.path.split(os.path.join(self._package, picture))
+        return name if folder == os.path.join(self._package, FOLDER) else ''
+
+    def _publish(self, parts):
+        picture = self._decode(parts)
+        self._dropped.publish(image_from_frame(picture, Header(stamp=rospy.Time.now())))
+        return picture
 
     def _decode(self, parts):
         gc.collect()  # the traceback of an earlier refusal may still hold that picture
@@ -223,6 +259,20 @@ class Choices:
             raise InputError('The picture is too large. Drop one of at most %d million pixels.'
                              % (MAX_PIXELS // 10**6))
         return decode_picture(data, 'dropped')
+
+
+def files_in(folder):
+    """The sorted names of the files of a folder that can be chosen: no hidden ones, and no links out of it."""
+    try:
+        return sorted(entry.name for entry in os.scandir(folder)
+                      if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.')
+                      and os.path.dirname(os.path.realpath(entry.path)) == os.path.realpath(folder))
+    except OSError:  # the rest of the page still works
+        return []
+
+
+def _in(worker, work, *arguments):
+    return asyncio.get_event_loop().run_in_executor(worker, work, *arguments)
 
 
 def _known(values):

@@ -4,6 +4,7 @@ import threading
 import time
 
 import rospy
+from aruco_node.health.faults import fault_barrier
 from geometry_msgs.msg import Twist
 
 DEAD_MAN_S = 0.4  # the robot is stopped if the driver sends nothing for this time
@@ -12,16 +13,15 @@ DEAD_MAN_S = 0.4  # the robot is stopped if the driver sends nothing for this ti
 class DriveControl:
     """Publishes cmd_vel for the browser that drives, and stops the robot when that browser goes away.
 
-    The switch is a thread of its own. So the robot stops in time even if the server hangs, which a file system
-    or a name server can cause.
+    A thread of its own watches the driver. So the robot stops in time also while the server's event loop hangs,
+    such as at a file system that does not answer.
     """
 
     def __init__(self):
         self._speeds = 0.0, 0.0
         self._publisher = rospy.Publisher('cmd_vel', Twist, queue_size=1)
-        # The connection that drives, and until when it may without another command, a monotonic time.
-        self._driver, self._until = None, 0.0
         self._changed, self._closed = threading.Condition(), False
+        self._driver, self._until = None, 0.0  # the connection that drives, and until when, monotonic seconds
         rospy.on_shutdown(self._close)
         threading.Thread(target=self._watch, name='dead man', daemon=True).start()
 
@@ -45,43 +45,42 @@ class DriveControl:
             return
         parts = [min(max(part, -1), 1) for part in (forward, left)]
         with self._changed:
-            if not self._closed:
-                self._driver, self._until = driver, time.monotonic() + DEAD_MAN_S
-                self._changed.notify()
-                self._publish(*(part * speed for part, speed in zip(parts, self._speeds)))
+            self._driver, self._until = driver, time.monotonic() + DEAD_MAN_S
+            self._changed.notify_all()
+            self._publish(*(part * speed for part, speed in zip(parts, self._speeds)))
 
     def release(self, driver):
         """Stop the robot, if it is this connection that drives."""
         with self._changed:
-            if self._driver is driver:
+            if self._driver is driver and driver is not None:
                 self._halt()
 
     def _watch(self):
-        """Stop the robot whenever the driver has sent nothing for too long."""
+        """Stop the robot whenever its driver is late, until ROS shuts down."""
         with self._changed:
             while not self._closed:
-                left = self._until - time.monotonic()
                 if self._driver is None:
                     self._changed.wait()
-                elif left > 0:
-                    self._changed.wait(left)
+                elif time.monotonic() < self._until:
+                    self._changed.wait(self._until - time.monotonic())
                 else:
                     self._halt()
 
+    @fault_barrier
     def _halt(self):
-        """Stop the robot if anybody drives. The caller holds the lock."""
-        if self._driver is not None:
-            self._driver = None
-            self._publish(0.0, 0.0)
+        self._driver = None
+        self._publish(0.0, 0.0)
 
     def _close(self):
         """Stop the robot, and publish nothing afterwards."""
         with self._changed:
-            self._halt()
+            if self._driver is not None:
+                self._halt()
             self._closed = True
-            self._changed.notify()
+            self._changed.notify_all()
 
     def _publish(self, linear, angular):
         command = Twist()
         command.linear.x, command.angular.z = linear, angular
-        self._publisher.publish(command)
+        if not self._closed:
+            self._publisher.publish(command)

@@ -1,6 +1,6 @@
 """The HTTP handlers: the page, pictures, and image topics under the addresses of web_video_server."""
 import asyncio
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from urllib.parse import quote
 
 from aruco_ar.base.errors import InputError
@@ -103,21 +103,21 @@ class Handler(BaseHandler):
             self.refuse(400, 'There is no stream of type "%s". Use mjpeg, or leave out type.' % kind)
             return None, None
         try:
-            return await self.chosen(), options
+            return await self.chosen(options), options
         except LookupError as error:
             self.refuse(404, error.args[0] + ' The page / lists all image topics.')
         except InputError as error:
             self.refuse(503, str(error))
         return None, None
 
-    async def chosen(self):
-        """The ImageTopic by the query. Raises what Topics.image raises."""
-        exact = bool(self.get_query_argument('quality', ''))
-        return await self.parts.topics.image(self.get_query_argument('topic', ''), exact)
+    async def chosen(self, options):
+        """The ImageTopic by the query, as it is published now. Raises what Topics.image raises."""
+        name = self.get_query_argument('topic', '')
+        return await self.parts.topics.image(name, exact=options['quality'] is not None)
 
     @contextmanager
-    def viewing(self):
-        """A context manager within which frames are sent. Ends the request if there are too many viewers."""
+    def counted(self):
+        """A context manager that counts this request as a viewer. Ends it if there are too many."""
         if len(self.parts.viewers) >= MAX_VIEWERS:
             self.refuse(503, 'There are %d streams and snapshots already, and there cannot be more. Try again '
                         'later.' % MAX_VIEWERS)
@@ -172,33 +172,30 @@ class Stream(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.viewing():
+        with self.counted():
             self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
             try:
                 self.write('--%s\r\n' % BOUNDARY)
                 await self.flush()
                 while not self.is_closed:
-                    await self._send_frames(topic, options)
-                    topic = await self._chosen_again(topic)
+                    with topic.subscribed():
+                        topic = await self._send_all(topic, options)
             except StreamClosedError:
                 pass
             except asyncio.TimeoutError:
                 self.request.connection.stream.close()  # type: ignore[union-attr]  # it is an HTTP1Connection
 
-    async def _send_frames(self, topic, options):
-        """Send the frames of a topic until none comes any more."""
-        with topic.subscribed():
-            number = topic.number
-            while not self.is_closed and await topic.newer(number, SILENT_S):
+    async def _send_all(self, topic, options):
+        """Send the frames of an ImageTopic until the camera has another one; returns that."""
+        number, chosen = topic.number, topic
+        while chosen is topic and not self.is_closed:
+            if await topic.newer(number, 1.0):
                 number = topic.number
                 await self._send(topic, options)
-
-    async def _chosen_again(self, topic):
-        """The topic to go on with: the camera may be published with another transport by now."""
-        try:
-            return await self.chosen()
-        except (LookupError, InputError):
-            return topic
+            else:
+                with suppress(LookupError, InputError):  # it is away, or the ROS master, and may come back
+                    chosen = await self.chosen(options)
+        return chosen
 
     async def _send(self, topic, options):
         stamp = topic.message.header.stamp
@@ -220,7 +217,7 @@ class Snapshot(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.viewing(), topic.subscribed():
+        with self.counted(), topic.subscribed():
             if not await topic.newer(topic.number, SILENT_S):
                 self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
                 return

@@ -4,6 +4,8 @@ from __future__ import annotations
 import threading
 from typing import Callable
 
+import numpy as np
+
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.hints.other_tags import OtherTags
@@ -21,15 +23,16 @@ class Progress:
     """The views of a sheet so far, and the best lens that they have told.
 
     ``collection``: the Collection. ``found``: the Calibrated, or None. ``why``: why the newest views tell no
-    lens, if so.
+    lens, if so. ``saved``: the Calibrated that was written into a file, or None. It stays when newer views tell
+    another one.
     """
 
     def __init__(self, size: tuple[int, int], sheet: TagSheet | CharucoBoard) -> None:
         """``size``: (width, height) of the frames."""
         self.collection = Collection(size, sheet.points)
         self.found: Calibrated | None = None
-        self.why = ''
-        self._saved: tuple[Calibrated, str] | None = None  # what was saved last, and the path of the file
+        self.saved: Calibrated | None = None
+        self.why = self._path = ''
         self._sheet = sheet
         self._refused = ''  # why the newest view is not kept
         self._others = OtherTags(sheet.dictionary, ())
@@ -59,14 +62,14 @@ class Progress:
             self.found, self.why = found, ''
 
     def note_saved(self, found: Calibrated, path: str) -> None:
-        """The lens of ``found`` has been written into a file."""
-        self._saved = found, path
+        """The lens of ``found``, perhaps no longer the newest one, has been written into a file."""
+        with self._lock:
+            self.saved, self._path = found, path
 
     def text(self, save: str, reset: str) -> str:
         """What there is so far, and what to do, in sentences. ``save``, ``reset``: the commands for these."""
         with self._lock:
-            found, why = self.found, self.why
-        saved = self._saved
+            found, why, saved, path = self.found, self.why, self.saved, self._path
         count = len(self.collection.views)
         views = '%d view%s, %.0f %% of the image.' % (count, 's' * (count > 1), 100 * self.collection.coverage)
         if found is None:
@@ -74,9 +77,14 @@ class Progress:
                 return _joined(views, why, 'To begin anew: ' + reset if why else '')
             missing = why or (self._others.hint if not count else None) or SHOW
             return _joined(views if count else '', missing, self._advice())
-        if saved is not None:
-            return '%s It is saved as %s.%s' % (_fit(views, saved[0]), saved[1], _gain(saved[0], found, save))
-        ready = _fit(views, found)
+        newer, is_better = _compared(saved, found)
+        if saved and not is_better:
+            found = saved
+        ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
+            views, found.lens.matrix[0, 0], found.rms, found.held_out)
+        if saved:
+            again = 'To save the better one: ' + save if is_better else ''
+            return _joined(ready, 'It is saved as %s.' % path, newer, again)
         if self.collection.is_full and (found.lacks() or why):
             return '%s Save it (%s), or begin anew (%s).' % (ready, save, reset)
         if why:
@@ -92,18 +100,18 @@ class Progress:
         return self._refused
 
 
-def _fit(views: str, found: Calibrated) -> str:
-    return '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
-        views, found.lens.matrix[0, 0], found.rms, found.held_out)
-
-
-def _gain(saved: Calibrated, found: Calibrated, save: str) -> str:
-    """What is gained if the newest lens is saved, too, in a sentence; empty if that does not matter."""
-    apart = corners_apart(saved.lens, found.lens).max()
-    if found.corners >= saved.corners or apart <= GOOD_CORNERS_PX:
-        return ''
-    return ' With more views, a lens is found that differs by %.1f px in the corners. To save that one: %s' % (
-        apart, save)
+def _compared(saved: Calibrated | None, found: Calibrated) -> tuple[str, bool]:
+    """What a newer lens is like beside the saved one, in a sentence, and whether it is worth saving, too."""
+    if saved is None or saved is found:
+        return '', False
+    apart = float(corners_apart(saved.lens, found.lens).max())
+    if apart <= GOOD_CORNERS_PX:
+        return 'Newer views move the corners of the image by %.2f px, too little to matter.' % apart, False
+    if found.corners >= saved.corners:
+        return 'Newer views tell no better lens.', False
+    saved_one = '%.1f px away from it' % apart if np.isfinite(apart) else 'far off'
+    return 'Newer views tell a better lens: at the corners of the image it may be off by %.1f px, and the ' \
+           'saved one is %s.' % (found.corners, saved_one), True
 
 
 def _joined(*sentences: str) -> str:

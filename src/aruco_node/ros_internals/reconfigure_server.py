@@ -32,7 +32,7 @@ class CheckedServer(Server):
         """``description``, ``on_change``: the type and the callback that Server takes."""
         if not all(hasattr(Server, name) for name in PRIVATE):
             warn_of_other('dynamic_reconfigure', 'Numbers beyond their bounds may be clipped without a word.')
-        self._request = threading.local()  # each request comes in a thread of its own
+        self._request = threading.local()  # rospy answers each request in the thread of its connection
         super().__init__(description, on_change)
 
     def live_values(self):
@@ -74,7 +74,7 @@ class CheckedServer(Server):
         return answer
 
     def refuse(self, error):
-        """Say that a request is refused."""
+        """Say that the request of this thread is refused."""
         self._request.refusal = '%s Nothing is changed.' % error
         rospy.logerr('%s', self._request.refusal)
 

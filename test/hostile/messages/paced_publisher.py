@@ -6,7 +6,7 @@ import warnings
 
 import rospy
 
-STUCK_S = 300
+STUCK_S = 180
 
 
 class PacedPublisher(rospy.Publisher):

@@ -1,6 +1,7 @@
 """The tests that need no ROS, with the oldest and the newest allowed Python and packages.
 
-The environments stay in build/matrix. uv creates them, since pip cannot choose the lowest versions.
+They are those of script/test --quick. The environments stay in build/matrix. uv creates them, since pip cannot
+choose the lowest versions.
 """
 import glob
 import hashlib
@@ -10,13 +11,12 @@ import subprocess
 import sys
 
 import pytest
+from test_runner.main import QUICK
 
 SYSTEM, OLDEST = 'of the system', '3.8'
 # The arguments of "uv pip install".
 LOWEST = ['--resolution', 'lowest-direct', '-r', 'requirements.txt']
 NEWEST = ['-r', 'pyproject.toml', '--extra', 'print']
-# Tests marked "long" run in .venv only: what they show hardly depends on versions.
-SHORT = 'not clips and not long'
 WAYS = {'3.8, lowest': (OLDEST, LOWEST), 'system, newest': (SYSTEM, NEWEST)}
 
 
@@ -73,6 +73,6 @@ def test_the_plain_tests_pass_with(way, package, tmp_path, monkeypatch):
         pytest.skip('there is no python3.8 on PATH or in pyenv')
     monkeypatch.chdir(package)
     output = run(environment_of(package, python, requirements), '-m', 'pytest', '-q', '-p', 'no:cacheprovider',
-                 '--basetemp', str(tmp_path / 'tests'), '-m', SHORT, 'test/plain',
+                 '--basetemp', str(tmp_path / 'tests'), '-m', QUICK, 'test/plain',
                  PYTHONPATH=package + '/src')
     assert ' passed' in output.splitlines()[-1] and ' failed' not in output

@@ -120,6 +120,7 @@ def test_a_picture_on_the_wall_is_as_soft_and_noisy_as_the_wall(wall):
     assert steepest(soft_image) < 0.45 * steepest(sharp_image)
 
 
+@pytest.mark.long
 def test_far_from_what_is_in_front_the_soft_rim_of_the_picture_stays_as_it_is(wall):
     drive = Drive(wall, blur=1.6)
     keeps, paints = stage(grain='match', foreground='keep'), stage(grain='match')

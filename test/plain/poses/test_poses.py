@@ -12,7 +12,8 @@ from benchmark.simulated.poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, erro
 from rig.accuracy.poses import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
 
 
-@pytest.mark.parametrize('camera', [Camera(), BENT], ids=['pinhole', 'lens'])
+@pytest.mark.parametrize('camera', [pytest.param(Camera(), id='pinhole'),
+                                    pytest.param(BENT, id='lens', marks=pytest.mark.long)])
 @pytest.mark.parametrize('meters, place, turn', [(1, 0.003, 0.5), (3, 0.06, 2.0)])
 @pytest.mark.parametrize('ids', [[ALONE], AREA], ids=['one tag', 'four tags'])
 def test_poses_of_the_simulated_wall_are_accurate(camera, meters, place, turn, ids):

@@ -141,7 +141,7 @@ def test_a_wrong_wall_file_is_explained(assert_refused, text, words):
 @pytest.mark.parametrize('distortion', [[np.nan, 0, 0, 0, 0], [-5, 1, 0, 0, 0], [0, 0, 0.5, 0.5, 0]])
 def test_an_impossible_distortion_is_refused(wall, distortion):
     with pytest.raises(InputError, match='smaller coefficients'):
-        WallRenderer(wall, Camera(distortion=distortion))
+        WallRenderer(wall, Camera(width=160, height=120, distortion=distortion))
 
 
 def test_a_missing_file_is_named():

@@ -43,6 +43,7 @@ def test_the_area_stays_while_blur_hides_all_tags(painting):
     assert rms(errors[[80, 81, 100, 101]]) < 1
 
 
+@pytest.mark.long
 def test_the_wall_is_recognized_after_a_jerk(painting):
     frames, shift = list(drive(STILL, 90, hidden, wall=painting, **PHONE)), np.float32([[1, 0, 14], [0, 1, -9]])
     for number, frame in enumerate(frames[75:], 75):

@@ -31,6 +31,7 @@ def test_a_sudden_start_is_followed_at_once():
     assert errors[28:].max() < 0.7
 
 
+@pytest.mark.long
 def test_a_lone_tag_near_the_wall_locates_the_area_once_the_robot_stands_still():
     # The robot drives up to the wall, turns until one tag is left in the frame, and stops.
     path = Path(Pose(-2.2, 0.05, 0), ((1.3, 0.6, 0), (2.1, 0, 0.3), (3, 0, 0)))

@@ -20,6 +20,7 @@ def rolled(wall, degrees, pose=Pose(-2.2, 0.1, -0.05), stamp=0.0, **look):
                  project(wall.area_corners, *view, Camera())[0], True)
 
 
+@pytest.mark.long
 def test_the_picture_turns_with_the_wall():
     tracker = Tracker(upright='tags')
     frames = [rolled(WALL, angle, stamp=angle / 300) for angle in range(0, 361, 10)]

@@ -29,7 +29,8 @@ class BrowserTest(ServerTest):
         super().setUpClass()
         cls.playwright = sync_playwright().start()
         sandbox = ['--no-sandbox'] if os.getuid() == 0 else []
-        cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox)
+        cls.browser = cls.playwright.chromium.launch(executable_path=path, args=OPTIONS + sandbox,
+                                                     timeout=WAIT_MS)
 
     @classmethod
     def tearDownClass(cls):

@@ -4,7 +4,8 @@ import signal
 import subprocess
 import threading
 
-# Tests wait for events. This limit ends those that never come, and is far from what the slowest machine needs.
+# The deadline of all waits, seconds. A wait ends by an event; the deadline is only for what hangs. It is long,
+# since a machine may be slow, or busy with other things.
 WAIT_S = 180
 
 

@@ -58,16 +58,19 @@ class CalibrateLive(BrowserTest):
         self.wait_for_text(TILE + ' .advice', '3 views')
         done, said = self.call('save')
         self.assertTrue(not done and said.startswith('Nothing is saved. Show the sheet'), said)
-        self.shown = self.frames
+        self.shown = self.frames[:12]  # from which enough views are kept
         self.wait_for_text(TILE + ' .advice', 'To save it: rosservice call /calibrate_live/save')
         done, said = self.call('save')
-        self.assertEqual((done, said), (True, 'It is saved as %s.' % self.file))
-        self.wait_for_text(TILE + ' .advice', said)  # whether or not better lenses are found meanwhile
+        self.assertTrue(done and 'It is saved as %s.' % self.file in said, said)
+        self.wait_for_text(TILE + ' .advice', 'It is saved as')
         lens = lens_of_file(self.file)
         self.assertAlmostEqual(lens.matrix[0, 0] / BARREL.matrix[0, 0], 1, delta=0.01)
         self.assertLess(corners_apart(lens, BARREL.lens).max(), 0.5)
         with open(self.file) as file:
             self.assertEqual(yaml.safe_load(file)['camera_name'], 'webcam')
+        self.shown = self.frames  # more views tell other lenses, which are hardly better
+        self.wait_for_text(TILE + ' .advice', 'It is saved as %s. Newer views move the corners of the image by '
+                           '0.' % self.file)
         self.shown = self.frames[:1]
         self.assertEqual(self.call('reset'), (True, 'All views are forgotten.'))
         advice = self.page.locator(TILE + ' .advice')

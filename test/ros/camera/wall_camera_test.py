@@ -13,6 +13,7 @@ from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PolygonStamped, Twist
 from nav_msgs.msg import Odometry
+from rig.nodes.topics import until
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, Image
 from unit5.msg import TagArray
@@ -109,11 +110,11 @@ class WallCamera(unittest.TestCase):
         publisher = rospy.Publisher('/cmd_vel', Twist, queue_size=1)
         command = Twist()
         command.linear.x, command.angular.z = 0.3, 0.1
-        for _ in range(100):
+
+        def moves():
             publisher.publish(command)
-            if moved.wait(0.1):
-                break
-        self.assertTrue(moved.is_set(), 'the robot does not move')
+            return moved.wait(0.1)
+        until(moves)
         self.assertTrue(stopped.wait(WAIT_S), 'the robot does not stop without commands')
         odometry.unregister()
 

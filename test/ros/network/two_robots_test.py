@@ -85,7 +85,7 @@ class TwoRobots(unittest.TestCase):
             self.addCleanup(inbox.subscriber.unregister)
         for robot in ROBOTS:
             diagnostics.wait_for_frames(robot + '/exercise5_6')
-            diagnostics.wait(robot + '/wall_camera', 'frames a second')
+            diagnostics.wait_for_frames(robot + '/wall_camera')
         change('/one/exercise5_6', scale=0.5)
         self.addCleanup(change, '/one/exercise5_6', scale=1.0)
         for robot, width in ('one', 320), ('two', 640):

@@ -121,7 +121,7 @@ class PageDoor(ServerTest):
             live = await websocket_connect('ws://127.0.0.1:%d/live' % self.port)
             loop = asyncio.get_running_loop()
             speeds = []
-            while not speeds:  # until the subscriber is connected
+            while not any(map(any, speeds)):  # until the subscriber is connected; it is stopped if this is slow
                 await live.write_message('{"drive": [1, -0.5]}')
                 try:
                     command = await loop.run_in_executor(None, lambda: commands.get(timeout=0.2))
@@ -135,8 +135,9 @@ class PageDoor(ServerTest):
             live.close()
             return speeds
         speeds = asyncio.run(drive())
-        self.assertAlmostEqual(speeds[0][0], 0.3)
-        self.assertAlmostEqual(speeds[0][1], -0.4)
+        driven = next(filter(any, speeds))
+        self.assertAlmostEqual(driven[0], 0.3)
+        self.assertAlmostEqual(driven[1], -0.4)
 
     def test_an_impossible_address_or_parameter_ends_it_with_a_sentence(self):
         for arguments, words in ((['_port:=%d' % self.port], 'cannot be served at 127.0.0.1:%d' % self.port),

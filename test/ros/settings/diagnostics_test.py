@@ -32,7 +32,7 @@ class NodeDiagnostics(NodeTest):
                              FIGURES - OF_TAGS if node == 'camera_relay' else
                              FIGURES - OF_TAGS | {'calibration'} if node == 'calibrate_live' else
                              FIGURES | OF_AREA if node in WITH_AREA else FIGURES)
-        self.assertEqual(set(self.diagnostics.wait('wall_camera', 'frames a second')),
+        self.assertEqual(set(self.diagnostics.wait_for_frames('wall_camera')),
                          {'frames a second', 'frames left out'})
         page = self.diagnostics.wait('page', 'The page is served')
         self.assertEqual(page, {'connections': '0', 'pages open': '0', 'driving': 'on'})
