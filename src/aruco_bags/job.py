@@ -157,7 +157,7 @@ def _is_whole(hidden, folder):
 
 
 def _state_of_code(task):
-    """A text that changes with the code of this package, of the exercise and what is beside it, and of OpenCV."""
+    """A text that changes with the code: this package's, that beside the exercise's file, and OpenCV's."""
     files = [path for part in PARTS for path in PACKAGES.joinpath(part).glob('**/*') if path.suffix in CODE]
     return _digest(*sorted(files), *sorted(Path(task.folder).glob('*.py'))) + cv2.__version__
 

@@ -25,7 +25,7 @@ from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-SECONDS, PIECE_S, WAIT_S = 6, 2, 120
+SECONDS, PIECE_S, WAIT_S = 6, 2, 600
 SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
 COVERED = range(SEAM - 20, SEAM + 20)
 pytestmark = pytest.mark.xdist_group('bags')  # in one process, which makes a bag once
