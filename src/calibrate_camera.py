@@ -107,7 +107,7 @@ def _is_turned_photo(path):
 
 
 def look(files, sheet):
-    """((width, height), [View of each frame], [path of each file that asks to be turned]). Raises InputError."""
+    """((width, height), [View of each frame], [paths of files that ask to be turned]). Raises InputError."""
     size, views, turned = None, [], []
     for path in files:
         file = FrameFile(path)
@@ -134,8 +134,8 @@ def main(argv):
                 len(views), sheet.needs, OTHER_BOARD if args.charuco else OTHER_SHEET))
         print('%d frames of %d x %d pixels' % (len(views), *size))
         if turned:
-            print('Some files (%d, such as "%s") ask to be turned when they are shown. They are used as the camera '
-                  'stored them. So the lens is for frames that are not turned.' % (len(turned), turned[0]))
+            print('%d of the files, such as "%s", ask to be turned when they are shown. They are used as the '
+                  'camera stored them, so the lens is for frames that are not turned.' % (len(turned), turned[0]))
         found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())
     except InputError as error:
@@ -148,7 +148,7 @@ def main(argv):
           % (found.rms, found.views, found.held_out))
     print('coverage      %.0f %% of the frame' % (100 * found.coverage))
     print('corners       ' + ('within %.2f px, by lenses from two halves of the views' % found.corners
-                              if found.corners < size[0] else 'not known: half of the views do not tell a lens'))
+                              if found.corners < size[0] else 'not known: half of the views tell no lens'))
     if found.lacks():
         print(found.lacks())
     print('Wrote %s' % args.out)

@@ -30,9 +30,10 @@ SURE = ('Show the sheet larger and in all corners of the frame, from the left, t
 NO_LENS = 'OpenCV finds no lens for these views. ' + SURE
 TRY_FISHEYE = ' If straight lines look bent, the lens may be a fisheye: --fisheye, or model:=fisheye.'
 GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
-GOOD_ERROR = 1 / 1000       # of the frame's width: a lens that is off by more, or than GOOD_ERROR_PX, is bad
+GOOD_ERROR = 1 / 1280       # of the frame's width: a lens that is off by more, or than GOOD_ERROR_PX, is bad
 GOOD_ERROR_PX = 1.0
 TILTED = 0.26               # the sine of 15 degrees: the sheet is tilted by more
+MAX_LISTED = 4              # so many parts of the frame are named; more are hard to read
 SIDES = 'left side', 'right side', 'top', 'foot'
 GOOD_CORNERS_PX = 0.5       # see Calibrated.corners
 FISHEYE_GUESS = 0.6         # of the frame's longer side: the focal length to begin with
@@ -69,8 +70,8 @@ class Calibrated:
         """What is wrong with the lens, and which views mend it, in sentences; empty if it is good."""
         good = max(GOOD_ERROR_PX, GOOD_ERROR * self.lens.width)
         if self.held_out > good:
-            return 'This lens is bad: points are off by %.1f px, and a good one leaves less than %.1f px. Show a ' \
-                   'flat sheet, on a board, and hold it still in good light.%s' % (
+            return 'This lens is bad: points are off by %.1f px, and a good one leaves less than %.1f px. ' \
+                   'Put the sheet on a flat board, and hold it still in good light.%s' % (
                        self.held_out, good, '' if self.lens.fisheye else TRY_FISHEYE)
         if self.coverage >= GOOD_COVERAGE and self.corners <= GOOD_CORNERS_PX:
             return ''
@@ -78,7 +79,7 @@ class Calibrated:
         parts = []
         if self.coverage < GOOD_COVERAGE:
             parts.append('in %s of the image' % _listed(['the ' + each for each in self.unseen])
-                         if self.unseen else 'near the rims of the image')
+                         if 0 < len(self.unseen) <= MAX_LISTED else 'near the rims of the image')
         if self.untilted:
             parts.append('tilted, with its %s nearer to the camera' % _listed(self.untilted, 'or'))
         return 'At the corners of the image this lens %s. Show the sheet %s, too.' % (
