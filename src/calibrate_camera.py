@@ -135,7 +135,7 @@ def main(argv):
         print('%d frames of %d x %d pixels' % (len(views), *size))
         if turned:
             print('%d of the files, such as "%s", ask to be turned when they are shown. They are used as the '
-                  'camera stored them, so the lens is for frames that are not turned.' % (len(turned), turned[0]))
+                  'camera stored them, and the lens is for frames stored so' % (len(turned), turned[0]))
         found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())
     except InputError as error:
@@ -148,7 +148,7 @@ def main(argv):
           % (found.rms, found.views, found.held_out))
     print('coverage      %.0f %% of the frame' % (100 * found.coverage))
     print('corners       ' + ('within %.2f px, by lenses from two halves of the views' % found.corners
-                              if found.corners < size[0] else 'not known: half of the views tell no lens'))
+                              if found.corners < size[0] else 'not known: the views do not tell it'))
     if found.lacks():
         print(found.lacks())
     print('Wrote %s' % args.out)
