@@ -36,7 +36,7 @@ class LiveCalibration(FrameNode):
         self._begin((0, 0))
 
     def process(self, frame, header, stamp):
-        progress, view = self._progress, self._sheet.view(frame)  # read once, since ~reset may change it
+        progress, view = self._progress, self._sheet.view(frame)
         if progress.collection.size != frame.shape[1::-1]:
             progress = self._begin(frame.shape[1::-1])
         views = progress.collection.views
@@ -89,10 +89,10 @@ class LiveCalibration(FrameNode):
         except (InputError, OSError) as error:
             return TriggerResponse(False, 'Nothing is saved. %s' % error)
         progress.note_saved(found, path)
-        return TriggerResponse(True, self._text())
+        return TriggerResponse(True, 'It is saved as %s.' % path)
 
     def _on_reset(self, request):
-        self._begin((0, 0))
+        self.between_frames(lambda: self._begin((0, 0)))
         return TriggerResponse(True, 'All views are forgotten.')
 
 

@@ -5,14 +5,12 @@ On a robot it compresses them to JPEG, so that they fit through the network.
 On a base station it decodes them, once for all nodes there.
 """
 import aruco_program  # noqa: F401  before all else
-import rospy
-from aruco_node.nodes.calibration import info_topic
+from aruco_node.nodes.calibration import InfoSubscriber, info_topics
 from aruco_node.nodes.frame_node import CAMERA, Answer, FrameNode
 from aruco_node.nodes.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image_topics
 from aruco_node.nodes.node import run_node
 from aruco_node.parameters.settings import RelaySettings
 from aruco_node.process.memory import keep_memory
-from aruco_node.ros_internals.subscribers import tolerant
 from sensor_msgs.msg import CameraInfo
 
 IMAGE, INFO = 'image_raw', 'camera_info'
@@ -28,14 +26,16 @@ class CameraRelay(FrameNode):
         super().__init__([IMAGE], RelaySettings)
         self._set_quality(self.settings)
         self._info_publisher = self.advertise('~' + INFO, CameraInfo)
-        self._info = self._info_subscriber = None
+        self._info, self._info_subscriber = None, InfoSubscriber(info_topics(self.camera), self._on_info)
         self._due = 0.0  # stamp at which the next frame is due, seconds
 
     def process(self, frame, header, stamp):
+        info = self._info  # read once, since another thread replaces it
+
         def publish():
-            if self._info is not None and self._info_publisher.get_num_connections():
-                self._info.header = header
-                self._info_publisher.publish(self._info)
+            if info is not None and self._info_publisher.get_num_connections():
+                info.header = header
+                self._info_publisher.publish(info)
         return Answer([frame], publish)
 
     def is_due(self, stamp):
@@ -50,12 +50,7 @@ class CameraRelay(FrameNode):
         return True
 
     def update_subscriptions(self, wanted):
-        if wanted and self._info_subscriber is None:
-            self._info_subscriber = rospy.Subscriber(info_topic(self.camera), tolerant(CameraInfo),
-                                                     self._on_info, queue_size=1)
-        elif not wanted and self._info_subscriber is not None:
-            self._info_subscriber.unregister()
-            self._info_subscriber = None
+        self._info_subscriber.update(wanted)
 
     def prepare(self, settings):
         return lambda: self._set_quality(settings)

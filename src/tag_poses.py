@@ -12,6 +12,7 @@ from typing import Any, Dict, List, Optional
 import aruco_program  # noqa: F401  before all else
 import rospy
 import tf2_ros
+import yaml
 from aruco_ar import InputError, PoseEstimator
 from aruco_ar.base.errors import shorten
 from aruco_ar.base.files import in_package
@@ -79,6 +80,7 @@ class TagPoses(CameraNode):
         self._last_tf_stamp = None
         # Transforms of other nodes, which are received only while somebody listens to ~robot_pose.
         self._tf_buffer, self._tf_listener = tf2_ros.Buffer(), None
+        self._tf_listening_since = time.monotonic()
 
     def is_wanted(self):
         return super().is_wanted() or self._transforms.is_heard(own=self._tf_listener is not None) or \
@@ -173,7 +175,7 @@ class TagPoses(CameraNode):
                    if publisher.get_num_connections()}
         if 'poses' in publish:
             publish['poses'](pose_messages.tag_poses(result.poses, result.lens, header))
-        if 'area' in publish:
+        if 'area' in publish and result.area_pose is not None:
             publish['area'](pose_messages.area_pose(result.area_pose, result.lens, header))
         if 'markers' in publish:
             publish['markers'](pose_messages.markers(result.poses, result.area_pose, header))
@@ -192,7 +194,7 @@ class TagPoses(CameraNode):
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(result.camera, header.stamp, wall))
         if 'robot_pose' in publish and camera_frame:
-            robot = self._robot(result.camera, camera_frame, problems)
+            robot = self._robot(result.camera, camera_frame, header.stamp, problems)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
@@ -212,18 +214,37 @@ class TagPoses(CameraNode):
             self._transforms.sendTransform([pose_messages.transform(pose, stamp, header.frame_id, name)
                                             for pose, name in zip(unique, names)])
 
-    def _robot(self, camera, camera_frame, problems):
+    def _robot(self, camera, camera_frame, stamp, problems):
         """The robot's pose by the camera's pose; None if TF does not say where the camera is mounted."""
-        frame = frame_name(self.settings.robot_frame)
+        own, plain = frame_name(self.settings.robot_frame), self.settings.robot_frame.lstrip('/')
+        found = self._mounting(camera_frame, own, stamp)
+        if found is None and plain != own:
+            found = self._mounting(camera_frame, plain, stamp)
+            if found is not None:
+                log_once('robot frame', 'TF joins %s to the camera, and not %s, so it is taken for the robot.'
+                         % (plain, own), rospy.loginfo)
+        if found is not None:
+            return camera.carry(*pose_messages.from_transform(found.transform))
+        if time.monotonic() - self._tf_listening_since > SILENCE_S:
+            problems['robot'] = 'The pose of the robot is not known: TF does not join %s to %s. %s' % (
+                shorten(own, 40), shorten(camera_frame, 40), self._known_frames())
+        return None
+
+    def _mounting(self, camera_frame, frame, stamp):
+        """The TransformStamped from a TF frame to the camera at a time; None if it is not known."""
         try:
-            found = self._tf_buffer.lookup_transform(camera_frame, frame, rospy.Time(0)).transform
-        except (tf2_ros.TransformException, ValueError) as error:  # ValueError: a null character in a name
-            if time.monotonic() - self._tf_listening_since > SILENCE_S:
-                problems['robot'] = 'The pose of the robot is not known: there is no transform from %s to %s ' \
-                                    '(%s). Is the parameter ~robot_frame right?' % (
-                                        frame, shorten(camera_frame, 40), shorten(str(error), 200))
+            return self._tf_buffer.lookup_transform(camera_frame, frame, stamp)
+        except tf2_ros.ExtrapolationException:  # TF may come later than the frame; then the newest is the best
+            return self._mounting(camera_frame, frame, rospy.Time(0)) if stamp else None
+        except (tf2_ros.TransformException, ValueError):  # ValueError: a null character in a name
             return None
-        return camera.carry(*pose_messages.from_transform(found))
+
+    def _known_frames(self):
+        """What TF frames there are, and what to do, in a sentence."""
+        names = sorted(yaml.safe_load(self._tf_buffer.all_frames_as_yaml()) or [])
+        if not names:
+            return 'No TF frames are published. Start robot_state_publisher or a static_transform_publisher.'
+        return 'Set robot_frame to one of the TF frames that there are: %s.' % shorten(', '.join(names), 200)
 
 
 def _load_wall(settings):

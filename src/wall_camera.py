@@ -4,7 +4,7 @@ import threading
 import time
 from collections import deque
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Any, Tuple
 
 import aruco_program  # noqa: F401  before all else
 import numpy as np
@@ -100,8 +100,7 @@ class Driver:
     def __init__(self, path):
         self._path = path
         self._pose = path.start if path else START
-        self._speed = 0.0, 0.0
-        self._commanded = None
+        self._command: Any = None  # the last one: when it came, and the speeds, m/s and rad/s
         self._started = self._moved = rospy.Time.now()
         rospy.Subscriber('cmd_vel', tolerant(Twist), self._on_command, queue_size=1)
 
@@ -112,20 +111,20 @@ class Driver:
             rospy.logwarn_once('A /cmd_vel was ignored, since its speeds are not finite numbers.')
             return
         limit = [MAX_LINEAR, MAX_ANGULAR]
-        self._speed = tuple(np.clip(speed, np.negative(limit), limit))
-        self._commanded = rospy.Time.now()
+        self._command = rospy.Time.now(), tuple(np.clip(speed, np.negative(limit), limit))
 
     def now(self, stamp):
         """(Pose, linear m/s, angular rad/s) of the robot at that time."""
         seconds = max(0.0, (stamp - self._moved).to_sec())  # 0 if the clock was set back
         self._moved = stamp
-        if self._path and self._commanded is None:
+        command = self._command  # read once, since another thread replaces it
+        if self._path and command is None:
             self._pose, linear, angular = self._path.at((stamp - self._started).to_sec())
             return self._pose, linear, angular
-        if self._commanded is None or abs((stamp - self._commanded).to_sec()) > COMMAND_S:
-            self._speed = 0.0, 0.0
-        self._pose = drive(self._pose, *self._speed, seconds)
-        return (self._pose,) + self._speed
+        is_late = command is None or abs((stamp - command[0]).to_sec()) > COMMAND_S
+        linear, angular = (0.0, 0.0) if is_late else command[1]
+        self._pose = drive(self._pose, linear, angular, seconds)
+        return self._pose, linear, angular
 
 
 class WallCamera:

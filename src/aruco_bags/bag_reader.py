@@ -12,7 +12,7 @@ import rosbag
 from aruco_ar.base.errors import InputError
 from aruco_node.messages.images import TRANSPORTS
 from aruco_node.messages.topics import IMAGE_TYPES, raw_topic
-from aruco_node.nodes.calibration import info_topic
+from aruco_node.nodes.calibration import info_topics
 from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
 
@@ -51,8 +51,8 @@ def pieces_of(path, seconds=PIECE_S):
             raise InputError('it has no images: no topic has the type %s.' % ' or '.join(IMAGE_TYPES.values()))
         first = bag.begin().to_nsec()
         # For each topic: {number of a piece that has messages of it: time of the last of these messages}.
-        infos = {topic: info_topic(raw_topic(topic)) for topic in topics}
-        infos = {topic: info for topic, info in infos.items() if kinds.get(info) == CameraInfo._type}
+        infos = {topic: info for topic in topics for info in reversed(info_topics(raw_topic(topic)))
+                 if kinds.get(info) == CameraInfo._type}
         last: Dict[str, Dict[int, Any]] = {topic: {} for topic in (*topics, *infos.values())}
         for topic, time in bag.times(list(last)):
             number = (time.to_nsec() - first) // length
@@ -86,8 +86,8 @@ def messages(piece):
 
 
 def decoder_of(piece):
-    """The function that decodes the image messages of a Piece to frames."""
-    return TRANSPORTS[piece.transport][2]
+    """A new decoder of the image messages of a Piece, which makes frames of them."""
+    return TRANSPORTS[piece.transport][2]()
 
 
 def _absolute(topic):

@@ -2,7 +2,7 @@
 import csv
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Dict
 
 import cv2
 import numpy as np
@@ -89,6 +89,8 @@ class _Annotator:
                 self._faults.setdefault(
                     error.kind, 'frames on %s are skipped: %s' % (self._piece.topic, error))
                 continue
+            for kind, note in decode.notes.items():
+                self._faults.setdefault(kind, '%s: %s' % (self._piece.topic, note))
             stamp = message.header.stamp or time
             found = self._process(frame, stamp.to_sec())
             if is_in_piece:
@@ -101,12 +103,15 @@ class _Annotator:
         if self._info is None or size == self._size:
             return
         self._lens, self._size = None, size
+        notes: Dict[str, str] = {}
         try:
-            self._lens = lens_from_info(self._info, size, self._rectified)
+            self._lens = lens_from_info(self._info, size, self._rectified, notes=notes)
         except InputError as error:
             self._faults.setdefault(
                 error.kind, 'there are no poses for %s, since its camera_info cannot be used: %s'
                 % (self._piece.topic, error))
+        for kind, note in notes.items():
+            self._faults.setdefault(kind, 'the camera_info of %s: %s' % (self._piece.topic, note))
 
     def _process(self, frame, stamp):
         """(images, tags, {id: TagPose}, area) of a frame."""

@@ -5,6 +5,7 @@ import rospy
 from aruco_ar.hints.area_hints import NOTES
 from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
+from aruco_node.messages.images import ENCODING
 from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
 
@@ -49,9 +50,10 @@ def sentence_of(status):
     if status.level == ERROR:
         return status.message[:MAX_TEXT], True
     values = {item.key: item.value for item in status.values}
+    names = ['hint', *NOTES, 'calibration']
     if 'hint' not in values and values.get('area in the last frame') == NO and _is_lost(values.get(AREA_SEEN)):
-        return values.get('area', '')[:MAX_TEXT], False
-    said = ' '.join(values[name] for name in ('hint', *NOTES, 'calibration') if name in values)
+        names = ['area']
+    said = ' '.join(values[name] for name in [*names, ENCODING] if name in values)
     return said[:MAX_TEXT], False
 
 

@@ -23,6 +23,8 @@ from PIL.Image import DecompressionBombError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
+from .picture_folder import FOLDER, PictureFolder
+
 EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6'
 PAINTER, SIMULATION = EXERCISES[-1:], ('wall_camera',)
 # The nodes that have each parameter. Sliders set numbers, and fields set texts.
@@ -31,7 +33,6 @@ FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
 # The nodes that have each switch's parameter, and its values for off and on.
 SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
             'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
-FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
 MAX_PIXELS = 32 * 1000 * 1000
@@ -106,6 +107,7 @@ class Choices:
     def __init__(self, on_change):
         """``on_change`` is called, from any thread, when a choice has changed, on the page or elsewhere."""
         self._worker = ThreadPoolExecutor(1, 'pictures')
+        self._folder = PictureFolder(on_change)
         self._nodes = {name: RemoteParameters(name, on_change) for name in EXERCISES + SIMULATION}
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
@@ -113,6 +115,7 @@ class Choices:
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
+        self._folder.refresh()
         values = {name: node.values for name, node in self._nodes.items()}
 
         def value(parameter, nodes):
@@ -127,18 +130,11 @@ class Choices:
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last."""
-        folder = os.path.join(package_folder(), FOLDER)
-        try:
-            files = sorted(entry.name for entry in os.scandir(folder)
-                           if entry.is_file() and entry.name.isprintable() and not entry.name.startswith('.')
-                           and os.path.dirname(os.path.realpath(entry.path)) == os.path.realpath(folder))
-        except OSError:  # the rest of the page still works
-            files = []
-        return files + [self._drop_name()] * (self._drops > 0)
+        return self._folder.names + [self._drop_name()] * (self._drops > 0)
 
     async def choose(self, name):
         """Have the picture of that name painted. Raises InputError if there is none."""
-        self._check(name)
+        await self._check(name)
         dropped = self._drops and name == self._drop_name()
         await self._set(PAINTER, picture=self._drop_topic() if dropped else '%s/%s' % (FOLDER, name))
 
@@ -176,7 +172,7 @@ class Choices:
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""
-        self._check(name)
+        await self._check(name)
         if name not in self._thumbnails:
             path = os.path.join(package_folder(), FOLDER, name)
             self._thumbnails[name] = self._in_worker(lambda: _shrink(open_source(path).at(0)))
@@ -197,8 +193,8 @@ class Choices:
     def _drop_topic(self):
         return TOPIC + self._dropped.resolved_name
 
-    def _check(self, name):
-        if name not in self.pictures():
+    async def _check(self, name):
+        if not (name in self.pictures() or await self._folder.has(name)):
             raise InputError('There is no picture "%s" in %s/.' % (name, FOLDER))
 
     def _in_worker(self, work, *arguments):

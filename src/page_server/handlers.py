@@ -103,25 +103,28 @@ class Handler(BaseHandler):
             self.refuse(400, 'There is no stream of type "%s". Use mjpeg, or leave out type.' % kind)
             return None, None
         try:
-            name = self.get_query_argument('topic', '')
-            return await self.parts.topics.image(name, exact=options['quality'] is not None), options
+            return await self.chosen(), options
         except LookupError as error:
             self.refuse(404, error.args[0] + ' The page / lists all image topics.')
         except InputError as error:
             self.refuse(503, str(error))
         return None, None
 
+    async def chosen(self):
+        """The ImageTopic by the query. Raises what Topics.image raises."""
+        exact = bool(self.get_query_argument('quality', ''))
+        return await self.parts.topics.image(self.get_query_argument('topic', ''), exact)
+
     @contextmanager
-    def subscribed_to(self, topic):
-        """A context manager that subscribes to a topic. Ends the request if there are too many viewers."""
+    def viewing(self):
+        """A context manager within which frames are sent. Ends the request if there are too many viewers."""
         if len(self.parts.viewers) >= MAX_VIEWERS:
             self.refuse(503, 'There are %d streams and snapshots already, and there cannot be more. Try again '
                         'later.' % MAX_VIEWERS)
             raise Finish
         self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]  # as below
         try:
-            with topic.subscribed():
-                yield
+            yield
         finally:
             del self.parts.viewers[self]
 
@@ -169,20 +172,33 @@ class Stream(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.subscribed_to(topic):
+        with self.viewing():
             self.set_header('Content-Type', 'multipart/x-mixed-replace;boundary=' + BOUNDARY)
-            number = topic.number
             try:
                 self.write('--%s\r\n' % BOUNDARY)
                 await self.flush()
                 while not self.is_closed:
-                    if await topic.newer(number, 1.0):
-                        number = topic.number
-                        await self._send(topic, options)
+                    await self._send_frames(topic, options)
+                    topic = await self._chosen_again(topic)
             except StreamClosedError:
                 pass
             except asyncio.TimeoutError:
                 self.request.connection.stream.close()  # type: ignore[union-attr]  # it is an HTTP1Connection
+
+    async def _send_frames(self, topic, options):
+        """Send the frames of a topic until none comes any more."""
+        with topic.subscribed():
+            number = topic.number
+            while not self.is_closed and await topic.newer(number, SILENT_S):
+                number = topic.number
+                await self._send(topic, options)
+
+    async def _chosen_again(self, topic):
+        """The topic to go on with: the camera may be published with another transport by now."""
+        try:
+            return await self.chosen()
+        except (LookupError, InputError):
+            return topic
 
     async def _send(self, topic, options):
         stamp = topic.message.header.stamp
@@ -204,7 +220,7 @@ class Snapshot(Handler):
         topic, options = await self.image()
         if topic is None:
             return
-        with self.subscribed_to(topic):
+        with self.viewing(), topic.subscribed():
             if not await topic.newer(topic.number, SILENT_S):
                 self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
                 return

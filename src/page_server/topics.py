@@ -89,6 +89,7 @@ class SharedTopic:
         self._loop.call_soon_threadsafe(self._store, message)
 
     def _store(self, message):
+        message.header.stamp.canon()
         self.message, self.number = message, self.number + 1
         self._times.append(time.monotonic())
         self._arrival.set_result(None)
@@ -100,7 +101,8 @@ class ImageTopic(SharedTopic):
 
     def __init__(self, name, transport, registrar, encoder):
         """``transport``: a key of TRANSPORTS. ``encoder``: an executor that encodes JPEGs."""
-        suffix, kind, self._to_frame = TRANSPORTS[transport]
+        suffix, kind, decoder = TRANSPORTS[transport]
+        self._to_frame = decoder()
         super().__init__(name + suffix, kind, registrar)
         self._transport, self._encoder = transport, encoder
         self._encoded = {}  # {options: future of a JPEG}, of the newest frame

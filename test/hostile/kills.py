@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger
 
 FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MARK = 'UNIT5_STRUCK'
-ENDS_S = 25.0    # roslaunch waits 15 s for its nodes before it kills them
+ENDS_S = 120.0    # roslaunch waits 15 s for its nodes before it kills them
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
 TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],

@@ -8,7 +8,7 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.hints.other_tags import OtherTags
 
-from .calibrate import Calibrated, calibrate
+from .calibrate import GOOD_CORNERS_PX, Calibrated, calibrate, corners_apart
 from .collection import FEW, Collection
 from .sheets import CharucoBoard, TagSheet
 from .views import View
@@ -21,14 +21,15 @@ class Progress:
     """The views of a sheet so far, and the best lens that they have told.
 
     ``collection``: the Collection. ``found``: the Calibrated, or None. ``why``: why the newest views tell no
-    lens, if so. ``saved``: the file into which the lens was written, or an empty text.
+    lens, if so.
     """
 
     def __init__(self, size: tuple[int, int], sheet: TagSheet | CharucoBoard) -> None:
         """``size``: (width, height) of the frames."""
         self.collection = Collection(size, sheet.points)
         self.found: Calibrated | None = None
-        self.why = self.saved = ''
+        self.why = ''
+        self._saved: tuple[Calibrated, str] | None = None  # what was saved last, and the path of the file
         self._sheet = sheet
         self._refused = ''  # why the newest view is not kept
         self._others = OtherTags(sheet.dictionary, ())
@@ -55,18 +56,17 @@ class Progress:
             self.why = str(error)  # what was found before is still good
             return
         with self._lock:
-            self.found, self.why, self.saved = found, '', ''
+            self.found, self.why = found, ''
 
     def note_saved(self, found: Calibrated, path: str) -> None:
         """The lens of ``found`` has been written into a file."""
-        with self._lock:
-            if found is self.found:
-                self.saved = path
+        self._saved = found, path
 
     def text(self, save: str, reset: str) -> str:
         """What there is so far, and what to do, in sentences. ``save``, ``reset``: the commands for these."""
         with self._lock:
-            found, why, saved = self.found, self.why, self.saved
+            found, why = self.found, self.why
+        saved = self._saved
         count = len(self.collection.views)
         views = '%d view%s, %.0f %% of the image.' % (count, 's' * (count > 1), 100 * self.collection.coverage)
         if found is None:
@@ -74,10 +74,9 @@ class Progress:
                 return _joined(views, why, 'To begin anew: ' + reset if why else '')
             missing = why or (self._others.hint if not count else None) or SHOW
             return _joined(views if count else '', missing, self._advice())
-        ready = '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
-            views, found.lens.matrix[0, 0], found.rms, found.held_out)
-        if saved:
-            return '%s It is saved as %s.' % (ready, saved)
+        if saved is not None:
+            return '%s It is saved as %s.%s' % (_fit(views, saved[0]), saved[1], _gain(saved[0], found, save))
+        ready = _fit(views, found)
         if self.collection.is_full and (found.lacks() or why):
             return '%s Save it (%s), or begin anew (%s).' % (ready, save, reset)
         if why:
@@ -91,6 +90,20 @@ class Progress:
         if self._refused == FEW:
             return '%s It takes %s.' % (FEW, self._sheet.needs)
         return self._refused
+
+
+def _fit(views: str, found: Calibrated) -> str:
+    return '%s The focal length is %.1f px, and points are off by %.2f px (%.2f px in views held out).' % (
+        views, found.lens.matrix[0, 0], found.rms, found.held_out)
+
+
+def _gain(saved: Calibrated, found: Calibrated, save: str) -> str:
+    """What is gained if the newest lens is saved, too, in a sentence; empty if that does not matter."""
+    apart = corners_apart(saved.lens, found.lens).max()
+    if found.corners >= saved.corners or apart <= GOOD_CORNERS_PX:
+        return ''
+    return ' With more views, a lens is found that differs by %.1f px in the corners. To save that one: %s' % (
+        apart, save)
 
 
 def _joined(*sentences: str) -> str:

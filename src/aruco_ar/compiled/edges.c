@@ -5,7 +5,8 @@
    edge crosses a profile, to some hundredths of a pixel, even if it is blurred.
 
    This is in C because it would need hundreds of calls of NumPy for each frame.
-   edges.py calls it. */
+   binding.py calls it. */
+#include "export.h"
 #include "frame.h"
 #include "cells.h"
 
@@ -29,8 +30,8 @@
 #define STEADY 0.5f       /* with a narrow margin, most profiles must have this share of the contrast */
 
 #define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
-const int profile_count = PROFILES;
-const float profile_positions[PROFILES] = {
+EXPORT const int unit5_profile_count = PROFILES;
+EXPORT const float unit5_profile_positions[PROFILES] = {
     POSITION(0), POSITION(1), POSITION(2), POSITION(3), POSITION(4), POSITION(5),
     POSITION(6), POSITION(7), POSITION(8), POSITION(9), POSITION(10), POSITION(11)};
 
@@ -65,7 +66,7 @@ static Line line_through(const float *offset, const float *weight)
 {
     float count = 0, first = 0, second = 0, sum = 0, leaning = 0;
     for (int i = 0; i < PROFILES; i++) {
-        float arm = profile_positions[i] - (FIRST + LAST) / 2;
+        float arm = unit5_profile_positions[i] - (FIRST + LAST) / 2;
         count += weight[i];
         first += weight[i] * arm;
         second += weight[i] * arm * arm;
@@ -76,7 +77,7 @@ static Line line_through(const float *offset, const float *weight)
     line.slope = (count * leaning - first * sum) / (count * second - first * first + 1e-9f);
     line.middle = (sum - line.slope * first) / count;
     for (int i = 0; i < PROFILES; i++)
-        line.off[i] = fabsf(offset[i] - line.middle - line.slope * (profile_positions[i] - (FIRST + LAST) / 2));
+        line.off[i] = fabsf(offset[i] - line.middle - line.slope * (unit5_profile_positions[i] - (FIRST + LAST) / 2));
     return line;
 }
 
@@ -133,7 +134,7 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
         Point outward = {along[edge].y / size, -along[edge].x / size};
         float gray[PROFILES][SAMPLES], offset[PROFILES], weight[PROFILES];
         for (int i = 0; i < PROFILES; i++) {
-            Point on_edge = plus(quad[edge], profile_positions[i], along[edge]);
+            Point on_edge = plus(quad[edge], unit5_profile_positions[i], along[edge]);
             for (int sample = 0; sample < SAMPLES; sample++) {
                 float across = reach[edge] * (sample * 2.0f / (SAMPLES - 1) - 1);
                 gray[i][sample] = gray_at(frame, plus(on_edge, across, outward));
@@ -215,9 +216,9 @@ static float likeness_of(const Frame *frame, const Point quad[4], int cells, con
 }
 
 /* See fit_tags in edges.py. ``row``: the bytes from one row of the frame to the next. */
-void fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-              const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good,
-              float *likeness)
+EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
+                           const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good,
+                           float *likeness)
 {
     Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++) {

@@ -1,4 +1,6 @@
-/* Drawing the mask of an area, and warping a picture where the mask is not black. paint.py calls this. */
+/* Drawing the mask of an area, and warping a picture where the mask is not black. binding.py
+   calls this for paint.py. */
+#include "export.h"
 #include "frame.h"
 
 /* Warping goes through the frame in tiles of this size. The pixels of the picture that a tile needs are near each
@@ -108,45 +110,63 @@ static int side_of_run(const Line sides[4], const float *here, int count)
     return is_inside;
 }
 
-/* Draw an area into a mask of a distorted frame, as draw_mask does. */
-static void draw_distorted_mask(uint8_t *mask, int width, int height, const Side corners[4], const Positions *positions)
+static inline void set_pixel(uint8_t *pixel, int channels, uint8_t value)
+{
+    for (int channel = 0; channel < channels; channel++)
+        pixel[channel] = value;
+}
+
+/* Draw an area into a mask of a distorted frame, as unit5_draw_mask does. */
+static inline void draw_distorted_mask(uint8_t *mask, int width, int height, int channels, const Side corners[4],
+                                       const Positions *positions)
 {
     Line sides[4];
     for (int side = 0; side < 4; side++)
         sides[side] = (Line){corners[side].right, corners[side].down, corners[side].rest - 0.5};
-    for (int y = 0; y < height; y++, mask += 3 * width)
+    for (int y = 0; y < height; y++, mask += channels * width)
         for (int left = 0; left < width; left += RUN) {
             int count = left + RUN < width ? RUN : width - left;
             const float *here = position_of(positions, left, y);
             const float *below = position_of(positions, left, y + 1 < height ? y + 1 : y - 1);
             int side = side_of_run(sides, here, count);
             if (side > 0)
-                memset(mask + 3 * left, 255, 3 * count);
+                memset(mask + channels * left, 255, channels * count);
             for (int x = 0; side == 0 && x < count; x++) {
                 int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
                 float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
-                memset(mask + 3 * (left + x), (int)(255 * cover + 0.5f), 3);
+                set_pixel(mask + channels * (left + x), channels, (int)(255 * cover + 0.5f));
             }
         }
 }
 
-/* Draw an area into a mask, (height, width, 3), which is black before: white inside, gray on the rim. ``positions``:
-   (height, width, 2), with ``row`` bytes from one row to the next, or NULL: the undistorted position of each pixel. */
-void draw_mask(uint8_t *mask, int width, int height, const double corners[4][2], const char *positions, int64_t row)
+/* Draw the pixels of a row of a mask that the area may cover in part, from ``begin`` to before ``end``. */
+static void draw_rim(uint8_t *mask, int channels, const Side sides[4], int y, int begin, int end)
+{
+    for (int x = begin; x < end; x++)
+        set_pixel(mask + channels * x, channels, (int)(255 * cover_of(sides, x, y) + 0.5f));
+}
+
+/* Draw an area into a mask, (height, width, channels), which is black before: white inside, gray on the rim.
+   ``positions``: (height, width, 2), with ``row`` bytes from one row to the next, or NULL: the undistorted position of each pixel. */
+EXPORT void unit5_draw_mask(uint8_t *mask, int width, int height, int channels, const double corners[4][2],
+                            const char *positions, int64_t row)
 {
     Side sides[4];
     find_sides(corners, sides);
     if (positions) {
-        if (width > 1 && height > 1)
-            draw_distorted_mask(mask, width, height, sides, &(Positions){positions, row});
+        if (width > 1 && height > 1 && channels == 3)  /* compilers make faster code if they know the number */
+            draw_distorted_mask(mask, width, height, 3, sides, &(Positions){positions, row});
+        else if (width > 1 && height > 1)
+            draw_distorted_mask(mask, width, height, channels, sides, &(Positions){positions, row});
         return;
     }
-    for (int y = 0; y < height; y++, mask += 3 * width) {
+    for (int y = 0; y < height; y++, mask += channels * width) {
         Span some = find_span(sides, y, 0, width), whole = find_span(sides, y, 1, width);
-        for (int x = some.first; x <= some.last; x++) {
-            int is_whole = whole.first <= x && x <= whole.last;
-            memset(mask + 3 * x, is_whole ? 255 : (int)(255 * cover_of(sides, x, y) + 0.5f), 3);
-        }
+        if (whole.first > whole.last)
+            whole = (Span){some.last + 1, some.last};
+        draw_rim(mask, channels, sides, y, some.first, whole.first);
+        memset(mask + channels * whole.first, 255, channels * (whole.last + 1 - whole.first));
+        draw_rim(mask, channels, sides, y, whole.last + 1, some.last + 1);
     }
 }
 
@@ -312,12 +332,12 @@ static void warp_run(uint8_t *row, const Frame *levels, int count, const float h
     }
 }
 
-/* Warp a picture where a mask, (height, width, 3), is not black. ``warped``: (height, width, channels), the result.
+/* Warp a picture where a mask, (height, width, shades), is not black. ``warped``: (height, width, channels), the result.
    ``levels``: the picture, BGR or BGRA, and ``count`` - 1 smaller ones, each half the one before. ``to_picture``: the
-   homography from the mask to the picture. ``positions``, ``row``: as for draw_mask. Beyond the picture's edges, its
+   homography from the mask to the picture. ``positions``, ``row``: as for unit5_draw_mask. Beyond the picture's edges, its
    edge pixels are repeated. */
-void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const Frame *levels, int count,
-          const double to_picture[9], const char *positions, int64_t row)
+EXPORT void unit5_warp(uint8_t *warped, const uint8_t *mask, int width, int height, int shades, const Frame *levels,
+                       int count, const double to_picture[9], const char *positions, int64_t row)
 {
     Positions all = {positions, row};
     float h[9];
@@ -326,11 +346,11 @@ void warp(uint8_t *warped, const uint8_t *mask, int width, int height, const Fra
     for (int top = 0; top < height; top += TILE_HEIGHT)
         for (int left = 0; left < width; left += TILE_WIDTH)
             for (int y = top; y < height && y < top + TILE_HEIGHT; y++) {
-                const uint8_t *shown = mask + (int64_t)3 * width * y;
+                const uint8_t *shown = mask + (int64_t)shades * width * y;
                 int begin = left, end = left + TILE_WIDTH < width ? left + TILE_WIDTH : width;
-                while (begin < end && !shown[3 * begin])
+                while (begin < end && !shown[shades * begin])
                     begin++;
-                while (begin < end && !shown[3 * end - 3])
+                while (begin < end && !shown[shades * (end - 1)])
                     end--;
                 warp_run(warped + (int64_t)levels->channels * width * y, levels, count, h, &all, y,
                          y + 1 < height ? y + 1 : y > 0 ? y - 1 : y, begin, end);

@@ -1,7 +1,11 @@
-/* Refining the two poses of a flat object by the method of Levenberg and Marquardt. geometry/plane_pose.py calls this
-   and says what poses, weights and deviations are. All matrices are row by row. */
+/* Refining the two poses of a flat object by the method of Levenberg and Marquardt. binding.py calls this for
+   geometry/plane_pose.py, which says what poses, weights and deviations are. All matrices are row by row. */
 #include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
+
+#include "export.h"
 
 #define MAX_STEPS 12              /* number of steps, at most */
 #define FIRST_DAMPING 1e-3
@@ -13,7 +17,7 @@
 #define SMALL_ANGLE 1e-9          /* rad: the sine of a smaller angle is the angle */
 #define MIN_EIGENVALUE 1e-12      /* added to a scaled information matrix: above rounding errors, below all else */
 
-const double nearest = 1e-3;      /* meters: an object nearer to the camera than this, or behind it, cannot be seen */
+EXPORT const double unit5_nearest = 1e-3;  /* meters: an object nearer to the camera than this, or behind it, cannot be seen */
 /* No pose is reported as less certain than this: standard deviations, meters and radians. */
 static const double most_uncertain[6] = {1e2, 1e2, 1e2, 1, 1, 1};
 
@@ -21,6 +25,7 @@ static const double most_uncertain[6] = {1e2, 1e2, 1e2, 1, 1, 1};
 typedef struct {
     int points, deviations;
     const double *point, *ray, *weight, *spread;  /* 3, 2, 2 x 2 and 3 x deviations numbers for each point */
+    double *spare;  /* memory for size * size + 2 * size numbers, with size = 6 + deviations */
 } Object;
 
 /* A pose, and what linearize finds out about it. */
@@ -49,7 +54,6 @@ static void cross(const double one[3], const double other[3], double product[3])
 static void linearize(const Object *object, State *state)
 {
     int extra = object->deviations, size = 6 + extra;
-    double jacobian[2][size];
     memset(state->gradient, 0, size * sizeof(double));
     memset(state->hessian, 0, size * size * sizeof(double));
     state->cost = dot(state->amounts, state->amounts, extra);
@@ -61,11 +65,11 @@ static void linearize(const Object *object, State *state)
             point[axis] = object->point[3 * number + axis] + dot(spread + extra * axis, state->amounts, extra);
         for (int axis = 0; axis < 3; axis++)
             arm[axis] = dot(rotation + 3 * axis, point, 3);
-        double distance = arm[2] + state->translation[2], depth = distance > nearest ? distance : nearest;
+        double distance = arm[2] + state->translation[2], depth = distance > unit5_nearest ? distance : unit5_nearest;
         double x = (arm[0] + state->translation[0]) / depth, y = (arm[1] + state->translation[1]) / depth;
         for (int row = 0; row < 2; row++) {
             const double *w = weight + 2 * row;
-            double *by = jacobian[row];  /* first by the point's coordinates, which are those of the translation */
+            double *by = object->spare + size * row;  /* first by the point's coordinates, which are those of the translation */
             errors[row] = w[0] * (ray[0] - x) + w[1] * (ray[1] - y);
             by[0] = w[0] / depth;
             by[1] = w[1] / depth;
@@ -84,7 +88,7 @@ static void linearize(const Object *object, State *state)
             }
         }
         state->squares[number] = dot(errors, errors, 2);
-        state->cost += state->squares[number] + (distance < nearest ? BEHIND : 0);
+        state->cost += state->squares[number] + (distance < unit5_nearest ? BEHIND : 0);
     }
     for (int each = 6; each < size; each++) {  /* the amounts have a standard deviation of 1 */
         state->hessian[(size + 1) * each] += 1;
@@ -138,11 +142,12 @@ static void turn(const double angles[3], const double rotation[9], double turned
     }
 }
 
-/* Find the next step of a state. Returns whether it is worth making; least: the cost of the better pose. */
-static int find_step(const State *state, double damping, double least, int size, double *step)
+/* Find the next step of a state. Returns whether it is worth making; least: the cost of the better pose; spare: see
+   Object. */
+static int find_step(const State *state, double damping, double least, int size, double *step, double *spare)
 {
-    double matrix[size * size];
-    memcpy(matrix, state->hessian, sizeof matrix);
+    double *matrix = spare;
+    memcpy(matrix, state->hessian, size * size * sizeof(double));
     for (int each = 0; each < size; each++)
         matrix[(size + 1) * each] *= 1 + damping;
     memcpy(step, state->gradient, size * sizeof(double));
@@ -157,10 +162,10 @@ static int find_step(const State *state, double damping, double least, int size,
 
    Its entries differ greatly in size. What is hardly determined by them may be lost in rounding errors, so that an
    entry seems to be 0 or negative. */
-static void invert(const State *state, int size, double *covariance)
+static void invert(const State *state, int size, double *covariance, double *spare)
 {
-    double matrix[size * size], scale[size], column[size];
-    memcpy(matrix, state->hessian, sizeof matrix);
+    double *matrix = spare, *scale = matrix + size * size, *column = scale + size;
+    memcpy(matrix, state->hessian, size * size * sizeof(double));
     for (int each = 0; each < 6; each++)
         matrix[(size + 1) * each] += 1 / (most_uncertain[each] * most_uncertain[each]);
     for (int each = 0; each < size; each++)
@@ -171,7 +176,7 @@ static void invert(const State *state, int size, double *covariance)
                                          + (one == other ? MIN_EIGENVALUE : 0);
     int is_good = factorize(matrix, size);
     for (int one = 0; one < size; one++) {
-        memset(column, 0, sizeof column);
+        memset(column, 0, size * sizeof(double));
         column[one] = is_good ? 1 : NAN;
         solve(matrix, size, column);
         for (int other = 0; other < size; other++)
@@ -182,16 +187,17 @@ static void invert(const State *state, int size, double *covariance)
 /* Refine the two poses of an object: see refine in plane_pose.py.
 
    rotations: 2 x 9, translations: 2 x 3 and amounts: 2 x deviations are changed. squares: 2 x points and
-   covariances: 2 x size x size, with size = 6 + deviations, are written. */
+   covariances: 2 x size x size, with size = 6 + deviations, are written. memory: for
+   2 * size + 4 * (deviations + points + size + size * size) numbers. */
 static void refine_pair(const Object *object, double *rotations, double *translations, double *amounts,
-                        double *squares, double *covariances)
+                        double *squares, double *covariances, double *memory)
 {
     int extra = object->deviations, size = 6 + extra, points = object->points;
-    double memory[4][extra + points + size + size * size], damping[2] = {FIRST_DAMPING, FIRST_DAMPING};
+    double damping[2] = {FIRST_DAMPING, FIRST_DAMPING}, *step[2] = {memory, memory + size};
     State states[4];  /* where the two poses are, and where they go next */
     for (int which = 0; which < 4; which++) {
         State *state = states + which;
-        state->amounts = memory[which];
+        state->amounts = memory + 2 * size + which * (extra + points + size + size * size);
         state->squares = state->amounts + extra;
         state->gradient = state->squares + points;
         state->hessian = state->gradient + size;
@@ -204,9 +210,9 @@ static void refine_pair(const Object *object, double *rotations, double *transla
         linearize(object, here[which]);
     }
     for (int round = 0; round < MAX_STEPS; round++) {
-        double least = fmin(here[0]->cost, here[1]->cost), step[2][size];
-        int first = find_step(here[0], damping[0], least, size, step[0]);
-        int second = find_step(here[1], damping[1], least, size, step[1]);
+        double least = fmin(here[0]->cost, here[1]->cost);
+        int first = find_step(here[0], damping[0], least, size, step[0], object->spare);
+        int second = find_step(here[1], damping[1], least, size, step[1], object->spare);
         if (!first && !second)
             break;
         for (int which = 0; which < 2; which++) {
@@ -230,21 +236,26 @@ static void refine_pair(const Object *object, double *rotations, double *transla
         memcpy(translations + 3 * which, here[which]->translation, sizeof here[which]->translation);
         memcpy(amounts + extra * which, here[which]->amounts, extra * sizeof(double));
         memcpy(squares + points * which, here[which]->squares, points * sizeof(double));
-        invert(here[which], size, covariances + size * size * which);
+        invert(here[which], size, covariances + size * size * which, object->spare);
     }
 }
 
 /* Refine both poses of each of so many objects, which have the same number of points and the same deviations. The
-   arrays of the objects, and of their poses, are one after the other. */
-void refine_pairs(int objects, int points, int deviations, const double *point, const double *ray,
-                  const double *weight, const double *spread, double *rotations, double *translations,
-                  double *amounts, double *squares, double *covariances)
+   arrays of the objects, and of their poses, are one after the other. Returns 0 if there is not enough memory. */
+EXPORT int unit5_refine_pairs(int64_t objects, int points, int deviations, const double *point, const double *ray,
+                              const double *weight, const double *spread, double *rotations, double *translations,
+                              double *amounts, double *squares, double *covariances)
 {
-    int size = 6 + deviations;
-    for (int number = 0; number < objects; number++) {
+    int64_t size = 6 + deviations, spare = size * size + 2 * size;
+    double *memory = malloc((spare + 2 * size + 4 * (deviations + points + size + size * size)) * sizeof(double));
+    if (!memory)
+        return 0;
+    for (int64_t number = 0; number < objects; number++) {
         Object object = {points, deviations, point + 3 * points * number, ray + 2 * points * number,
-                         weight + 4 * points * number, spread};
+                         weight + 4 * points * number, spread, memory};
         refine_pair(&object, rotations + 18 * number, translations + 6 * number, amounts + 2 * deviations * number,
-                    squares + 2 * points * number, covariances + 2 * size * size * number);
+                    squares + 2 * points * number, covariances + 2 * size * size * number, memory + spare);
     }
+    free(memory);
+    return 1;
 }

@@ -1,5 +1,8 @@
-/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. difference.py and
-   wall_model.py in looks/ call this. */
+/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. binding.py calls
+   this for difference.py and wall_model.py in looks/. */
+#include <stdlib.h>
+
+#include "export.h"
 #include "frame.h"
 
 /* How much a pixel may differ from the wall. Light changes its color by less than SHARE of the brightness. Noise
@@ -20,7 +23,8 @@
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
 
 /* What compare finds out about each pixel: planes of floats, one after the other. */
-enum { GRAY, WALL_GRAY, LIGHT, ERROR, EXCESS, STEP, NOISE, RIM };
+enum { GRAY, WALL_GRAY, LIGHT, ERROR, EXCESS, STEP, NOISE, RIM, PLANES };
+EXPORT const int unit5_plane_count = PLANES;
 
 static inline float mean3(float one, float two, float three) { return (one + two + three) / 3; }
 
@@ -61,15 +65,18 @@ static void compare_pixels(const uint8_t *restrict seen, const float *restrict l
    seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look.
    contrast: the largest differences in it near each pixel, in this light. variance: of the noise.
    usable: where both are known. darkest, lightest: limits of the light at a pixel, relative to that on the whole wall,
-   in a shadow and in a spot. Writes the planes, and into front where something seems to stand. */
-void compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
-             const float *variance, const uint8_t *usable, int width, int height, float darkest, float lightest,
-             float *planes, uint8_t *front)
+   in a shadow and in a spot. Writes the planes, and into front where something seems to stand. Returns 0 if there is
+   not enough memory. */
+EXPORT int unit5_compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
+                         const float *variance, const uint8_t *usable, int width, int height, float darkest,
+                         float lightest, float *planes, uint8_t *front)
 {
     int64_t count = (int64_t)width * height;
+    float *least = malloc(2 * sizeof(float) * width + 1), *most = least + width;  /* the light in three rows */
+    if (!least)
+        return 0;
     compare_pixels(seen, look, whole, contrast, variance, count, planes);
     const float *lights = planes + LIGHT * count;
-    float least[width], most[width];  /* the least and the most light in three rows */
     for (int y = 0; y < height; y++) {
         const float *row = lights + (int64_t)y * width;
         const float *upper = y > 0 ? row - width : row, *lower = y < height - 1 ? row + width : row;
@@ -92,6 +99,8 @@ void compare(const uint8_t *seen, const float *look, const float whole[3], const
                                        || row[x] > lightest + slack);
         }
     }
+    free(least);
+    return 1;
 }
 
 /* Learn the wall where nothing is in front.
@@ -100,9 +109,9 @@ void compare(const uint8_t *seen, const float *look, const float whole[3], const
    sure. known: where the look is known; seconds: for how long it was seen. passed: seconds since the frame before;
    settle: the most that counts. rate, variance_rate: the weights of this frame in the running means. Changes look,
    variance, known and seconds. */
-void learn(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall, const uint8_t *certain,
-           int64_t count, float passed, float settle, float rate, float variance_rate, float *look, float *variance,
-           uint8_t *known, float *seconds)
+EXPORT void unit5_learn(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
+                        const uint8_t *certain, int64_t count, float passed, float settle, float rate,
+                        float variance_rate, float *look, float *variance, uint8_t *known, float *seconds)
 {
     const float *light = planes + LIGHT * count, *error = planes + ERROR * count, *excess = planes + EXCESS * count;
     float back[3] = {1 / whole[0], 1 / whole[1], 1 / whole[2]};

@@ -6,21 +6,16 @@ angles about the camera's axes. Such a turn multiplies R from the left.
 """
 from __future__ import annotations
 
-import ctypes
 from math import isfinite
 
 import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats
-from aruco_ar.compiled import library
-
-_C = library('poses')
-_C.refine_pairs.restype = None
-_C.refine_pairs.argtypes = [ctypes.c_int] * 3 + [ctypes.c_void_p] * 9
+from aruco_ar.compiled import binding
 
 HALF_TURN = -0.9           # the cosine beyond which a turn is nearly a half one, whose sine is inaccurate
-NEAR_M = ctypes.c_double.in_dll(_C, 'nearest').value  # an object nearer than this cannot be seen
+NEAR_M = binding.NEAREST_M  # an object nearer than this cannot be seen
 NUDGE = 1e-6               # a change of a ray that is negligible beside the errors of corners
 
 
@@ -98,13 +93,4 @@ def refine(points: Floats, rays: Floats, weights: Floats, rotations: Floats, tra
     deviations (n, 2, q), the squared errors of all points (n, 2, k), and the
     covariance of pose and amounts (n, 2, 6 + q, 6 + q).
     """
-    points, rays, weights = (np.ascontiguousarray(each, np.float64) for each in (points, rays, weights))
-    rotations, translations = (np.array(each, np.float64, order='C') for each in (rotations, translations))
-    objects, count = points.shape[:2]
-    deviations = 0 if spread is None else spread.shape[-1]
-    spread = np.ascontiguousarray(np.zeros((count, 3, 0)) if spread is None else spread, np.float64)
-    amounts, squares = np.zeros((objects, 2, deviations)), np.empty((objects, 2, count))
-    covariances = np.empty((objects, 2, 6 + deviations, 6 + deviations))
-    _C.refine_pairs(objects, count, deviations, *(each.ctypes.data for each in (
-        points, rays, weights, spread, rotations, translations, amounts, squares, covariances)))
-    return rotations, translations, amounts, squares, covariances
+    return binding.refine_pairs(points, rays, weights, rotations, translations, spread)

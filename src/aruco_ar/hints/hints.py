@@ -40,6 +40,10 @@ class Hints:
         self._missed_tags.reset()
         self._area_hints.reset()
 
+    def may_search(self, stamp: float) -> bool:
+        """Whether a frame at that time, seconds, may be searched: then nothing must be drawn into it."""
+        return self._other_tags.may_search(stamp) or self._missed_tags.may_search(stamp)
+
     def update(self, frame: Image, stamp: float, tags: Sequence[Tag],
                areas: Sequence[Area | None]) -> list[Callable[[], None]]:
         """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds.

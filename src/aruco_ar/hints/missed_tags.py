@@ -56,10 +56,18 @@ class MissedTags:
         missed = self._searches.take()
         if missed is not None:
             self._judge(missed)
-        rarer = RARER if self._tries >= TRIES else 1.0
-        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp, rarer):
+        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp, self._rarer):
             return None
         return self._searches.start(stamp, partial(self._find, self._detector, frame, frozenset(seen)))
+
+    def may_search(self, stamp: float) -> bool:
+        """Whether ``update`` may return a search of a frame at that time, seconds."""
+        return (self._detector is not None and self._since is not None and stamp - self._since >= WAIT_S
+                and self._searches.may_be_due(stamp, self._rarer))
+
+    @property
+    def _rarer(self) -> float:
+        return RARER if self._tries >= TRIES else 1.0
 
     def _find(self, detector: Detector, frame: Image, seen: Found) -> Found:
         small, scale = shrunk(frame)

@@ -65,6 +65,11 @@ class OtherTags:
             return None
         return self._searches.start(stamp, partial(self._find, frame, self._families[self._next][-1]))
 
+    def may_search(self, stamp: float) -> bool:
+        """Whether ``update`` may return a search of a frame at that time, seconds."""
+        return (self._since is not None and stamp - self._since >= WAIT_S and self._wanted_frames < SURE
+                and self._searches.may_be_due(stamp))
+
     def _find(self, frame: Image, dictionary: str) -> Found:
         """The ids that are in sight exactly once."""
         if dictionary not in self._detectors:

@@ -41,7 +41,11 @@ class Searches:
 
     def is_due(self, stamp: float, factor: float = 1.0) -> bool:
         """Whether to search in a frame at a time, seconds. ``factor``: of the usual pause."""
-        return not (self._running or self._result is not None or 0 <= stamp - self._began < factor * self._wait)
+        return self._result is None and self.may_be_due(stamp, factor)
+
+    def may_be_due(self, stamp: float, factor: float = 1.0) -> bool:
+        """Whether to search in a frame at a time, once what the last search found is taken."""
+        return not (self._running or 0 <= stamp - self._began < factor * self._wait)
 
     def start(self, stamp: float, find: Callable[[], Found]) -> Callable[[], None]:
         """The work of a search in a frame at a time, seconds, for another thread: it calls ``find``."""

@@ -1,14 +1,13 @@
 """What differs from the wall by more than light and noise can explain: something stands before it."""
 from __future__ import annotations
 
-import ctypes
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
-from aruco_ar.compiled import library
+from aruco_ar.compiled import binding
 
 from .parts import closed, components, grown, outline_of, shrunk
 
@@ -36,18 +35,12 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6.0, 2.0
 
-C = library('wall')  # its comments explain the limits for each pixel
-C.compare.restype = None
-C.compare.argtypes = [*[ctypes.c_void_p] * 6, *[ctypes.c_int] * 2, *[ctypes.c_float] * 2,
-                      *[ctypes.c_void_p] * 2]
-PLANES = 8
-
 
 @dataclass(frozen=True)
 class Difference:
     """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
 
-    ``planes``: (PLANES, h, w) float32, what the C function compare has found out about each pixel.
+    ``planes``: (8, h, w) float32, what the C function compare has found out about each pixel; see wall.c.
     """
 
     front: Booleans
@@ -89,12 +82,7 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             unshaded: float = 1.0) -> tuple[Booleans, Floats]:
     """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
-    height, width = usable.shape
-    planes, front = np.empty((PLANES, height, width), np.float32), np.empty(usable.shape, bool)
-    C.compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data, variance.ctypes.data,
-              usable.ctypes.data, width, height, DARKEST, unshaded * LIGHTEST, planes.ctypes.data,
-              front.ctypes.data)
-    return front, planes
+    return binding.compare(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
 def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:

@@ -5,16 +5,16 @@ wall stands still, though the camera moves.
 """
 from __future__ import annotations
 
-import ctypes
 from typing import Callable
 
 import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
+from aruco_ar.compiled import binding
 
 from .blank import blank_wall
-from .difference import C, Difference, difference, largest_channel, largest_difference, soft_rim
+from .difference import Difference, difference, largest_channel, largest_difference, soft_rim
 from .parts import grown, parts_of, still_parts
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
@@ -49,9 +49,6 @@ MIN_SAMPLE = 0.05               # share of the samples that must be free to show
 MIN_LIGHT = 0.02                # least light, as a factor of the look
 DIM = 0.2                       # in less light than this, the color of the light is uncertain
 NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
-
-C.learn.restype = None
-C.learn.argtypes = [*[ctypes.c_void_p] * 5, ctypes.c_int64, *[ctypes.c_float] * 4, *[ctypes.c_void_p] * 4]
 
 
 class WallModel:
@@ -169,10 +166,8 @@ class WallModel:
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
         self._count = min(self._count + 1, MEAN_OF)
-        C.learn(seen.ctypes.data, self.light.ctypes.data, found.planes.ctypes.data, wall.ctypes.data,
-                self.free.ctypes.data, wall.size, passed, settle, 1 / self._count, VARIANCE_RATE,
-                self.look.ctypes.data, self._variance.ctypes.data, self._known.ctypes.data,
-                self._seen_s.ctypes.data)
+        binding.learn(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
+                      VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
         usual = np.median(self._variance[::SAMPLE_PX, ::SAMPLE_PX])
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 

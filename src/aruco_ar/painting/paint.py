@@ -6,13 +6,12 @@ pixels and need not be whole numbers. The middle of the top left pixel is (0, 0)
 """
 from __future__ import annotations
 
-import ctypes
-
 import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image, Numbers
-from aruco_ar.compiled import library
+from aruco_ar.base.checks import COLOR, PICTURE, check_array
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import transform
 from aruco_ar.tracking.area import Area
 
@@ -20,36 +19,28 @@ from .fit import fit_picture
 from .levels import levels_of
 from .pixels import blend
 
-_C = library('painting')
-_C.draw_mask.restype = _C.warp.restype = None
-_C.draw_mask.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 2, ctypes.c_int64]
-_C.warp.argtypes = [*[ctypes.c_void_p] * 2, *[ctypes.c_int] * 2, ctypes.c_void_p, ctypes.c_int,
-                    *[ctypes.c_void_p] * 2, ctypes.c_int64]
 MAX_LEVELS = 12  # a picture is halved at most this many times
-
-
-class _Level(ctypes.Structure):
-    """The C structure Frame of frame.h."""
-
-    _fields_ = [('pixels', ctypes.c_void_p), ('row', ctypes.c_int64), ('width', ctypes.c_int),
-                ('height', ctypes.c_int), ('channels', ctypes.c_int)]
 
 
 def area_mask(frame: Image, area: Area | None) -> Image:
     """The mask of an area, of the frame's shape: white in the area, black elsewhere, all black without an area.
 
-    A pixel on the area's rim is gray, according to the part of it that the area covers.
+    A pixel on the area's rim is gray, according to the part of it that the area covers. The frame may also be
+    gray, (h, w). Raises InputError if it is no uint8 image, or is not of the size of the area's lens.
     """
-    mask = np.zeros_like(frame, order='C')
-    if area is not None:
-        corners = np.array(area.undistorted, np.float64)
-        _C.draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], corners.ctypes.data,
-                     *_address_and_row(area.positions))
-    return mask
+    if area is None:
+        return np.zeros(frame.shape, np.uint8)
+    area.check_size(frame)
+    return binding.draw_mask(frame, area.undistorted, area.positions)
 
 
 def subtract(frame: Image, mask: Image) -> Image:
-    """The frame with the area cut out: black where the mask is white, unchanged where the mask is black."""
+    """The frame with the area cut out: black where the mask is white, unchanged where the mask is black.
+
+    Raises InputError if they are not two images, uint8, of one shape: see area_mask.
+    """
+    check_array('mask', mask, np.uint8, frame.shape)
+    check_array('frame', frame, np.uint8, frame.shape)
     return cv2.subtract(frame, mask)
 
 
@@ -62,12 +53,18 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
     ``out``: an array for the result, instead of a new one. Give the frame
     itself to paint right into it, which saves a copy. ``fit``: stretch,
     contain or cover (see fit_picture). ``opacity``: the picture's share in the
-    mixture with the frame, 0 to 1.
+    mixture with the frame, 0 to 1. Raises InputError for images of other
+    types and shapes, and if the frame is not of the size of the area's lens.
     """
+    check_array('frame', frame, np.uint8, *COLOR)
+    if picture is not None:
+        check_array('picture', picture, np.uint8, *PICTURE)
     if out is None:
         out = frame.copy()
-    elif out is not frame:
-        np.copyto(out, frame)
+    else:
+        check_array('array for the result', out, np.uint8, frame.shape, writes=True)
+        if out is not frame:
+            np.copyto(out, frame)
     if area is None or picture is None:
         return out
     window, part = area.window(out)
@@ -87,21 +84,16 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
     would break and flicker. A lens distorts the picture as it distorts the frame.
 
     ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
-    undistorted pixels. ``mask``: (h, w, 3) uint8. ``positions``: (h, w, 2) float32, the undistorted position
-    of each pixel of the mask, or None without a lens. The result has the mask's size and the channels of the
-    picture.
+    undistorted pixels. ``mask``: (h, w, 3) or (h, w) uint8. ``positions``: (h, w, 2) float32, the undistorted
+    position of each pixel of the mask, or None without a lens. The result has the mask's size and the channels
+    of the picture. Raises InputError for arrays of other types and shapes.
     """
+    check_array('picture', picture, np.uint8, *PICTURE)
     homography = np.asarray(homography, np.float64)
+    check_array('homography', homography, np.float64, (3, 3))
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
-    mask = np.ascontiguousarray(mask)
-    levels = [np.ascontiguousarray(level) for level in levels_of(picture, _levels_needed(picture, homography))]
-    warped = np.zeros((*mask.shape[:2], picture.shape[2]), np.uint8)
-    pyramid = (_Level * len(levels))(*[
-        _Level(level.ctypes.data, level.strides[0], level.shape[1], level.shape[0], level.shape[2])
-        for level in levels])
-    _C.warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], pyramid, len(levels),
-            to_picture.ctypes.data, *_address_and_row(positions))
-    return warped
+    levels = levels_of(picture, _levels_needed(picture, homography))
+    return binding.warp(levels, np.asarray(to_picture, np.float64), mask, positions)
 
 
 def _levels_needed(picture: Image, homography: Floats) -> int:
@@ -117,17 +109,16 @@ def _levels_needed(picture: Image, homography: Floats) -> int:
     return int(np.ceil(np.log2(min(max(1, shrinks), 2**MAX_LEVELS))))  # also if it is not a number
 
 
-def _address_and_row(positions: Image | None) -> tuple[int | None, int]:
-    """The address of positions, (h, w, 2) float32, and their bytes from one row to the next."""
-    return (None, 0) if positions is None else (positions.ctypes.data, positions.strides[0])
-
-
 def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
     """Paint a picture into a frame of the same size, where the mask is white. This changes the frame.
 
     ``picture``: (h, w, 3), or (h, w, 4) with alpha. ``mask``: (h, w, 3). ``opacity``: see overlay. The picture
-    may be overwritten.
+    may be overwritten. Raises InputError for images of other types and shapes, or a frame that is read-only.
     """
+    size = frame.shape[:2]
+    check_array('frame', frame, np.uint8, (*size, 3), writes=True)
+    check_array('picture', picture, np.uint8, (*size, 3), (*size, 4))
+    check_array('mask', mask, np.uint8, (*size, 3))
     if not frame.size:
         return
     if picture.shape[2] == 3 and opacity == 1:

@@ -25,6 +25,11 @@ MAX_PICTURE_BYTES = 128 * 1024 * 1024
 # A progressive JPEG consists of scans, each of which covers all pixels. Programs write
 # about ten. A small file can have a thousand, which would take minutes to decode.
 JPEG_SCAN, MAX_SCANS = b'\xff\xda', 100
+JPEGS = 'JPEG', 'MPO'  # Pillow's names of the formats
+JPEG_END = b'\xff\xd9'
+# What no picture continues with. In a JPEG with restart markers, one comes in time.
+VALUES = bytes(range(255))
+FILLING = VALUES * 8 + b''.join(VALUES + bytes([0xff, 0xd0 + number]) for number in range(8)) * 2
 
 ORIENTATION = 0x0112  # the tag in EXIF
 
@@ -71,15 +76,41 @@ def open_header(data: bytes, formats: tuple[str, ...] = FORMATS) -> PIL.Image.Im
     if image.width * image.height > MAX_PICTURE_PIXELS:
         raise PIL.Image.DecompressionBombError('%d x %d pixels' % image.size)
     # In other formats these bytes may occur by chance.
-    if image.format in ('JPEG', 'MPO') and data.count(JPEG_SCAN) > MAX_SCANS:
+    if image.format in JPEGS and data.count(JPEG_SCAN) > MAX_SCANS:
         raise ValueError('a JPEG with more than %d scans' % MAX_SCANS)
     return image
+
+
+def with_end(image: PIL.Image.Image, data: bytes) -> bytes:
+    """The bytes of a file, with the end marker if it is a JPEG that lacks only this.
+
+    ``image``: the Pillow image of its header. Some cameras never send the marker, or fill the space after the
+    picture with zeros. Raises ValueError if more is missing. Raises many kinds of error if the JPEG is broken.
+    """
+    if image.format not in JPEGS or data.endswith(JPEG_END) or data.rfind(JPEG_END) > data.rfind(JPEG_SCAN):
+        return data
+    scans = data.rstrip(b'\0')
+    if scans.endswith(b'\xff'):  # either half of the marker, or a number, which is written as these two bytes
+        scans += b'\0'
+    # Whatever follows a picture that is whole is not looked at. If some of it is missing, it becomes that.
+    ended, filled = scans + JPEG_END, scans + FILLING + JPEG_END
+    if not np.array_equal(_sketch(ended), _sketch(filled)):
+        raise ValueError('a JPEG that is cut off')
+    return ended
+
+
+def _sketch(data: bytes) -> Image:
+    """A JPEG as gray in an eighth of its size, or whole if only the whole depends on all of its bytes."""
+    with open_header(data, JPEGS) as image:
+        if not image.info.get('progressive'):
+            image.draft('L', (1, 1))
+        return np.asarray(image)
 
 
 @contextmanager
 def _opened_image(data: bytes, name: str, kinds: str) -> Iterator[PIL.Image.Image]:
     try:
-        with open_header(data) as image:
+        with open_header(data) as header, open_header(with_end(header, data)) as image:
             yield image
     except PIL.Image.DecompressionBombError:
         raise too_large(name, MAX_PICTURE_PIXELS) from None

@@ -5,10 +5,10 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Numbers
+from aruco_ar.compiled.binding import PROFILE_POSITIONS
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.lines import crossing
 
-from .edges import PROFILE_POSITIONS
 from .tag import Tag
 
 

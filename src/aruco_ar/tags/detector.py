@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
@@ -138,6 +139,7 @@ class Detector:
     def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
+        check_array('frame', frame, np.uint8, *GRAY_OR_COLOR)
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
         corners, ids, rejected = finder.detectMarkers(_scaled(frame, scale))
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
@@ -179,7 +181,7 @@ class Detector:
                               & is_quadrilateral(fitted))
         if self._preset.rereads:
             good = _without_duplicates(fitted, likeness, good)
-        return [Tag(ids[number], fitted[number]) for number in good]
+        return [Tag(ids[number], fitted[number], float(likeness[number])) for number in good]
 
 
 def _scaled(frame: Image, scale: float) -> Image:

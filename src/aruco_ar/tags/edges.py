@@ -1,23 +1,13 @@
 """Fitting tags to their edges in the frame, and checking that they are these tags; the method is in edges.c."""
 from __future__ import annotations
 
-import ctypes
 from functools import lru_cache
 
 import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
-from aruco_ar.compiled import library
-
-_C = library('edges')
-_C.fit_tags.restype = None
-_C.fit_tags.argtypes = [ctypes.c_void_p, ctypes.c_int64, *[ctypes.c_int] * 4, ctypes.c_void_p, ctypes.c_int,
-                        *[ctypes.c_void_p] * 4]
-
-# The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
-PROFILE_POSITIONS = np.ctypeslib.as_array(
-    (ctypes.c_float * ctypes.c_int.in_dll(_C, 'profile_count').value).in_dll(_C, 'profile_positions'))
+from aruco_ar.compiled import binding
 
 
 def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Booleans, Floats]:
@@ -31,17 +21,9 @@ def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Boolean
     found, (n,) bool; and the likeness, (n,) float32: the correlation of what is
     seen with the tag's cells, 1 if they are the same. Edges are not found if
     the tag is partly covered. Then the quadrilateral is returned unchanged.
+    Raises InputError for arrays of other types and shapes.
     """
-    quads, cells = np.ascontiguousarray(quads, np.float32), np.ascontiguousarray(cells, np.uint8)
-    count, channels = len(quads), frame.shape[2] if frame.ndim == 3 else 1
-    if frame.strides[1:] != (channels, 1)[:frame.ndim - 1]:
-        frame = np.ascontiguousarray(frame)
-    fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
-    likeness = np.empty(count, np.float32)
-    _C.fit_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0], channels, count,
-                quads.ctypes.data, cells.shape[1], cells.ctypes.data, fitted.ctypes.data, found.ctypes.data,
-                likeness.ctypes.data)
-    return fitted, found, likeness
+    return binding.fit_tags(frame, quads, cells)
 
 
 def side_of(quads: Floats) -> Floats:

@@ -36,10 +36,13 @@ class Tag:
     ``id``: its number in the dictionary. ``corners``: (4, 2) float32, pixels,
     clockwise from the tag's own top left, which is elsewhere in the frame if
     the tag is turned. The middle of the frame's top left pixel is (0, 0).
+    ``likeness``: how closely the frame matches the tag's cells, 1 at best (see
+    fit_tags). It is less if the tag is blurred, and so known less exactly.
     """
 
     id: int
     corners: Floats
+    likeness: float = 1.0
 
     @property
     def center(self) -> Floats:

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
+from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
@@ -69,7 +70,9 @@ class Area:
 
         The undistorted pixels remain those of the whole frame. The part is
         empty if the area is outside of the frame, or too small to be visible.
+        Raises InputError as check_size does.
         """
+        self.check_size(frame)
         touched = self.corners
         if self.positions is not None:
             touched = np.concatenate([touched, self._grid_inside(self.positions)])
@@ -81,6 +84,13 @@ class Area:
         corners = self.corners - np.float32(low)
         return frame[rows, columns], Area(corners, self.ratio) if self.positions is None else replace(
             self, corners=corners, positions=self.positions[rows, columns])
+
+    def check_size(self, frame: Image) -> None:
+        """Raise InputError if the lens, and so ``positions``, is not that of a frame of this size."""
+        if self.positions is not None and self.positions.shape[:2] != frame.shape[:2]:
+            sizes = *frame.shape[1::-1], *self.positions.shape[1::-1]
+            raise InputError('The frame has %d x %d pixels, but the lens is that of %d x %d. Calibrate the '
+                             'camera at the size at which it runs.' % sizes, 'lens of another size')
 
     def outline(self) -> Floats:
         """(n, 2) float32, pixels of the frame: the area's outline. With a lens, its sides are curves."""
@@ -100,7 +110,11 @@ class Area:
         return np.asarray(found, np.float64)
 
     def rectified(self, frame: Image, size: tuple[int, int]) -> Image:
-        """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h)."""
+        """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h).
+
+        Raises InputError as check_size does.
+        """
+        self.check_size(frame)
         larger = min(int(np.linalg.norm(self.undistorted[1] - self.undistorted[0]) / size[0]), MAX_SHRINK)
         shrinks = larger >= 2 and self.lens is None
         window, part = self.window(frame) if shrinks else (frame, self)

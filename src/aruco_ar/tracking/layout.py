@@ -88,8 +88,8 @@ class Layout:
         self.places.pop(tag_id, None)
         self._measured.pop(tag_id, None)
 
-    def locate(self, seen: Mapping[int, Floats]) -> tuple[Floats | None, list[int]]:
-        """Locate the area by tags in one frame, {id: (4, 2) pixels}.
+    def locate(self, seen: Mapping[int, Tag]) -> tuple[Floats | None, list[int]]:
+        """Locate the area by tags in one frame, {id: Tag}.
 
         Returns the area's corners, (4, 2), and the ids of the tags that agree
         with them. More than half of the known tags must agree. Otherwise the
@@ -98,7 +98,7 @@ class Layout:
         ids = [tag_id for tag_id in seen if tag_id in self.places]
         if not ids:
             return None, []
-        points, quads = self.quads(ids), np.stack([seen[tag_id] for tag_id in ids])
+        points, quads = self.quads(ids), np.stack([seen[tag_id].corners for tag_id in ids])
         limits = tolerance_of(quads)
         homography = _homography(points, quads, cv2.RANSAC, float(limits.min()))
         if homography is None:
@@ -125,13 +125,13 @@ class FurtherTags:
     def __init__(self) -> None:
         self._seen: dict[int, tuple[Floats, int]] = {}  # id -> (place, how often seen there)
 
-    def learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Floats],
+    def learn(self, layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
               agreed: Sequence[int]) -> None:
         """Improve the places of the tags that agree, and learn further tags on the same plane.
 
-        ``seen``: {id: (4, 2) pixels}. ``agreed``: the ids of those that agree with the layout and the motion.
+        ``seen``: {id: Tag}. ``agreed``: the ids of those that agree with the layout and the motion.
         """
-        quads = np.array(list(seen.values()), np.float64)
+        quads = np.array([tag.corners for tag in seen.values()], np.float64)
         places = dict(zip(seen, transform(homography_from(motion.corners), quads)))
         if set(agreed) >= set(layout.ids):
             layout.learn(agreed, [places[tag_id] for tag_id in agreed])
@@ -159,7 +159,7 @@ class NewLayout:
     def stays(self, tags: Sequence[Tag], layout: Layout | None, seconds: float) -> bool:
         """Whether the tags have stayed where they are. ``layout``: the Layout that they have in this frame."""
         if self._layout is not None:
-            _, agreed = self._layout.locate({tag.id: tag.corners for tag in tags})
+            _, agreed = self._layout.locate({tag.id: tag for tag in tags})
             if set(agreed) >= set(self._layout.ids):
                 self._sightings += 1
                 return self._sightings >= MIN_SIGHTINGS and seconds - self._since >= RELEARN_S

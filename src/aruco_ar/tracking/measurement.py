@@ -7,6 +7,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats
 from aruco_ar.tags.edges import side_of
+from aruco_ar.tags.tag import Tag
 
 from .layout import Layout, tolerance_of
 from .motion import AreaMotion
@@ -14,26 +15,32 @@ from .motion import AreaMotion
 # A corner's bias is the same in every frame. It is BIAS_PX for a tag with a side of SMALL_PX, and four times as
 # much for a tag half as large.
 BIAS_PX, SMALL_PX = 0.10, 30.0
+# A tag that is blurred, by motion or by a lens out of focus, has a lower likeness than this. Each corner may
+# then be off by this share of the tag's side for each 1 that is missing. All are off alike, outward or inward.
+SHARP_LIKENESS, SOFT_SIDES = 0.97, 0.3
 # If more tags than this contradict each other, several are left out at once.
 MANY_TAGS = 12
 
 
-def measurement(layout: Layout, seen: Mapping[int, Floats],
+def measurement(layout: Layout, seen: Mapping[int, Tag],
                 ids: Iterable[int]) -> tuple[Floats, Floats, Floats, Floats]:
     """The first arguments of AreaMotion.correct, for some tags: points, pixels, deviation and bias.
 
-    ``seen``: {id: (4, 2) pixels}, the corners of tags. ``ids``: the tags to take.
+    ``seen``: {id: Tag}. ``ids``: the tags to take.
     """
-    quads = np.array([seen[tag_id] for tag_id in ids], np.float64)
+    tags = [seen[tag_id] for tag_id in ids]
+    quads = np.array([tag.corners for tag in tags], np.float64)
     side = side_of(quads)
-    deviation, bias = 0.15 + 0.002 * side, BIAS_PX * (SMALL_PX / side)**2
+    soft = SOFT_SIDES * side * np.maximum(SHARP_LIKENESS - np.array([tag.likeness for tag in tags]), 0)
+    deviation = 0.15 + 0.002 * side + soft
+    bias = BIAS_PX * (SMALL_PX / side)**2 + soft
     return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4), np.repeat(bias, 4))
 
 
-def consistent_tags(layout: Layout, seen: Mapping[int, Floats], motion: AreaMotion, limit: float) -> list[int]:
+def consistent_tags(layout: Layout, seen: Mapping[int, Tag], motion: AreaMotion, limit: float) -> list[int]:
     """The ids of the tags that are, all together, not more unlikely than ``limit`` in that motion.
 
-    ``seen``: {id: (4, 2) pixels}, the corners of known tags.
+    ``seen``: {id: Tag}, the known tags.
     """
     def unlikeliness(some: Sequence[int]) -> float:
         points, pixels, _, _ = measurement(layout, seen, some)

@@ -1,6 +1,7 @@
 """The search for tags in a frame: where they are expected, near there, or in the whole frame."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
@@ -18,6 +19,8 @@ from .motion import AreaMotion
 MAX_SUBSTITUTES = 8       # if one of the four tags is missing, at most this many other tags are fitted
 MIN_SIDE_PX = 8           # a tag that is expected to be smaller is not searched for
 EXPECTED_LIKENESS = 0.6   # a tag in its expected place must have more than this likeness (see fit_tags)
+# A tag may be out of the frame by this much, in its sides: its black border is twice as wide.
+OUTSIDE_SIDES = 0.05
 NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
 NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
 SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
@@ -44,8 +47,8 @@ class TagSearch:
         self._searches, self._has_some = 0, False  # whether the last usual search found any tags
 
     def fit_expected(self, frame: Image, layout: Layout,
-                     motion: AreaMotion | None) -> tuple[dict[int, Floats], list[int]]:
-        """{id: corners} of the tags in their expected places, and the ids of the four tags that are missing.
+                     motion: AreaMotion | None) -> tuple[dict[int, Tag], list[int]]:
+        """{id: Tag} of the tags in their expected places, and the ids of the four tags that are missing.
 
         A tag is missing if it should be in the frame, but is not in its place.
         """
@@ -71,7 +74,7 @@ class TagSearch:
             low = np.maximum(quad.min(axis=0) - NEAR_SIDES * side, 0).astype(int)
             high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, frame.shape[1::-1]).astype(int)
             tags = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
-            found += [Tag(tag_id, tag.corners + np.float32(low)) for tag in tags if tag.id == tag_id]
+            found += [replace(tag, corners=tag.corners + np.float32(low)) for tag in tags if tag.id == tag_id]
         return self._undistorted(found)
 
     def find_like(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
@@ -101,21 +104,23 @@ class TagSearch:
             tags += [tag for tag in self._undistorted(self._detector.detect(frame)) if tag.id not in known]
         return tags
 
-    def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Floats]:
-        """{id: corners} of the tags that are where ``expected``, {id: (4, 2) pixels}, says."""
+    def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Tag]:
+        """{id: Tag} of the tags that are where ``expected``, {id: (4, 2) pixels}, says."""
         if not ids:
             return {}
         quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
         found &= likeness > EXPECTED_LIKENESS
-        tags = self._undistorted([Tag(ids[number], quads[number]) for number in np.flatnonzero(found)])
-        return {tag.id: tag.corners for tag in tags}
+        tags = self._undistorted([Tag(ids[number], quads[number], float(likeness[number]))
+                                  for number in np.flatnonzero(found)])
+        return {tag.id: tag for tag in tags}
 
     def _expected_in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
         """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
         ids = list(layout.places)
         quads = self._distorted(motion.project(layout.quads(ids)))
-        inside = (quads > 1) & (quads < np.array(frame.shape[1::-1]) - 2)
-        inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
+        side = side_of(quads)
+        outside = np.maximum(-0.5 - quads, quads - np.array(frame.shape[1::-1]) + 0.5).max(axis=(1, 2))
+        inside = (outside <= OUTSIDE_SIDES * side) & (side > MIN_SIDE_PX)
         return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
 
     def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
@@ -127,14 +132,14 @@ class TagSearch:
         if self.lens is None or not tags:
             return tags
         quads = found_corners(self.lens, self.lens.rays_of_undistorted([tag.corners for tag in tags]))
-        return [Tag(tag.id, np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)]
+        return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)]
 
     def _undistorted(self, tags: list[Tag]) -> list[Tag]:
         """Tags in the frame as Tags with undistorted corners. Those beyond the lens are left out."""
         if self.lens is None or not tags:
             return tags
         quads = undistort_corners(self.lens, [tag.corners for tag in tags])
-        return [Tag(tag.id, np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
+        return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
                 if np.isfinite(quad).all()]
 
 

@@ -59,11 +59,12 @@ class FrameCount:
     def __init__(self, looks_for_tags=True):
         """``looks_for_tags``: whether to report tags and the area, too."""
         self._lock = threading.Lock()  # frames arrive in one thread, reports are made in another
-        self._arrived = self._answered = self._dropped = 0
+        self._arrived = self._answered = self._dropped = self._unusable = 0
         self._dropped_since_answer = 0
         self._sequence = None
         # For each answer: when, processing time in s, latency in s or nan, frames dropped before it.
         self._recent: deque[tuple[float, float, float, int]] = deque()
+        self._problems: deque[tuple[float, str]] = deque()  # when a frame was not usable, and why
         self._tags = 0 if looks_for_tags else None
         self._tag_seen, self._area_seen = time.monotonic(), None
         self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
@@ -73,6 +74,7 @@ class FrameCount:
         with self._lock:
             self._sequence, self._tag_seen, self._has_area = None, time.monotonic(), None
             self._recent.clear()
+            self._problems.clear()
             self._dropped_since_answer = 0
 
     def on_arrival(self, sequence):
@@ -90,6 +92,12 @@ class FrameCount:
         with self._lock:
             self._dropped += 1
             self._dropped_since_answer += 1
+
+    def on_unusable(self, why):
+        """The frame that arrived last cannot be used. ``why``: a sentence."""
+        with self._lock:
+            self._unusable += 1
+            self._problems.append((time.monotonic(), why))
 
     def on_answer(self, arrival, stamp, missing, tags, has_area):
         """The frame that arrived last has been answered.
@@ -115,12 +123,16 @@ class FrameCount:
         """(level, sentence, {name: value}) for Diagnostics, while the node listens to the camera."""
         now = time.monotonic()
         with self._lock:
-            while self._recent and now - self._recent[0][0] > WINDOW_S:
-                self._recent.popleft()
+            for events in self._recent, self._problems:
+                while events and now - events[0][0] > WINDOW_S:
+                    events.popleft()
             recent = np.array(self._recent).reshape(-1, 4)
+            problems = [why for _, why in self._problems]
             unseen, area_seen = now - self._tag_seen, self._area_seen
             values: dict[str, object] = {
                 'frames in': self._arrived, 'frames out': self._answered, 'frames dropped': self._dropped}
+            if self._unusable:
+                values['frames not usable'] = self._unusable
             tags, has_area = self._tags, self._has_area
         rate = (len(recent) - 1) / max(np.ptp(recent[:, 0]), 1e-3) if len(recent) > 1 else 0.0
         values['frame rate (Hz)'] = '%.1f' % rate
@@ -134,6 +146,9 @@ class FrameCount:
             values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
             if has_area is not None:
                 values['area in the last frame'] = YES if has_area else NO
+        if len(problems) > 1:  # a single one is told by the log
+            return WARN, '%d of %d frames within %d s could not be used. %s' % (
+                len(problems), len(problems) + len(recent), WINDOW_S, problems[-1]), values
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # A node that is idle most of the time does not drop them itself.

@@ -51,6 +51,12 @@ def log_once(kind, sentence, log=rospy.logerr):
         log('%s', sentence)
 
 
+def log_notes(topic, notes):
+    """Log the notes of what reads a topic, {kind: sentence}, each kind once for each topic."""
+    for kind, sentence in notes.items():
+        log_once((topic, kind), '%s: %s' % (topic, sentence), rospy.loginfo)
+
+
 def last_fault():
     """A sentence about the last fault, or None if there was none within RECENT_S."""
     with _lock:

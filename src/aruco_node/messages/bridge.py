@@ -10,9 +10,10 @@ import numpy as np
 from aruco_ar.base.errors import InputError, shorten
 from sensor_msgs.msg import Image
 
+from .yuv import UYVY, YUY2
+
 NUMPY_2 = b'numpy._core'  # only a module that is compiled for NumPy 2 contains this name
 LAST_OPENCV = 4  # OpenCV 5 has other type numbers, which cv_bridge does not know
-YUY2, UYVY = 'yuv422_yuy2', 'yuv422'  # each pair of bytes is swapped between them; cv_bridge knows only UYVY
 
 
 @lru_cache(maxsize=None)
@@ -50,18 +51,17 @@ def bytes_of_pixel(encoding):
     return np.dtype(kind).itemsize * channels
 
 
-def convert(rows, encoding, big, wanted):
+def convert(rows, encoding, wanted):
     """Convert an Image's pixels, (h, bytes per row) uint8, to the encoding that is wanted.
 
-    This is bgr8, (h, w, 3) uint8, or bgra8, (h, w, 4) uint8. ``encoding``: one that bytes_of_pixel accepts.
-    ``big``: whether its numbers are big-endian.
+    This is bgr8, (h, w, 3) uint8, or bgra8, (h, w, 4) uint8. ``encoding``: one of 8 bits that bytes_of_pixel
+    accepts.
     """
-    kind, channels = _type_of(encoding)
-    if encoding == YUY2:
-        numbers, encoding = rows.reshape(len(rows), -1, 2)[..., ::-1], UYVY
-    else:  # in this machine's byte order, since with NumPy 2 cv_bridge fails for the other one
-        numbers = rows.view(np.dtype(kind).newbyteorder('>' if big else '<')).astype(kind)
-    return _bridge().imgmsg_to_cv2(_message(numbers.reshape(len(rows), -1, channels), encoding), wanted)
+    _, channels = _type_of(encoding)
+    pixels = rows.reshape(len(rows), -1, channels)
+    if encoding == YUY2:  # each pair of bytes is swapped; cv_bridge knows only UYVY
+        pixels, encoding = pixels[..., ::-1], UYVY
+    return _bridge().imgmsg_to_cv2(_message(pixels, encoding), wanted)
 
 
 @lru_cache(maxsize=64)

@@ -1,12 +1,12 @@
 """Conversion between image messages and frames. A frame is (h, w, 3) BGR uint8."""
 import os
 import struct
-from typing import Any
+from typing import Any, Dict
 
 import cv2
 import numpy as np
 from aruco_ar.base.errors import InputError, shorten
-from aruco_ar.painting.picture import MAX_PICTURE_PIXELS, open_header
+from aruco_ar.painting.picture import MAX_PICTURE_PIXELS, open_header, with_end
 from geometry_msgs.msg import Point32, PolygonStamped
 from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image
@@ -16,6 +16,8 @@ from unit5.msg import TagArray
 from aruco_node.ros_internals.subscribers import tolerant
 
 from .bridge import bytes_of_pixel, convert
+from .levels import WHITES, Levels
+from .yuv import UYVY, YUY2, order_of
 
 END_OF_VIDEO = 'empty bgr8 frame'  # image_publisher sends one after each round of a video
 JPEG_QUALITY = 80  # the default of compressed_image_transport
@@ -24,10 +26,21 @@ JPEG_QUALITY = 80  # the default of compressed_image_transport
 MAX_SIDE_PX = 32766
 # A PNG of a single gray has about 755 pixels in a byte, and zlib cannot exceed 1032. A JPEG has fewer.
 MAX_PIXELS_PER_BYTE = 1100
+MAX_ENCODING = 40  # no name of an encoding is longer, in characters
 
 # The encodings that most cameras send: numbers per pixel, and the code for cv2.cvtColor. cv_bridge takes thirty
 # times as long for them. A test checks that the result is the same.
 FAST = {'bgr8': (3, None), 'rgb8': (3, cv2.COLOR_RGB2BGR), 'mono8': (1, cv2.COLOR_GRAY2BGR)}
+
+# Encodings that do not say what the numbers mean, as cv2_to_imgmsg(image) gives them, and other names.
+READ_AS = {'8uc1': 'mono8', '8uc3': 'bgr8', '8uc4': 'bgra8', '16uc1': 'mono16', '16uc3': 'bgr16',
+           '16uc4': 'bgra16', 'mono': 'mono8', 'gray': 'mono8', 'grey': 'mono8', 'y8': 'mono8', 'y16': 'mono16',
+           'rgb': 'rgb8', 'bgr': 'bgr8', 'rgba': 'rgba8', 'bgra': 'bgra8', 'uyvy': UYVY, 'yuyv': YUY2,
+           'yuy2': YUY2}
+IF_WRONG = {'bgr8': ' Say rgb8 if blue is red.', 'mono16': ' If they hold distances, give a topic of colors.'}
+# Kinds of notes: how frames are read that do not say what they are, or are not what they say.
+ENCODING, LEVELS, END_MARKER = 'encoding', 'gray levels', 'JPEG'
+NOTES = ENCODING, LEVELS, END_MARKER
 
 
 class FrameMessage(Image):
@@ -51,44 +64,124 @@ class FrameMessage(Image):
         buff.write(data)
 
 
-def frame_from_image(message):
-    """The frame in a sensor_msgs/Image, of any color encoding that cv_bridge knows, or yuv422_yuy2.
+class _Decoder:
+    """Converts the messages of one image topic to frames, (h, w, 3) BGR uint8, by calling it with each of them.
 
-    16 bits are scaled to 8. The frame shares no memory with the message. Raises InputError if the encoding is
-    not supported, if the frame is empty or too large, or if the data does not fit width, height and step.
+    ``notes``: {one of NOTES: a sentence}, what a user may not expect in how the last message was read.
     """
-    return _in_color(message, 'bgr8')
+
+    def __init__(self):
+        self.notes: Dict[str, str] = {}
+        self._levels, self._key = Levels(), None
+
+    def __call__(self, message):
+        notes: Dict[str, str] = {}
+        try:
+            return self._decode(message, notes)
+        finally:
+            self.notes = notes
+
+    def _decode(self, message, notes):
+        raise NotImplementedError
+
+    def _to_8_bits(self, values, name, notes):
+        """Values of 16 bits, (h, n), as 8 bits. ``name``: the encoding."""
+        key = name, values.shape
+        if key != self._key:  # it is another camera, or has other settings
+            self._levels, self._key = Levels(), key
+        scaled = self._levels.to_8_bits(values, name == 'mono16')
+        black, white = self._levels.range
+        if (black, white) != (0, WHITES[-1]):
+            notes[LEVELS] = 'Frames of %s use only the values from %d to %d, which become black to white.' \
+                % (name, black, white)
+        return scaled
+
+
+class ImageDecoder(_Decoder):
+    """Converts sensor_msgs/Images of any color encoding that cv_bridge knows, or yuv422_yuy2, to frames.
+
+    16 bits are scaled to 8, by the values that the camera uses. A frame shares no memory with the message.
+    Calling it raises InputError if the encoding is not supported, if the frame is empty or too large, or if the
+    data does not fit width, height and step.
+    """
+
+    def __init__(self, keeps_alpha=False):
+        """``keeps_alpha``: whether Images with an alpha channel become (h, w, 4) BGRA uint8."""
+        super().__init__()
+        self._keeps_alpha = keeps_alpha
+
+    def _decode(self, message, notes):
+        if message.width == 0 or message.height == 0:
+            raise InputError('A frame of %d x %d pixels is empty. Check the camera driver.'
+                             % (message.width, message.height),
+                             kind=END_OF_VIDEO if message.encoding == 'bgr8' else 'empty frame')
+        check_size(message.width, message.height)
+        encoding = message.encoding
+        if encoding not in FAST:
+            encoding = _encoding_of(encoding, notes)
+            rows = _rows(message, encoding, FAST[encoding][0] if encoding in FAST else bytes_of_pixel(encoding))
+            if encoding.endswith('16'):
+                values = rows.view('>u2' if message.is_bigendian else '<u2').astype(np.uint16, copy=False)
+                rows = self._to_8_bits(values, encoding, notes)
+                encoding = encoding[:-2] + '8'
+            elif encoding in (UYVY, YUY2):
+                encoding = _in_true_order(rows, encoding, notes)
+            if encoding not in FAST:
+                keeps_alpha = self._keeps_alpha and encoding in ('bgra8', 'rgba8')
+                return convert(rows, encoding, 'bgra8' if keeps_alpha else 'bgr8')
+        else:
+            rows = _rows(message, encoding, FAST[encoding][0])
+        channels, code = FAST[encoding]
+        pixels = rows.reshape((message.height, message.width) + (channels,) * (channels > 1))
+        return pixels.copy() if code is None else cv2.cvtColor(pixels, code)
+
+
+def frame_from_image(message):
+    """The frame in a single sensor_msgs/Image, as an ImageDecoder gives it."""
+    return ImageDecoder()(message)
 
 
 def picture_from_image(message):
     """As frame_from_image, but (h, w, 4) BGRA uint8 if the Image has an alpha channel."""
-    return _in_color(message, 'bgra8' if message.encoding.startswith(('bgra', 'rgba')) else 'bgr8')
+    return ImageDecoder(keeps_alpha=True)(message)
 
 
-def _in_color(message, wanted):
-    if message.width == 0 or message.height == 0:
-        raise InputError('A frame of %d x %d pixels is empty. Check the camera driver.'
-                         % (message.width, message.height),
-                         kind=END_OF_VIDEO if message.encoding == 'bgr8' else 'empty frame')
-    check_size(message.width, message.height)
-    if message.encoding not in FAST:
-        return convert(_rows(message, bytes_of_pixel(message.encoding)), message.encoding, message.is_bigendian,
-                       wanted)
-    channels, code = FAST[message.encoding]
-    rows = _rows(message, channels)
-    pixels = rows.reshape((message.height, message.width) + (channels,) * (channels > 1))
-    return pixels.copy() if code is None else cv2.cvtColor(pixels, code)
+def _encoding_of(encoding, notes):
+    """The encoding that a name stands for, if it is clear."""
+    if len(encoding) > MAX_ENCODING:
+        return encoding
+    name = encoding.strip().lower()
+    for prefix in 'type_', 'cv_':
+        name = name[len(prefix):] if name.startswith(prefix) else name
+    read_as = READ_AS.get(name, name)
+    if read_as == encoding or not (read_as in FAST or read_as in READ_AS.values()):
+        return encoding
+    notes[ENCODING] = 'Frames with the encoding "%s" are read as %s. Name it where they are published: ' \
+        'cv2_to_imgmsg(image, "%s").%s' % (encoding.strip(), read_as, read_as, IF_WRONG.get(read_as, ''))
+    return read_as
 
 
-def _rows(message, bytes_of_pixel):
-    """An Image's data as a contiguous (h, bytes per row) uint8 array, without the padding of its rows."""
-    row = message.width * bytes_of_pixel
-    if message.encoding.startswith('yuv422') and message.width % 2:
+def _in_true_order(rows, encoding, notes):
+    """The encoding, UYVY or YUY2, that the bytes of a frame really have."""
+    true = order_of(rows, encoding)
+    if true != encoding:
+        notes[ENCODING] = 'Frames with the encoding %s have their bytes in the order of %s, and are read so. ' \
+            'Set the camera driver to %s.' % (encoding, true, true)
+    return true
+
+
+def _rows(message, encoding, size):
+    """An Image's data as a contiguous (h, bytes per row) uint8 array, without the padding of its rows.
+
+    ``size``: how many bytes a pixel of this encoding has.
+    """
+    row = message.width * size
+    if encoding in (UYVY, YUY2) and message.width % 2:
         raise InputError('A frame of %s has %d pixels in a row, but must have an even number. Check the '
-                         'camera driver.' % (message.encoding, message.width), kind='half a pair of pixels')
+                         'camera driver.' % (encoding, message.width), kind='half a pair of pixels')
     if message.step < row:
         raise InputError('A frame has a step of %d bytes, but %d pixels of %s take %d. Check the '
-                         'camera driver.' % (message.step, message.width, message.encoding, row),
+                         'camera driver.' % (message.step, message.width, encoding, row),
                          kind='short step')
     if len(message.data) < message.step * message.height:
         raise InputError('A frame has %d bytes, but by its step and height it must have %d. Check the '
@@ -104,36 +197,54 @@ def check_size(width, height):
         raise _too_large('A frame of %d x %d pixels' % (width, height))
 
 
-def frame_from_compressed(message):
-    """The frame in a sensor_msgs/CompressedImage, JPEG or PNG.
+class CompressedDecoder(_Decoder):
+    """Converts sensor_msgs/CompressedImages, JPEG or PNG, to frames.
 
-    16 bits are scaled to 8. Raises InputError if the data is neither, or if the frame is too large.
+    16 bits are scaled to 8, by the values that the camera uses. A JPEG may lack its end marker. Calling it
+    raises InputError if the data is neither, if more of it is missing, or if the frame is too large.
     """
-    try:
-        with _opened(message) as picture:
-            if picture.mode.startswith('I'):  # 16-bit gray
-                gray = cv2.convertScaleAbs(np.asarray(picture).astype(np.uint16), alpha=255 / 65535)
-                return cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
-            return cv2.cvtColor(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
-                                cv2.COLOR_RGB2BGR)
-    except InputError:
-        raise
-    except Exception:  # Pillow raises many kinds
-        raise _undecodable(message) from None
+
+    def _decode(self, message, notes):
+        try:
+            with _whole(message, notes) as picture:
+                if picture.mode.startswith('I'):  # 16-bit gray
+                    gray = self._to_8_bits(np.asarray(picture).astype(np.uint16), 'mono16', notes)
+                    return cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
+                return cv2.cvtColor(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
+                                    cv2.COLOR_RGB2BGR)
+        except InputError:
+            raise
+        except Exception:  # Pillow raises many kinds
+            raise _undecodable(message) from None
+
+
+def frame_from_compressed(message):
+    """The frame in a single sensor_msgs/CompressedImage, as a CompressedDecoder gives it."""
+    return CompressedDecoder()(message)
 
 
 def check_compressed(message):
     """(width, height) of a CompressedImage, JPEG or PNG. Raises InputError if its header is not usable."""
-    with _opened(message) as picture:
+    with _opened(message, message.data) as picture:
         return picture.size
 
 
-def _opened(message):
-    """The Pillow image in a CompressedImage. Only the header of its data has been read yet.
+def _whole(message, notes):
+    """The Pillow image in a CompressedImage. A JPEG has the end marker that it lacked."""
+    picture = _opened(message, message.data)
+    whole = with_end(picture, message.data)
+    if whole is message.data:
+        return picture
+    notes[END_MARKER] = 'The JPEGs lack their end marker, the bytes FF D9. They are used, since nothing else ' \
+        'is missing.'
+    return _opened(message, whole)
+
+
+def _opened(message, data):
+    """The Pillow image of the data of a CompressedImage. Only the header has been read yet.
 
     OpenCV is not used, since its decoders write a line to stderr for each damaged frame.
     """
-    data = message.data
     try:
         picture = open_header(data, ('JPEG', 'PNG'))
     except Picture.DecompressionBombError:
@@ -193,10 +304,10 @@ def jpeg_from_frame(frame, quality=JPEG_QUALITY):
     return data.tobytes()
 
 
-# For each ~transport: the suffix of the topic, the class of the message, and the function that decodes a frame.
+# For each ~transport: the suffix of the topic, the class of the message, and that of what decodes frames.
 TRANSPORTS = {
-    'raw': ('', tolerant(Image), frame_from_image),
-    'compressed': ('/compressed', tolerant(CompressedImage), frame_from_compressed),
+    'raw': ('', tolerant(Image), ImageDecoder),
+    'compressed': ('/compressed', tolerant(CompressedImage), CompressedDecoder),
 }
 
 

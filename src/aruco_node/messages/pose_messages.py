@@ -65,9 +65,7 @@ def tag_poses(poses, lens, header):
 
 
 def area_pose(pose, lens, header):
-    """An aruco_ar.AreaPose, or None, as a unit5/AreaPose. ``lens``: the Lens of the frame."""
-    if pose is None:
-        return AreaPoseMessage(header=header)
+    """An aruco_ar.AreaPose as a unit5/AreaPose. ``lens``: the Lens of the frame."""
     return AreaPoseMessage(header, points_from_pixels(pose.corners), _center(pose, lens), pose.width,
                            pose.height, pose_with_covariance(pose))
 

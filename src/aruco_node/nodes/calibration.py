@@ -1,5 +1,7 @@
 """The camera's calibration, from its sensor_msgs/CameraInfo."""
+import re
 import time
+from typing import Any, Dict, List
 
 import numpy as np
 import rospy
@@ -8,35 +10,53 @@ from aruco_ar.geometry.lens import Lens
 from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
-from aruco_node.health.faults import fault_barrier
+from aruco_node.health.faults import fault_barrier, log_notes
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.parameters.parameters import AUTO
+from aruco_node.ros_internals.master import published_topics
 from aruco_node.ros_internals.subscribers import tolerant
 
-# How many distortion coefficients each model may have. 0 of them mean no distortion.
-MODELS = {'plumb_bob': (0, 4, 5), 'rational_polynomial': (0, 8, 12, 14), 'equidistant': (0, 4),
-          '': (0, 4, 5, 8)}
+PLUMB_BOB, RATIONAL, FISHEYE, NONE = 'plumb_bob', 'rational_polynomial', 'equidistant', 'none'
+# Other names of distortion models, in small letters and with _ between words.
+READ_AS = {'': PLUMB_BOB, 'radtan': PLUMB_BOB, 'radial_tangential': PLUMB_BOB, 'brown_conrady': PLUMB_BOB,
+           'pinhole': PLUMB_BOB, 'perspective': PLUMB_BOB, 'opencv': PLUMB_BOB, 'rational': RATIONAL,
+           'fisheye': FISHEYE, 'equi': FISHEYE, 'kannala_brandt': FISHEYE, 'kannala_brandt4': FISHEYE,
+           'kannalabrandt': FISHEYE, 'opencv_fisheye': FISHEYE, 'no_distortion': NONE, 'undistorted': NONE}
+# How many coefficients each may have. 0 of them mean no distortion. Those of a plumb_bob are the first of a
+# rational_polynomial, so their number tells the two apart.
+COEFFICIENTS = {PLUMB_BOB: (0, 4, 5, 8, 12, 14), RATIONAL: (0, 4, 5, 8, 12, 14), FISHEYE: (0, 4)}
+MOST_OF_PLUMB_BOB = 5
 # Kinds of InputErrors.
 NO_CAMERA_INFO, NO_CALIBRATION = 'no camera_info', 'camera_info without calibration'
 CALIBRATE = 'Calibrate it: rosrun unit5 calibrate_camera.py --help'
-FISHEYE = 'equidistant'
 MAX_FOCAL_PX = 1e6
 FOCAL_SHARES = 0.1, 100  # limits of the focal length, divided by the image's longer side: 157 to 0.6 degrees
+MIDDLE = 0.1             # the center of a lens is within this share of a side around the middle
 MAX_ASPECT = 2           # limit of the ratio of the focal lengths across and down
 RECTIFIED = 'image_rect'  # image_proc's name of the topic of rectified frames
+LOOK_S = 1.0             # if no CameraInfo has arrived after this time, others are looked for
 
 
-def lens_from_info(info, size, rectified=False, scale=1.0):
+def lens_from_info(info, size, rectified=False, scale=1.0, notes=None):
     """The Lens that a CameraInfo describes, for frames of this size, (width, height) pixels.
 
     ``rectified``: whether the distortion has been removed from the frames. ``scale``: the factor by which the
-    frames were resized after they arrived. Raises InputError, with a kind, if the CameraInfo cannot be used.
+    frames were resized after they arrived. ``notes``: a dict that gets {kind: sentence} for what was read in
+    the only sensible way. Raises InputError, with a kind, if the CameraInfo cannot be used.
     """
+    notes, (width, height), size = {} if notes is None else notes, size, np.array(size)
     binning = np.maximum([info.binning_x, info.binning_y], 1)
     corner = np.array([info.roi.x_offset, info.roi.y_offset])
-    region = (info.roi.width, info.roi.height)
+    uses_p = rectified and np.any(info.P)
+    if rectified and not uses_p:
+        notes['P'] = 'its P is all zero, so its K is used for the rectified frames.'
+    matrix = np.array(info.P).reshape(3, 4)[:, :3] if uses_p else np.array(info.K).reshape(3, 3)
+    whole, region = np.array([info.width, info.height]), np.array([info.roi.width, info.roi.height])
     if 0 in region:
-        region = (info.width, info.height)
+        if 0 in whole and _is_middle(matrix[:2, 2], size / scale * binning):
+            whole = size / scale * binning
+            notes['size'] = 'it does not say for what size of frames it is, but its center fits these.'
+        region = whole
     original = region // binning
     if np.any(original == 0):
         raise InputError('it does not say for what size of frames it is, so the camera is not calibrated. '
@@ -48,24 +68,14 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
                          % (*original, *np.round(np.array(size) / scale)), kind='camera_info of turned frames')
     if np.any(np.abs(original * scale - size) > 1):
         raise InputError('it is for frames of %d x %d pixels, but the frames have %d x %d. Calibrate the '
-                         'camera at the size at which it runs' % (*original, *np.round(np.array(size) / scale)),
+                         'camera at the size at which it runs' % (*original, *np.round(size / scale)),
                          kind='camera_info of another size')
-    matrix = np.array(info.P).reshape(3, 4)[:, :3] if rectified else np.array(info.K).reshape(3, 3)
     if not np.all(np.isfinite(matrix)) or np.any(matrix[[0, 1], [0, 1]] <= 0) or \
             np.any(matrix[2] != [0, 0, 1]) or matrix[1, 0] != 0 or np.any(np.abs(matrix) > MAX_FOCAL_PX):
         raise InputError('its %s is not a camera matrix, so the camera is not calibrated. %s'
-                         % ('P' if rectified else 'K', CALIBRATE), kind=NO_CALIBRATION)
-    _check_possible(matrix, info.width, info.height)
-    distortion = np.array([] if rectified else info.D, np.float64)
-    fisheye = not rectified and info.distortion_model == FISHEYE
-    if fisheye and not len(distortion):
-        distortion = np.zeros(4)  # a fisheye lens without distortion is not a pinhole
-    if not rectified and (len(distortion) not in MODELS.get(info.distortion_model, ())
-                          or not np.all(np.isfinite(distortion))):
-        raise InputError('its distortion model "%s" with %d coefficients is not supported. Supported are '
-                         'plumb_bob (4 or 5), rational_polynomial (8, 12 or 14) and equidistant (4)'
-                         % (shorten(info.distortion_model, 40), len(distortion)),
-                         kind='camera_info with another distortion')
+                         % ('P' if uses_p else 'K', CALIBRATE), kind=NO_CALIBRATION)
+    _check_possible(matrix, *whole)
+    distortion, fisheye = (np.array([]), False) if rectified else _distortion(info, notes)
     # CameraInfo.msg explains the region and the binning. The middle of the first pixel is (0, 0) before
     # and after resizing, hence the 0.5.
     matrix[:2, 2] -= corner
@@ -74,7 +84,38 @@ def lens_from_info(info, size, rectified=False, scale=1.0):
     matrix[:2, 2] += 0.5
     matrix[:2] *= resized[:, None]
     matrix[:2, 2] -= 0.5
-    return Lens(size[0], size[1], matrix, distortion, fisheye)
+    return Lens(width, height, matrix, distortion, fisheye)
+
+
+def _is_middle(center, size):
+    """Whether the center of a lens, (2,) pixels, is that of images of this size."""
+    return bool(np.all(np.abs(center / size - 0.5) < MIDDLE))
+
+
+def _distortion(info, notes):
+    """(coefficients, (n,) float64, whether they are those of the fisheye model) of a CameraInfo."""
+    given, coefficients = info.distortion_model, np.array(info.D, np.float64)
+    name = re.sub(r'[\s_-]+', '_', given.strip().lower()) if len(given) < 40 else given
+    model, kind = READ_AS.get(name, name), 'distortion model'
+    if model == NONE:
+        notes[kind] = 'its distortion model is "%s"%s.' % (
+            given, ', so its coefficients are not used' if np.any(coefficients) else ', so the lens has none')
+        return np.array([]), False
+    lengths = [length for length in COEFFICIENTS.get(model, ())
+               if length <= len(coefficients) and not np.any(coefficients[length:])]
+    if not lengths or not np.all(np.isfinite(coefficients)):
+        raise InputError('its distortion model "%s" with %d coefficients is not supported. Supported are '
+                         'plumb_bob (4 or 5), rational_polynomial (8, 12 or 14) and equidistant (4)'
+                         % (shorten(given, 40), len(coefficients)), kind='camera_info with another distortion')
+    coefficients = coefficients[:max(lengths)]  # without the zeros that some drivers append
+    if model != FISHEYE and len(coefficients):
+        model = RATIONAL if len(coefficients) > MOST_OF_PLUMB_BOB else PLUMB_BOB
+    if given and given != model:
+        notes[kind] = 'its distortion model "%s" with %d coefficients is read as %s.' % (
+            given, len(info.D), model if len(coefficients) or model == FISHEYE else 'no distortion')
+    if model == FISHEYE and not len(coefficients):
+        coefficients = np.zeros(4)  # a fisheye lens without distortion is not a pinhole
+    return coefficients, model == FISHEYE
 
 
 def _check_possible(matrix, width, height):
@@ -95,14 +136,62 @@ def _check_possible(matrix, width, height):
                          'calibrated. %s' % (why, width, height, CALIBRATE), kind=NO_CALIBRATION)
 
 
-def info_topic(camera):
-    """The name of the CameraInfo topic that belongs to a camera's raw image topic."""
-    return camera.rpartition('/')[0] + '/camera_info'
+def info_topics(camera):
+    """The names that the CameraInfo topic of a camera's raw image topic may have: beside it, or below it."""
+    return camera.rpartition('/')[0] + '/camera_info', camera + '/camera_info'
 
 
 def is_rectified(settings, camera):
     """Whether the frames on the raw topic ``camera`` are rectified, by PoseSettings or by the topic's name."""
     return camera.rpartition('/')[2].startswith(RECTIFIED) if settings.rectified == AUTO else settings.rectified
+
+
+class InfoSubscriber:
+    """Subscribes to the CameraInfo of a camera, which may be published beside its images or below them."""
+
+    def __init__(self, topics, on_info):
+        """``topics``: names that the topic may have. ``on_info`` is called with each CameraInfo."""
+        self._topics, self._on_info = topics, on_info
+        self.topic = topics[0]
+        self._subscriber: Any = None  # a rospy.Subscriber
+        self.others: List[str] = []  # sorted names of all CameraInfo topics, if this one is not published
+        self._has_info, self._look_at = False, 0.0
+
+    def update(self, wanted):
+        """Subscribe to the topic if it is wanted, else leave it. Called about once a second."""
+        if wanted and self._subscriber is None:
+            self.since, self._look_at = time.monotonic(), time.monotonic() + LOOK_S
+            self._subscribe()
+        elif not wanted and self._subscriber is not None:
+            self._unsubscribe()
+        elif wanted and not self._has_info and time.monotonic() > self._look_at:
+            self._look_at = time.monotonic() + SILENCE_S
+            self._look_for_others()
+
+    def _look_for_others(self):
+        try:
+            found = sorted(topic for topic, kind in published_topics().items() if kind == CameraInfo._type)
+        except InputError:
+            return  # the master does not answer
+        self.others = [] if self.topic in found else found
+        topic = next((topic for topic in self._topics if topic in self.others), None)
+        if topic is not None:
+            rospy.loginfo('Nothing publishes %s, so the calibration is taken from %s.', self.topic, topic)
+            self._unsubscribe()
+            self.topic, self.others = topic, []
+            self._subscribe()
+
+    def _subscribe(self):
+        self._subscriber = rospy.Subscriber(self.topic, tolerant(CameraInfo), self._on_message, queue_size=1)
+
+    def _unsubscribe(self):
+        self._subscriber.unregister()
+        self._subscriber = None
+
+    @fault_barrier
+    def _on_message(self, info):
+        self._has_info = True
+        self._on_info(info)
 
 
 class Calibration:
@@ -117,19 +206,20 @@ class Calibration:
             raise InputError('The parameter ~camera_info is "%s"; it must be the name of a topic.'
                              % settings.camera_info)
         self.rectified = is_rectified(settings, camera)
-        self.topic = info_topic(camera) if settings.camera_info == AUTO else \
-            rospy.resolve_name(settings.camera_info)
-        self._info = self._lens = self._subscriber = None
+        self._subscriber = InfoSubscriber(
+            info_topics(camera) if settings.camera_info == AUTO else [rospy.resolve_name(settings.camera_info)],
+            self._on_info)
+        self._info = self._lens = None
         self._lens_input = None  # what self._lens was made from
 
+    @property
+    def topic(self):
+        """The resolved name of the CameraInfo topic."""
+        return self._subscriber.topic
+
     def update_subscription(self, wanted):
-        """Subscribe to the topic if it is wanted, else leave it."""
-        if wanted and self._subscriber is None:
-            self._subscribed_at = time.monotonic()
-            self._subscriber = rospy.Subscriber(self.topic, tolerant(CameraInfo), self._on_info, queue_size=1)
-        elif not wanted and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
+        """Subscribe to the topic if it is wanted, else leave it. Called about once a second."""
+        self._subscriber.update(wanted)
 
     def lens(self, size, scale):
         """The Lens for frames of this size, (width, height) pixels; None until a CameraInfo has arrived.
@@ -139,16 +229,19 @@ class Calibration:
         """
         info = self._info
         if info is None:
-            if time.monotonic() - self._subscribed_at < SILENCE_S:
+            if time.monotonic() - self._subscriber.since < SILENCE_S:
                 return None
-            raise InputError('nothing arrives on it. Start the camera with its calibration, or name the topic: '
-                             'camera_info:=TOPIC', kind=NO_CAMERA_INFO)
+            others = self._subscriber.others
+            raise InputError('nothing arrives on it. %s camera_info:=TOPIC' % (
+                'These are published: %s. Choose one:' % ', '.join(others) if others else
+                'Start the camera with its calibration, or name the topic:'), kind=NO_CAMERA_INFO)
         if self._lens_input != (info, size, scale):
-            self._lens = lens_from_info(info, size, self.rectified, scale)
+            notes: Dict[str, str] = {}
+            self._lens = lens_from_info(info, size, self.rectified, scale, notes)
             self._lens_input = info, size, scale
+            log_notes(self.topic, notes)
         return self._lens
 
-    @fault_barrier
     def _on_info(self, info):
         info.header = None  # the stamp would make every message look like a new calibration
         if info != self._info:

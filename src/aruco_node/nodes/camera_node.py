@@ -39,6 +39,7 @@ class CameraNode(FrameNode):
             self._areas = load_areas(self.settings.areas)
         self._stages = [Stage(exercise.needs, of_area, open_picture)
                         for of_area in self._settings_of_areas(self.settings)]
+        self._subscribed = set()  # the TopicPictures that may be subscribed
         self._hints = self._new_hints(self.settings)
         self._lens_check, self._worker = LensCheck(), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
@@ -50,8 +51,8 @@ class CameraNode(FrameNode):
 
     def process(self, frame, header, stamp):
         self._update_lens(frame)
-        # Each area is searched in the original frame, whatever was painted into the other areas.
-        image = frame if len(self._stages) == 1 else frame.copy()
+        # Each area, and what hints are about, is searched for in the frame as the camera sent it.
+        image = frame.copy() if len(self._stages) > 1 or self._hints.may_search(stamp) else frame
         results = []
         for stage in self._stages:
             results.append(self._exercise.step(stage.scene(frame, image, stamp, self.lens)))
@@ -99,8 +100,13 @@ class CameraNode(FrameNode):
         return super().is_wanted() or self._tags.get_num_connections() > 0
 
     def update_subscriptions(self, wanted):
-        for picture in self._topic_pictures():
+        # Only this thread subscribes and unsubscribes.
+        pictures = self._topic_pictures()
+        for picture in self._subscribed - set(pictures):
+            picture.update_subscription(False)
+        for picture in pictures:
             picture.update_subscription(wanted)
+        self._subscribed = set(pictures)
         if self._calibration is not None:
             self._calibration.update_subscription(wanted)
 
@@ -123,14 +129,11 @@ class CameraNode(FrameNode):
         hints = self._hints if same else self._new_hints(settings)
 
         def apply():
-            self._hints = hints
-            before, self._stages = self._topic_pictures(), stages
-            for picture in set(before) - set(self._topic_pictures()):
-                picture.update_subscription(False)
+            self._hints, self._stages = hints, stages
         return apply
 
     def reset(self):
-        """Forget what was learned from frames."""
+        """Forget what was learned from frames. Called between two frames."""
         for stage in self._stages:
             stage.reset()
 
@@ -191,5 +194,5 @@ class CameraNode(FrameNode):
         return [read(type(settings), {**values, **own}.get) for own in self._areas]
 
     def _on_reset(self, request):
-        self.reset()
+        self.between_frames(self.reset)
         return TriggerResponse(True, 'What was learned about the wall is forgotten.')

@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.lateness import Lateness
 
 from aruco_node.health.diagnostics import ERROR, OK, Diagnostics, FrameCount
-from aruco_node.health.faults import fault_barrier, log_once, note_fault
+from aruco_node.health.faults import fault_barrier, log_notes, log_once, note_fault
 from aruco_node.health.silence import SILENCE_S, explain_silence
 from aruco_node.health.snapshot import SnapshotService
 from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS
@@ -48,8 +48,9 @@ class FrameNode:
     """The shell between ROS and what a node does with a frame. It works only while somebody listens.
 
     It subscribes to the camera, drops stale frames, publishes answers, takes snapshots, and reports
-    diagnostics. A subclass implements ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``,
-    ``update_subscriptions``, ``begin_anew``, ``prepare``, ``offer_services`` and ``report``.
+    diagnostics. What frames are processed with changes only in ``between_frames``. A subclass implements
+    ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``, ``update_subscriptions``, ``begin_anew``,
+    ``prepare``, ``offer_services`` and ``report``.
     """
 
     result_topics: Sequence[str] = ()  # resolved names of the topics that are published besides images
@@ -73,7 +74,8 @@ class FrameNode:
         self._count, self._lateness = FrameCount(looks_for_tags), Lateness()
         self._diagnostics = Diagnostics(self.report)
         self._snapshots = SnapshotService(self._wake.set)
-        self._processing = threading.Lock()  # rospy calls back in one thread for each publisher of frames
+        # Held while a frame is processed: rospy calls back in one thread for each publisher of frames.
+        self._processing = threading.Lock()
 
     def process(self, frame, header, stamp):
         """The Answer to a frame, (h, w, 3) BGR uint8, which may be drawn on.
@@ -84,7 +86,8 @@ class FrameNode:
 
     def _use_transport(self, transport):
         self._transport = transport
-        suffix, self._message_class, self._decode = TRANSPORTS[transport]
+        suffix, self._message_class, decoder = TRANSPORTS[transport]
+        self._decode = decoder()
         self._topic = self.camera + suffix
 
     def decode(self, message):
@@ -123,6 +126,8 @@ class FrameNode:
     def report(self):
         """(level, sentence, values) for Diagnostics."""
         level, sentence, values = self._count.report()
+        if self.is_receiving:
+            values.update(self._decode.notes)
         if self._silence:
             sentence, is_fine = self._silence
             level = OK if is_fine else ERROR
@@ -136,6 +141,15 @@ class FrameNode:
     def is_receiving(self):
         """Whether frames arrive."""
         return self._subscriber is not None and not self._silence
+
+    def between_frames(self, change):
+        """Call a function that changes what frames are processed with, while none is processed.
+
+        Services and dynamic_reconfigure have threads of their own. So that a frame finds everything as it was
+        when it began, all that they change is changed here. The function must be quick.
+        """
+        with self._processing:
+            change()
 
     def advertise(self, topic, message_class):
         """A rospy.Publisher. The node notices at once when somebody starts or stops listening to it."""
@@ -162,8 +176,11 @@ class FrameNode:
 
     def _reconfigure(self, settings):
         apply = self.prepare(settings)
-        apply()
-        self.settings = settings
+
+        def change():
+            apply()
+            self.settings = settings
+        self.between_frames(change)
         self._wake.set()
 
     @fault_barrier
@@ -183,8 +200,7 @@ class FrameNode:
 
     def _restart(self):
         self._count.restart()
-        with self._processing:  # a frame may still be processed
-            self.begin_anew()
+        self.between_frames(self.begin_anew)
 
     @fault_barrier
     def _try_other_transport(self):
@@ -200,7 +216,7 @@ class FrameNode:
         if self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = None
-        self._use_transport(other)
+        self.between_frames(lambda: self._use_transport(other))
         rospy.loginfo('Only the %s frames of %s are published, so these are used.', other, self.camera)
 
     def _explain_no_frames(self):
@@ -244,14 +260,18 @@ class FrameNode:
                 self._may_end = False
                 return
             self._frame_problem = str(error)
+            self._count.on_unusable(self._frame_problem)
             log_once(error.kind, self._frame_problem)
         except Exception as error:  # a bug costs one frame, not the node
             self._frame_problem = note_fault(error)
 
     def _answer(self, message, arrival):
         """Process a message that arrived at a monotonic time, and publish the Answer. Raises InputError."""
+        if not isinstance(message, self._message_class):
+            return  # the last frame of the transport that was used before
         missing = self._count.on_arrival(message.header.seq)
         header = message.header
+        header.stamp.canon()  # some drivers count more than a second in nanoseconds
         if not is_time(header.stamp):
             raise InputError('A frame has the stamp %d s, %d ns, which is not a possible time. Check the clock '
                              'of the camera driver.' % (header.stamp.secs, header.stamp.nsecs), kind='stamp')
@@ -263,6 +283,7 @@ class FrameNode:
             self._count.on_drop()  # the next frame will show the same, but fresher
             return
         frame = self.decode(message)
+        log_notes(self._topic, self._decode.notes)
         self._snapshots.keep_frame(frame)
         answer = self.process(frame, header, stamp)
         images = dict(zip(self.outputs, answer.images))

@@ -18,7 +18,7 @@ from aruco_node.parameters.parameters import MAX_QUOTED, parameters_of, quoted, 
 from aruco_node.process.streams import make_streams_safe
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
-from aruco_node.ros_internals.shutdown import is_ending
+from aruco_node.ros_internals.shutdown import is_ending, on_successor
 
 EXIT_S = 5.0  # a node that is asked to end has ended after this time
 
@@ -72,6 +72,9 @@ def _start(name):
         rospy.init_node(name, disable_signals=True)
     except Exception as error:  # rospy raises many kinds, for example if XML-RPC cannot carry a _PARAMETER:=
         raise InputError('%s cannot start: %s' % (name, ' '.join(str(error).split()))) from None
+    on_successor(lambda: rospy.logwarn(
+        'Another node has taken the name %s, so this one ends. To run both, give each a namespace: '
+        'ROS_NAMESPACE=left roslaunch ...', rospy.get_name()))
     fault = fault_of_bridge()
     if fault:
         rospy.logwarn('%s Until then, raw frames can only be %s.', fault, ', '.join(FAST))

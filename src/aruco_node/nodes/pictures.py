@@ -1,15 +1,18 @@
 """Opens the picture that is painted: a file, or a topic."""
 import time
+from collections import deque
 
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.painting.picture import shrink_to_warp
 from aruco_ar.painting.sources import open_source
+from genpy import Message
 from rosgraph.names import is_legal_name
 
+from aruco_node.health.faults import log_notes
 from aruco_node.health.silence import SILENCE_S
-from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS, picture_from_image
+from aruco_node.messages.images import END_OF_VIDEO, TRANSPORTS, ImageDecoder
 from aruco_node.messages.topics import SUFFIX
 from aruco_node.parameters.settings import TOPIC
 from aruco_node.ros_internals.subscribers import subscribe_newest
@@ -38,11 +41,12 @@ class TopicPicture:
             raise InputError('The parameter ~picture is "%s%s", which this node publishes itself. Give '
                              'another topic.' % (TOPIC, topic))
         compressed = self._topic.endswith(SUFFIX)
-        _, self._kind, to_frame = TRANSPORTS['compressed' if compressed else 'raw']
-        self._to_picture = to_frame if compressed else picture_from_image
+        _, self._kind, decoder = TRANSPORTS['compressed' if compressed else 'raw']
+        self._to_picture = decoder() if compressed else ImageDecoder(keeps_alpha=True)
         self._subscriber = None
         self._is_silence_logged = self._is_fault_logged = False
-        self._message = None  # the newest message; it is decoded only when it is shown, as most are not
+        # The newest message that was not shown yet. It is decoded only when it is shown, as most are not.
+        self._messages: deque[Message] = deque(maxlen=1)
         self._picture = None
 
     def update_subscription(self, wanted):
@@ -60,10 +64,10 @@ class TopicPicture:
 
     def at(self, stamp):
         """The newest picture, (h, w, 3 or 4) uint8, or None before the first one has arrived."""
-        message, self._message = self._message, None
-        if message is not None:
+        if self._messages:
             try:
-                self._picture = shrink_to_warp(self._to_picture(message))
+                self._picture = shrink_to_warp(self._to_picture(self._messages.pop()))
+                log_notes(self._topic, self._to_picture.notes)
             except InputError as error:
                 is_end = error.kind == END_OF_VIDEO and self._picture is not None
                 if not (is_end or self._is_fault_logged):
@@ -72,4 +76,5 @@ class TopicPicture:
         return self._picture
 
     def _on_message(self, message):
-        self._message, self._is_silence_logged = message, True
+        self._messages.append(message)
+        self._is_silence_logged = True

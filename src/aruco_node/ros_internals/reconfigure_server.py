@@ -9,6 +9,8 @@ dynparam is not told that it is refused.
 Seen with: dynamic_reconfigure 1.7, rospy 1.15 and 1.17. It can go when the server has a hook before and after a
 change.
 """
+import threading
+
 import rospy
 from aruco_ar.base.errors import InputError
 from dynamic_reconfigure.encoding import encode_config
@@ -30,6 +32,7 @@ class CheckedServer(Server):
         """``description``, ``on_change``: the type and the callback that Server takes."""
         if not all(hasattr(Server, name) for name in PRIVATE):
             warn_of_other('dynamic_reconfigure', 'Numbers beyond their bounds may be clipped without a word.')
+        self._request = threading.local()  # each request comes in a thread of its own
         super().__init__(description, on_change)
 
     def live_values(self):
@@ -57,7 +60,7 @@ class CheckedServer(Server):
         If it is refused, dynparam is sent the reason instead.
         """
         config = request.config
-        self._refusal = None
+        self._request.refusal = None
         wanted = {item.name: item.value for item in config.bools + config.ints + config.strs + config.doubles}
         try:
             self.check_names(wanted)
@@ -65,15 +68,15 @@ class CheckedServer(Server):
             self.refuse(error)
             wanted = {}
         answer = encode_config(self.update_configuration(wanted))
-        if self._refusal is not None and \
+        if self._request.refusal is not None and \
                 sender(request, 'dynparam does not print why it changes nothing.').startswith(DYNPARAM):
-            raise rospy.ServiceException(self._refusal)
+            raise rospy.ServiceException(self._request.refusal)
         return answer
 
     def refuse(self, error):
         """Say that a request is refused."""
-        self._refusal = '%s Nothing is changed.' % error
-        rospy.logerr('%s', self._refusal)
+        self._request.refusal = '%s Nothing is changed.' % error
+        rospy.logerr('%s', self._request.refusal)
 
     def _clamp(self, config):
         """Leave a number beyond its bounds as it is: it is refused, not clipped without a word."""

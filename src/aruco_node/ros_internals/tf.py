@@ -32,6 +32,8 @@ class OthersFrames(tf2_ros.TransformListener):
     def callback(self, data):
         """Take in the transforms of a tf2_msgs/TFMessage: those that have a possible stamp."""
         if sender(data, 'The node takes in its own TF frames, too.') != rospy.get_name():
+            for each in data.transforms:
+                each.header.stamp.canon()
             data.transforms = [each for each in data.transforms if is_time(each.header.stamp)]
             super().callback(data)
 

@@ -19,7 +19,7 @@ from aruco_node.parameters.settings import load_areas
 from hostile.files.samples import cases
 
 MEMORY_BYTES = 8 * 2**30  # no file should need more
-HANG_S = 60
+HANG_S = 300
 
 
 def look(path):

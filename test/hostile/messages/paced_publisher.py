@@ -6,7 +6,7 @@ import warnings
 
 import rospy
 
-STUCK_S = 60
+STUCK_S = 300
 
 
 class PacedPublisher(rospy.Publisher):

@@ -5,8 +5,10 @@ import threading
 import time
 from contextlib import ExitStack, contextmanager
 
+from rig.processes.started import WAIT_S
+
 from hostile.page import client
-from hostile.page.client import WAIT_S, closed, connect, get, say, statuses, upgrade
+from hostile.page.client import closed, connect, get, say, statuses, upgrade
 
 TOPIC = '/eye/image'  # the tests must publish images on it
 FLOODS = {'drive': ['{"drive": [1, 0]}'], 'picture': ['{"picture": "x"}'], 'slide': ['{"slide": ["noise", 1]}'],

@@ -9,10 +9,10 @@ from urllib.parse import quote
 
 import numpy as np
 from PIL import Image
+from rig.processes.started import WAIT_S
 
 from hostile.files.png import png
 
-WAIT_S = 20
 ENOUGH = 1 << 20  # bytes of an answer, since a stream does not end
 FORGED = 'FORGED'  # no line of a log may begin with it
 SECRETS = b'root:', b'<name>unit5</name>', b'"""'  # from /etc/passwd, package.xml, and any of our modules

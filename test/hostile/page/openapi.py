@@ -7,11 +7,11 @@ import requests
 import schemathesis
 from hypothesis import HealthCheck, Phase
 from hypothesis.strategies import sampled_from
+from rig.processes.started import WAIT_S
 from schemathesis import GenerationMode
 from schemathesis.core.failures import Failure, FailureGroup
 from schemathesis.specs.openapi import checks
 
-WAIT_S = 20
 DESCRIPTION = '/page/openapi.yaml'
 AGREES = [checks.status_code_conformance, checks.content_type_conformance, checks.response_headers_conformance,
           checks.response_schema_conformance]

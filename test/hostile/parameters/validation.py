@@ -110,7 +110,7 @@ def fault_of(sentence, name=None):
 
 
 @contextmanager
-def bounded(seconds=5, more_bytes=1 << 30):
+def bounded(seconds=60, more_bytes=1 << 30):
     """Raise Stuck or MemoryError in the main thread if the block takes more time or memory."""
     def stop(number, frame):
         raise Stuck('it took longer than %d s' % seconds)

@@ -4,7 +4,7 @@ import pytest
 from aruco_ar import InputError
 from aruco_ar.simulation.robot import Camera
 from aruco_node.messages.wall_messages import camera_info
-from aruco_node.nodes.calibration import Calibration, lens_from_info
+from aruco_node.nodes.calibration import Calibration, info_topics, lens_from_info
 from aruco_node.parameters.parameters import read
 from aruco_node.parameters.settings import PoseSettings
 from sensor_msgs.msg import CameraInfo
@@ -50,6 +50,51 @@ def test_all_distortion_models_are_supported(changes):
     assert lens.fisheye == (changes.get('distortion_model') == 'equidistant')
     assert len(lens.distortion) == (4 if lens.fisheye else len(changes.get('D', CAMERA.distortion)))
     assert np.all(np.isfinite(lens.rays(lens.project(np.array([[0.1, 0.2, 1.0]])))))
+
+
+FOUR, FIVE, EIGHT = [0.1, 0.01, 0.002, 0.001], [-0.3, 0.1, 0.001, -0.001, 0.05], [0.1] * 8
+
+
+@pytest.mark.parametrize('model, coefficients, used, read_as', [
+    ('fisheye', FOUR, FOUR, 'equidistant'), ('kannala_brandt', FOUR, FOUR, 'equidistant'),
+    ('Kannala-Brandt', [], [0.0] * 4, 'equidistant'), ('equidistant', [*FOUR, 0.0], FOUR, None),
+    ('none', [], [], 'the lens has none'), ('none', [0.0] * 5, [], 'the lens has none'),
+    ('none', FIVE, [], 'coefficients are not used'), ('pinhole', [], [], 'no distortion'),
+    ('pinhole', FIVE, FIVE, 'plumb_bob'), ('radtan', FOUR, FOUR, 'plumb_bob'),
+    ('radtan', FIVE, FIVE, 'plumb_bob'),
+    ('Brown Conrady', FIVE, FIVE, 'plumb_bob'), ('plumb_bob', EIGHT, EIGHT, 'rational_polynomial'),
+    ('radtan', EIGHT, EIGHT, 'rational_polynomial'), ('rational_polynomial', FIVE, FIVE, 'plumb_bob'),
+    ('plumb_bob', [0.0] * 7, [0.0] * 5, None), ('', EIGHT, EIGHT, None), ('rational_polynomial', [], [], None)])
+def test_other_names_and_numbers_are_read_in_the_one_sensible_way(model, coefficients, used, read_as):
+    notes, is_fisheye = {}, read_as == 'equidistant' or model == 'equidistant'
+    lens = lens_from_info(info(distortion_model=model, D=coefficients), SIZE, notes=notes)
+    assert lens.fisheye == is_fisheye and lens.distortion.tolist() == used
+    if read_as is None:
+        assert not notes
+    else:
+        sentence, = notes.values()
+        assert '"%s"' % model in sentence and read_as in sentence
+    usual = info(distortion_model='equidistant' if is_fisheye else 'plumb_bob' if len(used) < 8 else
+                 'rational_polynomial', D=used)
+    points, notes = np.array([[0.3, 0.2, 1.0], [-0.2, 0.1, 1.0]]), {}
+    np.testing.assert_allclose(lens.project(points), lens_from_info(usual, SIZE, notes=notes).project(points))
+    assert not notes
+
+
+@pytest.mark.parametrize('has_p', [False, True])
+def test_a_rectified_image_without_a_p_has_the_k_and_no_distortion(has_p):
+    notes, message = {}, info() if has_p else info(P=[0.0] * 12)
+    lens = lens_from_info(message, SIZE, rectified=True, notes=notes)
+    np.testing.assert_allclose(lens.matrix, CAMERA.matrix)
+    assert not lens.bends and ('P' in notes) == (not has_p)
+
+
+def test_a_camera_info_without_a_size_is_for_frames_whose_middle_is_its_center():
+    notes = {}
+    np.testing.assert_allclose(lens_from_info(info(width=0, height=0), SIZE, notes=notes).matrix, CAMERA.matrix)
+    assert 'what size' in notes['size']
+    with pytest.raises(InputError, match='for what size'):
+        lens_from_info(info(width=0, height=0), (800, 600))
 
 
 def test_a_resized_frame_has_the_same_rays():
@@ -103,3 +148,4 @@ def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
     calibration = Calibration(settings, topic)
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'
+    assert info_topics('/sim/front/Scene') == ('/sim/front/camera_info', '/sim/front/Scene/camera_info')

@@ -113,7 +113,7 @@ GOOD = message(COLORS, 'bgr8')
     (dict(width=0, height=0, step=0, data=b''), '0 x 0'),
     (dict(data=GOOD.data[:-1]), '4607 bytes, but by its step and height it must have 4608'),
     (dict(encoding='32FC1', width=36), '"32FC1".*such as rgb8'),
-    (dict(encoding='16UC1', width=72), '"16UC1"'),
+    (dict(encoding='16SC1', width=72), '"16SC1"'),
     (dict(encoding='nonsense'), '"nonsense"'),
     (dict(encoding=''), '""'),
     (dict(step=10), 'step of 10 bytes, but 48 pixels'),

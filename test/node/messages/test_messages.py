@@ -1,6 +1,7 @@
 """How messages become frames, and what is refused before it takes memory."""
 import io
 import os
+import re
 import resource
 import subprocess
 import sys
@@ -11,15 +12,20 @@ import numpy as np
 import pytest
 from aruco_ar import InputError
 from aruco_node.messages.images import (
+    ENCODING,
+    END_MARKER,
     END_OF_VIDEO,
     FAST,
     MAX_PICTURE_PIXELS,
+    CompressedDecoder,
+    ImageDecoder,
     frame_from_compressed,
     frame_from_image,
     image_from_frame,
     picture_from_image,
 )
 from aruco_node.ros_internals.subscribers import tolerant
+from benchmark.real_clips import clips as real
 from cv_bridge import CvBridge
 from hostile.files.png import chunk, png
 from hostile.messages.camera_messages import KNOWN, Hostile
@@ -43,7 +49,10 @@ def test_every_encoding_is_decoded_as_by_cv_bridge(encoding, random):
     pixels = random.randint(0, np.iinfo(kind).max + 1, shape).astype(kind)
     usual = image(pixels, encoding)  # if the byte order is not the machine's, cv_bridge fails with NumPy 2
     for message in usual, image(pixels, encoding, big=1):
-        np.testing.assert_array_equal(frame_from_image(message), CvBridge().imgmsg_to_cv2(usual, 'bgr8'))
+        expected = CvBridge().imgmsg_to_cv2(usual, 'bgr8')
+        # A mosaic of 16 bits is scaled before its colors are found, and not after.
+        np.testing.assert_allclose(frame_from_image(message), expected, rtol=0,
+                                   atol=1 if encoding.startswith('bayer') and encoding.endswith('16') else 0)
         if encoding.startswith(('bgra', 'rgba')):
             np.testing.assert_array_equal(picture_from_image(message),
                                           CvBridge().imgmsg_to_cv2(usual, 'bgra8'))
@@ -76,10 +85,97 @@ print('cv_bridge' in sys.modules)
         assert done.stdout.strip() == loaded
 
 
+PLAIN = {'8UC1': 'mono8', '8UC3': 'bgr8', '8UC4': 'bgra8', '16UC1': 'mono16', '16UC3': 'bgr16',
+         '16UC4': 'bgra16'}
+NAMED = {'BGR8': 'bgr8', ' rgb8': 'rgb8', 'RGB': 'rgb8', 'TYPE_8UC3': 'bgr8', 'CV_8UC1': 'mono8',
+         'yuyv': 'yuv422_yuy2', 'uyvy': 'yuv422', 'YUY2': 'yuv422_yuy2', 'mono': 'mono8'}
+
+
+@pytest.mark.parametrize('given, read_as', [*PLAIN.items(), *NAMED.items()])
+def test_an_encoding_of_another_name_is_read_in_the_one_sensible_way(given, read_as, random):
+    kind, channels = (np.uint8, 2) if read_as.startswith('yuv') else \
+        CvBridge().encoding_to_dtype_with_channels(read_as)
+    pixels = random.randint(0, np.iinfo(kind).max + 1, (37, 52, channels)).astype(kind)
+    decode = ImageDecoder(keeps_alpha=True)
+    found = decode(image(pixels, given))
+    assert re.search('"%s" are read as %s' % (given.strip(), read_as), decode.notes[ENCODING])
+    np.testing.assert_array_equal(found, decode(image(pixels, read_as)))
+    assert not decode.notes  # it holds no longer
+
+
+def test_an_array_that_a_student_publishes_without_an_encoding_is_a_frame(random):
+    for shape, encoding in ((37, 52, 3), '8UC3'), ((37, 52), '8UC1'):
+        pixels, decode = random.randint(0, 256, shape).astype(np.uint8), ImageDecoder()
+        message = CvBridge().cv2_to_imgmsg(pixels)
+        assert message.encoding == encoding
+        np.testing.assert_array_equal(decode(message), pixels if len(shape) == 3 else np.dstack([pixels] * 3))
+        assert 'cv2_to_imgmsg(image, "%s")' % PLAIN[encoding] in decode.notes[ENCODING]
+        assert decode.notes[ENCODING].isprintable() and len(decode.notes[ENCODING]) < 200
+
+
 def test_yuv422_is_decoded_in_either_order(random):
     pixels = random.randint(0, 256, (8, 6, 2)).astype(np.uint8)
     np.testing.assert_array_equal(frame_from_image(image(pixels[..., ::-1].copy(), 'yuv422_yuy2')),
                                   frame_from_image(image(pixels, 'yuv422')))
+
+
+def yuv(frame):
+    """A frame as the pixels of a yuv422 image, (h, w, 2) uint8 (ITU-R BT.601)."""
+    frame = frame[:, :frame.shape[1] // 2 * 2]
+    luma, red, blue = (cv2.cvtColor(frame, cv2.COLOR_BGR2YCrCb)[..., each] for each in range(3))
+    halves = [cv2.resize(each, None, fx=0.5, fy=1, interpolation=cv2.INTER_AREA) for each in (blue, red)]
+    return np.dstack([np.stack(halves, axis=-1).reshape(luma.shape), np.uint8(16 + luma * (219 / 255))])
+
+
+def gray_of(frame):
+    return np.dstack([cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)] * 3)
+
+
+def scenes(frame):
+    """Frames that are colored, gray, dark, noisy, almost of one color, soft, and mirrored."""
+    noise = np.random.RandomState(2).normal(0, 8, frame.shape)
+    return {'colored': frame, 'gray': gray_of(frame), 'dark': frame // 12,
+            'noisy': np.uint8(np.clip(frame + noise, 0, 255)), 'pale': np.uint8(200 + frame // 30),
+            'soft': cv2.GaussianBlur(frame, (0, 0), 4), 'mirrored': frame[:, ::-1]}
+
+
+OTHER = {'yuv422': 'yuv422_yuy2', 'yuv422_yuy2': 'yuv422'}
+
+
+@pytest.mark.parametrize('encoding', OTHER)
+def test_yuv422_in_the_other_order_than_its_name_says_is_recognized(encoding, frame):
+    for name, scene in scenes(frame).items():
+        pixels = yuv(scene)
+        pixels = pixels if encoding == 'yuv422' else pixels[..., ::-1]
+        decode = ImageDecoder()
+        right = decode(image(pixels.copy(), encoding))
+        assert not decode.notes, name
+        wrong = decode(image(pixels[..., ::-1].copy(), encoding))
+        if name in ('colored', 'gray', 'soft', 'mirrored'):  # if it is not certain, nothing is said
+            assert 'Set the camera driver to %s.' % OTHER[encoding] in decode.notes[ENCODING], name
+            np.testing.assert_array_equal(wrong, right)
+
+
+@pytest.mark.clips
+def test_the_order_of_yuv422_is_recognized_in_real_clips():
+    if not os.path.isdir(real.CLIPS):
+        pytest.skip('the folder %s with clips is missing' % os.path.normpath(real.CLIPS))
+    names = sorted(name for name in os.listdir(real.CLIPS) if name.endswith(('.mp4', '.avi')))
+    assert names
+    for name in names:
+        video, count = cv2.VideoCapture(os.path.join(real.CLIPS, name)), 0
+        while True:
+            is_read, frame = video.read()
+            if not is_read:
+                break
+            if count % 5 == 0:
+                pixels = yuv(frame)
+                for given, said in ('yuv422', False), ('yuv422_yuy2', True):
+                    decode = ImageDecoder()
+                    decode(image(pixels, given))
+                    assert bool(decode.notes) == said, (name, count, given)
+            count += 1
+        assert count
 
 
 def test_16_bit_numbers_are_scaled_in_either_byte_order():
@@ -96,8 +192,8 @@ def test_padding_between_rows_is_ignored(random):
                                   frame_from_image(image(wide[:, :6].copy(), 'mono16')))
 
 
-@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16UC1', '8SC1', '8UC3', '', 'x' * 10**6,
-                                      'rgb8\n[ERROR]'])
+@pytest.mark.parametrize('encoding', ['32FC1', '32FC3', '64FC1', '16SC1', '8SC1', '8UC2', '', 'x' * 10**6,
+                                      'rgb8\n[ERROR]', 'type_', 'nv12'])
 def test_an_encoding_without_color_is_refused_in_one_short_line(encoding):
     values = np.float32([[np.nan, np.inf, 0, 1]])
     with pytest.raises(InputError, match='Set the camera driver to an encoding such as rgb8') as error:
@@ -115,6 +211,37 @@ def test_a_compressed_frame_is_decoded(kind, frame, channels, random):
     found = frame_from_compressed(CompressedImage(data=data)).astype(int)
     expected = pixels[..., :3] if channels > 1 else np.repeat(pixels, 3, axis=2)
     assert np.abs(found - expected).mean() < (6 if kind == '.jpg' else 1e-9)
+
+
+JPEG_KINDS = {'baseline': [], 'progressive': [cv2.IMWRITE_JPEG_PROGRESSIVE, 1],
+              'with restart markers': [cv2.IMWRITE_JPEG_RST_INTERVAL, 4],
+              'coarse': [cv2.IMWRITE_JPEG_QUALITY, 20]}
+
+
+@pytest.mark.parametrize('options', JPEG_KINDS.values(), ids=JPEG_KINDS)
+def test_a_jpeg_that_lacks_only_its_end_marker_is_used(options, frame):
+    for shown in frame, gray_of(frame)[..., 0], np.full((48, 64, 3), 255, np.uint8):
+        data = cv2.imencode('.jpg', shown, options)[1].tobytes()
+        decode = CompressedDecoder()
+        whole = decode(CompressedImage(data=data))
+        assert data[-2:] == b'\xff\xd9' and not decode.notes
+        # Some drivers fill the space after it with zeros.
+        for less in data[:-2], data[:-1], data[:-2] + bytes(1000), data[:-1] + bytes(3):
+            np.testing.assert_array_equal(decode(CompressedImage(data=less)), whole)
+            assert 'lack their end marker' in decode.notes[END_MARKER]
+        decode(CompressedImage(data=data + bytes(1000)))
+        assert not decode.notes
+
+
+@pytest.mark.parametrize('options', JPEG_KINDS.values(), ids=JPEG_KINDS)
+def test_a_jpeg_that_is_cut_off_is_refused(options, frame):
+    data = cv2.imencode('.jpg', frame, options)[1].tobytes()
+    for share in np.linspace(0.001, 0.97, 60):
+        cut = data[:int(share * len(data))]
+        for tail in b'', bytes(1000):
+            with pytest.raises(InputError, match='must be a complete JPEG or PNG') as error:
+                frame_from_compressed(CompressedImage(data=cut + tail))
+            assert error.value.kind == 'undecodable frame'
 
 
 def large(width, height):

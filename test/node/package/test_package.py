@@ -70,7 +70,8 @@ def test_an_install_space_is_complete(package, tmp_path):
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
               ' && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 exercise5_6.launch'
-              ' && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__)"'
+              ' && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__); '
+              'print(open(\'/proc/self/maps\').read())"'
               % (prefix, tmp_path))
     clean = {key: value for key, value in os.environ.items()
              if key not in ('CMAKE_PREFIX_PATH', 'PYTHONPATH', 'ROS_PACKAGE_PATH')}
@@ -85,6 +86,7 @@ def test_an_install_space_is_complete(package, tmp_path):
     assert os.path.isfile(prefix + '/share/unit5/page/index.html')
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
+    assert prefix + '/lib/libunit5.so' in done.stdout  # so its version is that of the sources
     for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):
         with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
                 open('%s/src/%s' % (package, name)) as source:

@@ -16,10 +16,10 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
     # A copy, since building leaves files behind.
     source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
         '.git', '.venv', 'build', 'bags', '__pycache__'))
-    clean = {key: value for key, value in os.environ.items() if not key.startswith(('PYTHON', 'LD_PRELOAD'))}
+    clean = {key: value for key, value in os.environ.items() if not key.startswith(('PYTHON', 'LD_'))}
 
-    def run(*command):
-        done = subprocess.run(command, cwd=str(tmp_path), env=clean, stdout=subprocess.PIPE,
+    def run(*command, **environment):
+        done = subprocess.run(command, cwd=str(tmp_path), env={**clean, **environment}, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True)
         assert done.returncode == 0, done.stdout
     venv.create(str(tmp_path / 'env'), with_pip=True)
@@ -29,7 +29,8 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
         example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', page.read(), re.DOTALL)[1]
     cv2.imwrite(str(tmp_path / 'photo.jpg'), frame, [cv2.IMWRITE_JPEG_QUALITY, 95])
     os.symlink(package + '/images', str(tmp_path / 'images'))
-    run(python, '-c', example)
+    run(python, '-c', example, XDG_CACHE_HOME=str(tmp_path / 'cache'))
+    assert len(list((tmp_path / 'cache' / 'unit5').iterdir())) == 1  # the library in C
     painted = cv2.imread(str(tmp_path / 'painted.png'))
     mask = cv2.fillConvexPoly(np.zeros(frame.shape[:2], np.uint8),
                               np.int32(find_area(Detector().detect(frame)).corners.round()), 255)

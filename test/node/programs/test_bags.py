@@ -22,10 +22,11 @@ from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
 from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 
-SECONDS, PIECE_S, WAIT_S = 6, 2, 600
+SECONDS, PIECE_S = 6, 2
 SEAM = 2 * PIECE_S * FRAMES_PER_S  # the number of a frame that is the first of a piece
 COVERED = range(SEAM - 20, SEAM + 20)
 pytestmark = pytest.mark.xdist_group('bags')  # in one process, which makes a bag once

@@ -48,6 +48,20 @@ def test_a_node_with_time_to_spare_is_not_reported_as_slow(clock):
     assert level == WARN and 'did not arrive' in sentence and 'Slow' not in sentence
 
 
+def test_frames_that_cannot_be_used_are_counted_and_told_while_they_come(clock):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.005, range(10))
+    assert 'frames not usable' not in count.report()[2]
+    for number in range(10, 14):
+        count.on_arrival(number)
+        count.on_unusable('It is cut off.')
+    level, sentence, values = count.report()
+    assert (level, sentence) == (WARN, '4 of 14 frames within 5 s could not be used. It is cut off.')
+    assert (values['frames not usable'], values['frames dropped'], values['frames out']) == (4, 0, 10)
+    clock[0] += 6
+    assert (count.report()[0], count.report()[2]['frames not usable']) == (OK, 4)
+
+
 def test_another_camera_or_a_pause_is_not_reported_as_dropped_frames(clock):
     count = FrameCount()
     run_frames(count, clock, 0.1, 0.005, [5, 6, 5000, 7, 8])

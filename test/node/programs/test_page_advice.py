@@ -1,6 +1,7 @@
 """What the page says on its pictures, of what nodes say on /diagnostics."""
 import pytest
 from aruco_node.health.diagnostics import ERROR, OK, WARN
+from aruco_node.messages.images import ENCODING
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from page_server.advice import sentence_of
 
@@ -10,6 +11,7 @@ NONE = {'area': WHY, 'area last seen (s ago)': 'none seen', NOW: 'no'}
 LOST = {'area': 'No tag is in sight.', 'area last seen (s ago)': '1.5', NOW: 'no'}
 SEEN = {'area': 'Its tags show it.', 'area last seen (s ago)': '0.0', NOW: 'yes'}
 HINT = '4 tags of DICT_4X4_50 are in sight.'
+SWAPPED = 'Frames with the encoding yuv422 have their bytes in the order of yuv422_yuy2, and are read so.'
 HANGS = 'The picture hangs upside down.'
 
 
@@ -26,6 +28,8 @@ HANGS = 'The picture hangs upside down.'
     (WARN, 'Slow: 40 of 120 frames were dropped within 5 s.', SEEN, ('', False)),
     (OK, '30.0 frames a second', {**SEEN, 'upside down': HANGS}, (HANGS, False)),
     (OK, '30.0 frames a second', {'calibration': '3 views'}, ('3 views', False)),
+    (OK, '30.0 frames a second', {**SEEN, ENCODING: SWAPPED}, (SWAPPED, False)),
+    (OK, '30.0 frames a second', {**NONE, ENCODING: SWAPPED}, (WHY + ' ' + SWAPPED, False)),
     # Not ours:
     (OK, '', {'area': '5 m2'}, ('', False)),
     (OK, '', {**NONE, 'area last seen (s ago)': 'x'}, ('', False)),

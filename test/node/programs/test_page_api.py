@@ -1,12 +1,15 @@
 """The page's OpenAPI description, page/openapi.yaml, matches the addresses that the server has."""
+import asyncio
 import os
 import re
+from threading import Event
 
 import yaml
-from page_server import choices
+from page_server import picture_folder
 from page_server.handlers import Unknown
 from page_server.live import Live
 from page_server.server import application
+from rig.processes.started import WAIT_S
 from tornado.web import RequestHandler
 
 
@@ -42,7 +45,25 @@ def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path, monkeypatch):
     (tmp_path / 'images' / 'out.png').symlink_to(tmp_path / 'secret.png')
     (tmp_path / 'images' / 'nowhere.png').symlink_to('missing.png')
     (tmp_path / 'images' / 'in.png').symlink_to('a.png')
-    monkeypatch.setattr(choices, 'package_folder', lambda: str(tmp_path))
-    there = choices.Choices.__new__(choices.Choices)  # without its ROS parts
-    there._drops = 0
-    assert there.pictures() == ['a.png', 'b.png', 'in.png']
+    monkeypatch.setattr(picture_folder, 'package_folder', lambda: str(tmp_path))
+    assert picture_folder.PictureFolder(lambda: None).names == ['a.png', 'b.png', 'in.png']
+
+
+def test_a_file_system_that_hangs_does_not_hang_the_server(monkeypatch):
+    names = iter([['a.png'], ['a.png', 'b.png'], ['a.png', 'b.png', 'c.png'], ['a.png']])
+    reached, goes_on = Event(), Event()
+
+    def hang():
+        if names.__length_hint__() < 4:
+            reached.set()
+            assert goes_on.wait(WAIT_S)
+        return next(names)
+    monkeypatch.setattr(picture_folder, 'list_names', hang)
+    changed = Event()
+    folder = picture_folder.PictureFolder(changed.set)
+    for _ in range(3):
+        folder.refresh()
+    assert reached.wait(WAIT_S) and folder.names == ['a.png']  # the folder is being listed
+    goes_on.set()
+    assert changed.wait(WAIT_S) and folder.names == ['a.png', 'b.png']
+    assert asyncio.run(folder.has('c.png')) and not asyncio.run(folder.has('d.png'))

@@ -30,14 +30,13 @@ from aruco_node.ros_internals.subscribers import tolerant
 from dynamic_reconfigure.msg import Config, DoubleParameter, GroupState
 from dynamic_reconfigure.server import Server
 from dynamic_reconfigure.srv import Reconfigure
+from rig.processes.started import WAIT_S
 from rospy.exceptions import TransportException
 from rospy.impl import tcpros_base
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Header, UInt8
 from tf2_msgs.msg import TFMessage
-
-WAIT_S = 20
 
 
 @pytest.fixture(autouse=True)
@@ -280,6 +279,23 @@ def test_only_dynparam_sees_a_refusal_as_a_failure(warnings):
         for _ in range(2):  # of another rospy
             server._set_callback(Reconfigure._request_class())
     assert_warned_once(warnings, 'rospy', 'does not print why')
+
+
+def test_a_request_does_not_hide_the_refusal_of_another_at_the_same_time():
+    with checked_server() as server, mock.patch('rospy.logerr'):
+        refused = Reconfigure._request_class(Config(doubles=[DoubleParameter('noise', -1.0)]))
+        refused._connection_header = {'callerid': '/dynparam_1'}
+
+        def refuse_negative(wanted):
+            if wanted.get('noise', 0) < 0:
+                server.refuse(InputError('No.'))
+                other = threading.Thread(target=server._set_callback, args=[Reconfigure._request_class()])
+                other.start()
+                other.join(WAIT_S)
+            return wanted
+        server.update_configuration = refuse_negative
+        with pytest.raises(rospy.ServiceException, match='No. Nothing is changed.'):
+            server._set_callback(refused)
 
 
 @pytest.fixture

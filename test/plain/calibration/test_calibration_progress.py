@@ -1,4 +1,6 @@
 """What somebody is told who calibrates a camera while it runs."""
+from dataclasses import replace
+
 import aruco_ar.calibration.progress as progress_module
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from aruco_ar.calibration.collection import LIKE, MOVING
 from aruco_ar.calibration.progress import SHOW, Progress
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet
 from aruco_ar.calibration.views import MAX_VIEWS
+from aruco_ar.geometry.lens import Lens
 from rig.accuracy.views import LENSES, SIZE, sheet, views_of
 
 FRAME = np.full((480, 640, 3), 200, np.uint8)
@@ -74,6 +77,25 @@ def test_a_good_result_outlives_a_later_failure(monkeypatch):
     assert progress.found is FOUND
     assert progress.text('SAVE', 'RESET').endswith('there is no better one. To save it: SAVE')
     progress.note_saved(FOUND, 'camera.yaml')
+    assert progress.text('SAVE', 'RESET').endswith('It is saved as camera.yaml.')
+
+
+@pytest.mark.parametrize('longer, corners, end', [
+    (1.0001, 0.05, 'It is saved as camera.yaml.'),     # hardly another lens
+    (1.02, 0.2, 'It is saved as camera.yaml.'),        # another one, but less reliable
+    (1.02, 0.05, ' px in the corners. To save that one: SAVE')], ids=['alike', 'worse', 'better'])
+def test_what_was_saved_stays_saved_and_only_a_better_lens_is_offered(longer, corners, end, monkeypatch):
+    progress, lens = Progress(SIZE, TagSheet('DICT_6X6_250')), LENSES['barrel']
+    newest = replace(FOUND, lens=Lens(lens.width, lens.height, lens.matrix * [[longer], [longer], [1]],
+                                      lens.distortion * longer), corners=corners)
+    for count, found in (8, FOUND), (9, newest):
+        monkeypatch.setattr(progress_module, 'calibrate', lambda *_, found=found: found)
+        progress.solve(count, False)
+        if found is FOUND:
+            progress.note_saved(FOUND, 'camera.yaml')
+    text = progress.text('SAVE', 'RESET')
+    assert 'It is saved as camera.yaml.' in text and text.endswith(end)
+    progress.note_saved(newest, 'camera.yaml')
     assert progress.text('SAVE', 'RESET').endswith('It is saved as camera.yaml.')
 
 

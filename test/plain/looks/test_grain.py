@@ -60,6 +60,26 @@ def test_noise_is_measured_as_it_is_also_on_a_wall_with_a_pattern(deviation, ran
     assert noise_of(same) == pytest.approx([deviation] * 2, rel=0.12)
 
 
+def mosaic(colors):
+    """What a sensor of colors sees, taken for gray: (h, w, 3) uint8."""
+    gray = colors[..., 1].copy()
+    gray[0::2, 0::2], gray[1::2, 1::2] = colors[0::2, 0::2, 2], colors[1::2, 1::2, 0]
+    return np.repeat(np.uint8(np.clip(np.round(gray), 0, 255))[..., None], 3, axis=2)
+
+
+@pytest.mark.parametrize('quality', [None, 95, 80])
+@pytest.mark.parametrize('deviation', [1.0, 4.0])
+@pytest.mark.parametrize('color', [(90, 140, 110), (120, 140, 135)])
+def test_the_colors_of_a_mosaic_are_not_taken_for_noise(color, deviation, quality, random):
+    seen = mosaic(np.float64(color) + random.normal(0, deviation, (320, 320, 3)))
+    if quality is not None:
+        seen = cv2.imdecode(cv2.imencode('.jpg', seen[..., 0], [cv2.IMWRITE_JPEG_QUALITY, quality])[1], 1)
+    assert np.all(noise_of(seen) < deviation + 4)  # a JPEG adds some
+    grain = Grain()
+    grain.measure(seen, seen, [])
+    assert grain.noisy(np.full((200, 260, 3), 100, np.uint8)).std() < deviation + 4
+
+
 @pytest.mark.parametrize('common', [False, True])
 def test_the_noise_that_is_added_is_that_of_the_wall(common, random):
     shape = (300, 300, 1 if common else 3)

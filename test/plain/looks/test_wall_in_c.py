@@ -2,7 +2,8 @@
 import cv2
 import numpy as np
 import pytest
-from aruco_ar.looks.difference import DARKEST, LIGHTEST, PLANES, C, compare
+from aruco_ar.compiled import binding
+from aruco_ar.looks.difference import DARKEST, LIGHTEST, compare
 from aruco_ar.looks.wall_model import VARIANCE_RATE
 
 STEP = 5  # of the planes
@@ -51,7 +52,7 @@ def test_comparing_finds_what_the_same_in_numpy_finds(shape):
     contrast = contrast_of(look, whole)
     flags, planes = compare(seen, look, whole, contrast, variance, usable)
     expected, front = in_numpy(seen.astype(float), look, whole, variance, contrast.astype(float))
-    assert len(planes) == len(expected) == PLANES
+    assert len(planes) == len(expected) == binding.PLANES
     for plane, (got, wanted) in enumerate(zip(planes, expected)):
         least = 0.5 if plane == STEP else 0  # smaller changes of the light are not computed: they are no rims
         np.testing.assert_allclose(np.maximum(got, least), np.maximum(wanted, least), rtol=2e-3, atol=2e-3,
@@ -73,9 +74,8 @@ def test_learning_is_the_same_as_in_numpy(shape):
     noise = variance + VARIANCE_RATE * (planes[3]**2 - variance)
     varied = np.where(certain & (planes[4] < 0.5), noise, variance)
     longer = np.minimum(seconds + 0.5 * wall, 30)
-    C.learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
-            wall.size, 0.5, 30.0, 0.25, VARIANCE_RATE, look.ctypes.data, variance.ctypes.data,
-            known.ctypes.data, seconds.ctypes.data)
+    binding.learn(seen, whole, planes, wall, certain, 0.5, 30.0, 0.25, VARIANCE_RATE, look, variance, known,
+                  seconds)
     np.testing.assert_allclose(look, expected, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(variance, varied, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(seconds, longer, rtol=1e-5)

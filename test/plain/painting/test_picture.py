@@ -35,6 +35,18 @@ def test_16_bit_pictures_become_8_bit_ones(tmp_path):
         assert abs(int(load_picture(path)[0, 0, 0]) - 128) <= 1
 
 
+def test_a_jpeg_that_lacks_its_end_marker_is_read_and_one_that_is_cut_off_is_not(tmp_path, earth):
+    path, data = str(tmp_path / 'earth.jpg'), cv2.imencode('.jpg', earth)[1].tobytes()
+    (tmp_path / 'earth.jpg').write_bytes(data)
+    whole = load_picture(path)
+    for less in data[:-2], data[:-2] + bytes(99):
+        (tmp_path / 'earth.jpg').write_bytes(less)
+        np.testing.assert_array_equal(load_picture(path), whole)
+    (tmp_path / 'earth.jpg').write_bytes(data[:len(data) // 2])
+    with pytest.raises(InputError, match='cannot be read as a picture'):
+        load_picture(path)
+
+
 def test_a_picture_that_is_too_large_is_shrunk(tmp_path):
     path = str(tmp_path / 'long.png')
     cv2.imwrite(path, np.full((2, 40000, 3), 50, np.uint8))

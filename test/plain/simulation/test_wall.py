@@ -137,6 +137,7 @@ def test_a_wrong_wall_file_is_explained(assert_refused, text, words):
     assert_refused(load_wall, text, words)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize('distortion', [[np.nan, 0, 0, 0, 0], [-5, 1, 0, 0, 0], [0, 0, 0.5, 0.5, 0]])
 def test_an_impossible_distortion_is_refused(wall, distortion):
     with pytest.raises(InputError, match='smaller coefficients'):

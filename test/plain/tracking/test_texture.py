@@ -63,6 +63,7 @@ def test_the_area_is_given_up_after_a_long_time_without_tags(painting):
     assert tracker.explanation == 'None of its tags has been in sight for 15 s.'
 
 
+@pytest.mark.long
 def test_a_blank_wall_does_not_hold_the_area():
     frames = list(drive(STILL, LEARNED + 30, hidden, wall=BLANK, noise=3.0))
     errors = follow(Tracker(), frames)

@@ -14,7 +14,6 @@ from unit5.msg import TagArray
 from rig.nodes.topics import moments
 
 FRAMES, TAGS, AREA = '/camera/rgb/image_raw', '/wall_camera/tags', '/wall_camera/area'
-TIMEOUT_S = 60
 
 
 class Moment:
@@ -52,7 +51,7 @@ class ReplayTest(unittest.TestCase):
         topics = {FRAMES + suffix: kind, TAGS: TagArray, AREA: PolygonStamped}
         topics.update(dict.fromkeys(cls.results, Image))
         cls.moments = [Moment(parts, parts[FRAMES + suffix], cls.results, to_frame)
-                       for parts in moments(topics, cls.count, TIMEOUT_S)]
+                       for parts in moments(topics, cls.count)]
         for before, moment in zip(cls.moments, cls.moments[1:]):
             moment.after_all = moment.header.stamp > before.header.stamp and \
                 (before.after_all or before.area is not None)

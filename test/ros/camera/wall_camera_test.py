@@ -13,10 +13,9 @@ from aruco_node.messages.images import frame_from_image
 from dynamic_reconfigure.client import Client
 from geometry_msgs.msg import PolygonStamped, Twist
 from nav_msgs.msg import Odometry
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, Image
 from unit5.msg import TagArray
-
-TIMEOUT_S = 20
 
 
 class WallCamera(unittest.TestCase):
@@ -32,7 +31,7 @@ class WallCamera(unittest.TestCase):
             ('/camera/rgb/image_raw', Image), ('/camera/rgb/camera_info', CameraInfo),
             ('/wall_camera/tags', TagArray), ('/wall_camera/area', PolygonStamped))]
         message_filters.TimeSynchronizer(subscribers, 20).registerCallback(on_messages)
-        self.assertTrue(arrived.wait(TIMEOUT_S), 'no frame arrived with its truth')
+        self.assertTrue(arrived.wait(WAIT_S), 'no frame arrived with its truth')
         for subscriber in subscribers:
             subscriber.unregister()
         return found
@@ -54,7 +53,7 @@ class WallCamera(unittest.TestCase):
         buffer = tf2_ros.Buffer()
         tf2_ros.TransformListener(buffer)
         found = buffer.lookup_transform('camera_rgb_optical_frame', 'wall', rospy.Time(0),
-                                        rospy.Duration(TIMEOUT_S)).transform
+                                        rospy.Duration(WAIT_S)).transform
         x, y, z, w = (getattr(found.rotation, axis) for axis in 'xyzw')
         rotation = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
                              [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -66,7 +65,7 @@ class WallCamera(unittest.TestCase):
         np.testing.assert_allclose(pixel[:2] / pixel[2], [corner.x, corner.y], atol=0.01)
 
     def test_the_truth_includes_a_shaking_hand_and_a_rolling_shutter(self):
-        client = Client('/wall_camera', timeout=TIMEOUT_S)
+        client = Client('/wall_camera', timeout=WAIT_S)
         self.addCleanup(client.close)
         usual = {'hand': 0.0, 'shutter': 0.0, 'jpeg': 0.0, 'exposure': 1.0}
         self.addCleanup(client.update_configuration, usual)
@@ -80,11 +79,11 @@ class WallCamera(unittest.TestCase):
             np.testing.assert_allclose(found.corners, corners, atol=1.0)
 
     def test_noise_and_light_can_be_changed_and_nan_is_refused(self):
-        client = Client('/wall_camera', timeout=TIMEOUT_S)
+        client = Client('/wall_camera', timeout=WAIT_S)
         self.addCleanup(client.close)
 
         def brightness():
-            message = rospy.wait_for_message('/camera/rgb/image_raw', Image, TIMEOUT_S)
+            message = rospy.wait_for_message('/camera/rgb/image_raw', Image, WAIT_S)
             frame = frame_from_image(message).astype(float)
             return frame[100:300, 600:].mean(), np.abs(np.diff(frame[400:, :], axis=1)).mean()
         light, noise = brightness()
@@ -98,7 +97,7 @@ class WallCamera(unittest.TestCase):
 
     def test_it_drives_by_cmd_vel_and_stops_without(self):
         moved, stopped = threading.Event(), threading.Event()
-        start = rospy.wait_for_message('/odom', Odometry, TIMEOUT_S).pose.pose.position
+        start = rospy.wait_for_message('/odom', Odometry, WAIT_S).pose.pose.position
 
         def on_odometry(message):
             here = message.pose.pose.position
@@ -115,7 +114,7 @@ class WallCamera(unittest.TestCase):
             if moved.wait(0.1):
                 break
         self.assertTrue(moved.is_set(), 'the robot does not move')
-        self.assertTrue(stopped.wait(TIMEOUT_S), 'the robot does not stop without commands')
+        self.assertTrue(stopped.wait(WAIT_S), 'the robot does not stop without commands')
         odometry.unregister()
 
 

@@ -161,6 +161,18 @@ class HostileMessages(NodeTest):
         self.assertNotIn(2**32 - 1, stamps)
         self.assertFalse(self.logged('TF_REPEATED_DATA'))
 
+    def test_a_stamp_with_more_than_a_second_of_nanoseconds_is_used_in_canonical_form(self):
+        self.start_before_camera('exercise5_2')
+        stamp = rospy.Time(2000)
+        stamp.nsecs = 1500000000
+        self.show(scene(), stamp)
+        while True:
+            message = self._inboxes['tags'].next()
+            if message.header.stamp.secs >= 2000:
+                break
+        self.assertEqual((message.header.stamp.secs, message.header.stamp.nsecs, len(message.tags)),
+                         (2001, 500000000, 4))
+
     def test_frames_without_stamps_have_their_time_of_arrival_in_tf(self):
         self.start_before_calibrated_camera()
         frames = self.listen('/tf', TFMessage)

@@ -15,7 +15,7 @@ from rig.processes.started import Started, stop_all
 PACKAGE = package_folder()
 BAGS = [os.path.join(PACKAGE, 'test', 'bags', name) for name in ('drive_compressed.bag', 'drive_raw.bag')]
 SCHEDULER = 'tcp://%s:8786' % BASE_ADDRESS
-LONG_S = 120
+LONG_S = 600
 
 
 class Cluster(unittest.TestCase):

@@ -32,7 +32,7 @@ class Loopback(unittest.TestCase):
             found = sockets_below(demo.process.pid)
             return all(sum(tcp for tcp, _ in found.get(name, [])) >= count
                        for name, count in LISTENING.items()) and found
-        found = until(complete, 60)
+        found = until(complete)
         for name, addresses in found.items():
             for _, address in addresses:
                 self.assertTrue(ipaddress.ip_address(address).is_loopback, '%s listens on %s' % (name, address))

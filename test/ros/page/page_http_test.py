@@ -53,6 +53,7 @@ class PageHttp(ServerTest):
 
         def publish(picture=PICTURE, number=1):
             publisher.publish(make(picture, Header(stamp=rospy.Time(number, 500))))
+        publish.unregister = publisher.unregister
         return publish, connections
 
     def publish_repeatedly(self, publish):
@@ -99,6 +100,20 @@ class PageHttp(ServerTest):
         self.assertLess(len(body), min(sizes) / 2)
         self.assertEqual(cv2.imdecode(np.frombuffer(body, np.uint8), 1).shape, (240, 320, 3))
         stream.close()
+
+    def test_a_stream_goes_on_when_the_camera_is_published_with_another_transport(self):
+        publish, connections = self.camera()
+        self.wait_until_listed('/eye/image')
+        stream = Stream(self.port, '/stream?topic=/eye/image')
+        self.addCleanup(stream.close)
+        connections.wait(1)
+        publish(number=7)
+        self.assertEqual(stream.part()[0]['x-timestamp'], '7.000000500')
+        publish.unregister()
+        publish_jpeg, connections = self.camera('/eye/image/compressed', CompressedImage)
+        connections.wait(1)
+        publish_jpeg(number=8)
+        self.assertEqual(stream.part()[0]['x-timestamp'], '8.000000500')
 
     def test_snapshots_of_a_raw_and_of_a_compressed_camera(self):
         for topic, suffix, kind in (('/eye/image', '', Image), ('/lens/image', '/compressed', CompressedImage)):

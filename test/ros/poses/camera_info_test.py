@@ -102,6 +102,32 @@ class CameraInfos(NodeTest):
             self.assertIn('/eye/camera_info', warnings[0])
             self.assertIn('WARN', warnings[0])
 
+    def test_a_camera_info_below_the_images_is_found(self):
+        self.start_poses('/sim/front/Scene', '/sim/front/Scene/camera_info')
+        self.assert_poses_are_right(self.show_until_posed(WallRenderer(WALL, Camera()).render(*VIEW),
+                                                          camera_info(Camera(), None)))
+        self.assertTrue([line for line in self.node.lines if 'Nothing publishes /sim/front/camera_info, so the '
+                         'calibration is taken from /sim/front/Scene/camera_info.' in line])
+
+    def test_without_a_camera_info_those_that_exist_are_named(self):
+        self.images, connections = self.camera('/eye/image_raw')
+        self.camera('/other/camera_info', CameraInfo)
+        self.node = self.start('tag_poses.py', 'camera/rgb/image_raw:=/eye/image_raw')
+        self.seen = {'tags': self.listen('/tag_poses/tags', TagArray)}
+        connections.wait(1)
+        self.show_until_logged(WallRenderer(WALL, Camera()).render(*VIEW), '/eye/camera_info: nothing arrives '
+                               'on it. These are published: /other/camera_info. Choose one: camera_info:=TOPIC')
+
+    def test_the_reading_of_an_unusual_camera_info_is_told_once(self):
+        self.start_poses('/eye/image_rect', '/eye/camera_info')
+        info = camera_info(Camera(), None)
+        info.P = [0.0] * 12
+        frame = WallRenderer(WALL, Camera()).render(*VIEW)
+        for _ in range(2):
+            self.assert_poses_are_right(self.show_until_posed(frame, info))
+        told = [line for line in self.node.lines if '/eye/camera_info: its P is all zero' in line]
+        self.assertEqual(len(told), 1)
+
     def test_a_calibration_of_another_focal_length_is_told(self):
         self.start_poses('/eye/image', '/eye/camera_info')
         self.infos.publish(camera_info(Camera(fov=1.3), Header()))

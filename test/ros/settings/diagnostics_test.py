@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """What /diagnostics reports about the nodes."""
+import itertools
+
 import numpy as np
 import rospy
 import rostest
+from aruco_node.messages.images import frame_from_compressed, frame_from_image, jpeg_from_frame
 from diagnostic_msgs.msg import DiagnosticStatus
-from rig.nodes.case import BLANK, CAMERA, IMAGES, NodeTest, scene
-from rig.nodes.topics import Diagnostics
-from sensor_msgs.msg import Image
+from rig.nodes.case import BLANK, CAMERA, IMAGES, OUTSIDE, NodeTest, scene
+from rig.nodes.topics import Diagnostics, until
+from sensor_msgs.msg import CompressedImage, Image
+from std_msgs.msg import Header
 
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 OF_TAGS = {'tags in sight', 'area last seen (s ago)'}
@@ -77,6 +81,43 @@ class NodeDiagnostics(NodeTest):
         connections.wait(0)
         self.diagnostics.wait('exercise5_2', 'Nobody listens, so nothing is computed.')
         self.diagnostics.wait('exercise5_2', 'Nobody listens to /exercise5_2/image')
+
+    def test_frames_that_are_read_otherwise_than_they_say_are_told(self):
+        self.start_before_camera('exercise5_3')
+
+        def show(encoding):
+            header = Header(stamp=rospy.Time(next(self._seconds)))
+            self.publisher.publish(Image(header=header, height=480, width=640, step=1920, encoding=encoding,
+                                         data=scene().tobytes()))
+        for _ in range(3):
+            show('8UC3')
+        values = until(lambda: show('8UC3') or self.encoding())
+        self.assertIn('"8UC3" are read as bgr8', values)
+        self.assertEqual(len([line for line in self.node.lines if '"8UC3" are read as bgr8' in line]), 1)
+        until(lambda: show('bgr8') or not self.encoding())
+
+    def encoding(self):
+        return self.diagnostics.wait_for_frames('exercise5_3').get('encoding')
+
+    def test_compressed_frames_that_are_cut_off_are_counted_and_told_once(self):
+        self.publisher, connections = self.camera(CAMERA + '/compressed', CompressedImage)
+        node = self.start('exercise5_2.py', '_transport:=compressed')
+        inbox = self.listen('/exercise5_2/image')
+        connections.wait(1)
+        data = jpeg_from_frame(scene())
+        sent = itertools.cycle([data[:len(data) // 2], data[:-2], data[:-2], data[:-2]])
+        frames = rospy.Timer(rospy.Duration(0.1), lambda event: self.publisher.publish(
+            CompressedImage(header=Header(stamp=rospy.Time.now()), data=next(sent))))
+        self.addCleanup(frames.shutdown)
+        values = self.diagnostics.wait('exercise5_2', 'frames within 5 s could not be used',
+                                       'complete JPEG or PNG', level=WARN)
+        self.assertGreater(int(values['frames not usable']), 0)
+        np.testing.assert_array_equal(frame_from_image(inbox.next())[OUTSIDE],
+                                      frame_from_compressed(CompressedImage(data=data))[OUTSIDE])
+        node.wait_for('lack their end marker')
+        frames.shutdown()
+        for words in 'complete JPEG or PNG', 'lack their end marker':
+            self.assertEqual(len([line for line in node.lines if words in line]), 1)
 
     def test_a_hint_is_reported_only_while_frames_arrive(self):
         node = self.start('exercise5_3.py')

@@ -1,0 +1,382 @@
+"""Every function in C, and what calls it, with arrays of all kinds: a right result or a clear error.
+
+The last test runs all others once more, with a library in which the compiler checks each access to memory.
+"""
+import os
+import shutil
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
+from aruco_ar.compiled import binding
+from aruco_ar.compiled.library import compile_to
+from aruco_ar.painting.levels import levels_of
+from aruco_ar.painting.paint import put_in, warp
+
+WIDTH, HEIGHT = 61, 47
+CORNERS = np.float32([[9, 8], [50, 5], [55, 40], [12, 36]])
+
+
+def frame_with_tag():
+    """A frame, its tag's quadrilateral and its cells: (h, w, 3), (1, 4, 2), (1, 8, 8)."""
+    cells = draw_tag('DICT_6X6_250', 3, 8)[None]
+    frame = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+    frame[5:37, 8:40] = cv2.resize(cells[0], (32, 32), interpolation=cv2.INTER_NEAREST)[..., None]
+    return cv2.GaussianBlur(frame, (0, 0), 1), np.float32([[[8, 5], [39, 5], [39, 36], [8, 36]]]), cells
+
+
+def positions():
+    """(h, w, 2) float32, the undistorted positions of pixels: here, they are not distorted."""
+    return np.dstack(np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))).astype(np.float32)
+
+
+def of_fit_tags():
+    frame, quads, cells = frame_with_tag()
+    return binding.fit_tags, {'frame': frame, 'quads': quads, 'cells': cells}
+
+
+def of_draw_mask():
+    return binding.draw_mask, {'frame': frame_with_tag()[0], 'corners': CORNERS, 'positions': positions()}
+
+
+def of_warp():
+    picture = np.random.RandomState(0).randint(0, 256, (90, 130, 4)).astype(np.uint8)
+    area = Area(CORNERS)
+    mask = area_mask(frame_with_tag()[0], area)
+
+    def call(picture, to_picture, mask, positions):
+        smaller = levels_of(picture, 2)[1:] if picture.size and picture.shape[2:] == (4,) else []
+        return binding.warp([picture, *smaller], to_picture, mask, positions)
+    return call, {'picture': picture, 'to_picture': np.linalg.inv(area.homography(130, 90)), 'mask': mask,
+                  'positions': positions()}
+
+
+def of_refine_pairs():
+    points = np.float64([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]] * 2)
+    turned = np.float64([cv2.Rodrigues(np.float64([0.3 * sign, 0.2, 0.1]))[0] for sign in (1, -1)])
+    shift = np.tile([0.1, 0.2, 5.0], (2, 2, 1))
+    seen = points @ turned[0].T + shift[:, :1]
+    spread = np.random.RandomState(1).normal(0, 0.01, (4, 3, 40))
+    return binding.refine_pairs, {
+        'points': points, 'rays': seen[..., :2] / seen[..., 2:],
+        'weights': np.tile(1e3 * np.eye(2), (2, 4, 1, 1)),
+        'rotations': np.tile(turned, (2, 1, 1, 1)), 'translations': shift + 0.01, 'spread': spread}
+
+
+def of_compare():
+    random = np.random.RandomState(2)
+    look = random.uniform(20, 200, (HEIGHT, WIDTH, 3)).astype(np.float32)
+
+    def call(**arrays):
+        return binding.compare(**arrays, darkest=0.3, lightest=2.5)
+    return call, {
+        'seen': np.clip(look * 1.1, 0, 255).astype(np.uint8), 'look': look, 'whole': np.float32([1, 1.1, 0.9]),
+        'contrast': random.randint(0, 50, look.shape).astype(np.uint8),
+        'variance': np.full((HEIGHT, WIDTH), 4, np.float32),
+        'usable': random.uniform(size=(HEIGHT, WIDTH)) < 0.9}
+
+
+def of_learn():
+    call, arrays = of_compare()
+    _, planes = call(**arrays)
+    wall, size = arrays['usable'], (HEIGHT, WIDTH)
+
+    def learn(**arrays):
+        binding.learn(**arrays, passed=0.1, settle=30, rate=0.5, variance_rate=0.1)
+    return learn, {
+        'seen': arrays['seen'], 'whole': arrays['whole'], 'planes': planes, 'wall': wall, 'certain': wall,
+        'look': arrays['look'], 'variance': arrays['variance'], 'known': ~wall,
+        'seconds': np.ones(size, np.float32)}
+
+
+MADE = {made.__name__[3:]: made for made in
+        (of_fit_tags, of_draw_mask, of_warp, of_refine_pairs, of_compare, of_learn)}
+CONVERTED = {'quads', 'cells', 'corners', 'to_picture', *of_refine_pairs()[1]}  # numbers of any type
+WRITTEN = {('learn', name) for name in ('look', 'variance', 'known', 'seconds')}
+GRAY_TOO = {('fit_tags', 'frame'), ('draw_mask', 'frame'), ('warp', 'mask')}
+ARGUMENTS = [(name, argument) for name in MADE for argument in MADE[name]()[1]]
+
+
+def result_of(name, **changed):
+    """What a function returns, and what it has then changed, for its usual arguments but these."""
+    call, arrays = MADE[name]()
+    arrays = {key: array.copy() for key, array in arrays.items()}
+    arrays.update(changed)
+    returned = call(**arrays)
+    returned = returned if isinstance(returned, tuple) else (returned,)
+    return [*returned, *(arrays[key] for of, key in sorted(WRITTEN) if of == name)]
+
+
+def assert_same(one, other):
+    for got, wanted in zip(one, other):
+        if wanted is not None:
+            np.testing.assert_array_equal(got, wanted)
+
+
+def strided(array):
+    """The same numbers, of which no two are neighbors in memory."""
+    wide = np.zeros([2 * side for side in array.shape], array.dtype)
+    part = wide[tuple(slice(None, None, 2) for _ in array.shape)]
+    part[...] = array
+    return part
+
+
+def unaligned(array):
+    memory = np.zeros(array.nbytes + 1, np.uint8)[1:]
+    memory[...] = np.frombuffer(array.tobytes(), np.uint8)
+    return memory.view(array.dtype).reshape(array.shape)
+
+
+def upside_down(array):
+    """The same numbers, with the last row first in memory."""
+    return np.ascontiguousarray(array[::-1])[::-1]
+
+
+@pytest.mark.parametrize('laid', [strided, unaligned, upside_down, np.asfortranarray])
+@pytest.mark.parametrize('name, argument', ARGUMENTS)
+def test_an_array_may_lie_in_memory_in_any_way(name, argument, laid):
+    array = laid(MADE[name]()[1][argument])
+    if (name, argument) in WRITTEN and not (array.flags.c_contiguous and array.flags.aligned):
+        with pytest.raises(InputError, match='not contiguous, but it would be changed'):
+            result_of(name, **{argument: array})
+    else:
+        assert_same(result_of(name, **{argument: array}), result_of(name))
+
+
+@pytest.mark.parametrize('name, argument', ARGUMENTS)
+def test_only_what_is_changed_must_not_be_read_only(name, argument):
+    array = MADE[name]()[1][argument].copy()
+    array.setflags(write=False)
+    if (name, argument) in WRITTEN:
+        with pytest.raises(InputError, match='is read-only, but it would be changed; give a copy'):
+            result_of(name, **{argument: array})
+    else:
+        assert_same(result_of(name, **{argument: array}), result_of(name))
+
+
+@pytest.mark.parametrize('name, argument', ARGUMENTS)
+def test_an_array_of_another_type_is_refused_or_converted(name, argument):
+    array = MADE[name]()[1][argument]
+    others = [array.astype(dtype) for dtype in (np.float64, np.uint16, np.int8) if dtype != array.dtype]
+    if array.itemsize > 1:
+        others.append(array.astype(array.dtype.newbyteorder()))
+    for other in others:
+        if argument not in CONVERTED:
+            message = r'is \(.*\) .*%s; give \(.*\) %s' % (other.dtype, array.dtype)
+            with pytest.raises(InputError, match=message):
+                result_of(name, **{argument: other})
+        elif np.array_equal(other, array):
+            assert_same(result_of(name, **{argument: other}), result_of(name))
+        else:
+            result_of(name, **{argument: other})  # other numbers, but it is the caller who says so
+
+
+@pytest.mark.parametrize('name, argument', ARGUMENTS)
+def test_an_array_of_another_shape_is_refused(name, argument):
+    array = MADE[name]()[1][argument]
+    others = [array[None], array.ravel() if array.ndim > 1 else array[:2], array[..., :2] if array.ndim > 1 and
+              array.shape[-1] > 2 else array[..., :1]]
+    if (name, argument) != ('draw_mask', 'frame'):
+        others.append(array[..., 0])
+    if name not in ('fit_tags', 'draw_mask') or argument != 'frame':
+        others += [array[:-1], array[:0]]
+    if array.ndim > 1 and argument not in ('frame', 'picture', 'spread'):
+        others += [array[:, :-1], array[:, :0]]
+    for other in others:
+        fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
+                ('warp', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
+                ('warp', 'mask'): other.shape == array.shape[:2],
+                ('refine_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
+                ('fit_tags', 'frame'): other.ndim == 2 and other.size,
+                ('fit_tags', 'quads'): other.shape == (0, 4, 2)}.get((name, argument))
+        if fits:
+            result_of(name, **{argument: other})
+        else:
+            with pytest.raises(InputError, match='give '):
+                result_of(name, **{argument: other})
+
+
+@pytest.mark.parametrize('empty', [(0, WIDTH, 3), (HEIGHT, 0, 3), (0, 0, 3), (0, 0)])
+def test_a_frame_that_is_empty(empty):
+    frame = np.zeros(empty, np.uint8)
+    with pytest.raises(InputError, match='frame is'):
+        result_of('fit_tags', frame=frame)
+    assert binding.draw_mask(frame, CORNERS).shape == empty
+    assert warp(np.zeros((5, 5, 3), np.uint8), np.eye(3), frame).shape == (*empty[:2], 3)
+
+
+def test_no_tags_are_fitted():
+    fitted, found, likeness = binding.fit_tags(frame_with_tag()[0], np.zeros((0, 4, 2)), np.zeros((0, 8, 8)))
+    assert fitted.shape == (0, 4, 2) and found.shape == likeness.shape == (0,)
+
+
+@pytest.mark.parametrize('quad', [np.nan, np.inf, -1e30, 1e30, 0])
+def test_a_quadrilateral_may_be_anywhere(quad):
+    frame, quads, cells = frame_with_tag()
+    assert not binding.fit_tags(frame, np.full_like(quads, quad), cells)[1].any()
+    binding.fit_tags(frame, np.where(np.arange(8).reshape(1, 4, 2) == 3, quad, quads), cells)
+    mask = binding.draw_mask(frame, np.full((4, 2), quad, np.float64))
+    assert mask.shape == frame.shape
+    binding.draw_mask(frame, np.full((4, 2), quad, np.float64), positions())
+    binding.draw_mask(frame, CORNERS, np.full_like(positions(), quad))
+    result_of('warp', to_picture=np.full((3, 3), quad, np.float64))
+    result_of('warp', positions=np.full_like(positions(), quad))
+
+
+def test_many_points_and_deviations_need_no_large_stack():
+    """Four states of a thousand deviations would fill the stack four times over."""
+    points, deviations = 8, 600
+    found = binding.refine_pairs(np.zeros((1, points, 3)), np.zeros((1, points, 2)), np.ones((1, points, 2, 2)),
+                                 np.tile(np.eye(3), (1, 2, 1, 1)), np.ones((1, 2, 3)),
+                                 np.zeros((points, 3, deviations)))
+    assert found[4].shape == (1, 2, 6 + deviations, 6 + deviations)
+    wide = 2_000_000  # a row of it would fill the stack as well
+    rows = np.ones((1, wide), np.float32)
+    colors, bytes_ = np.ones((1, wide, 3), np.float32), np.ones((1, wide, 3), np.uint8)
+    front, _ = binding.compare(bytes_, colors, np.ones(3, np.float32), bytes_, rows, rows > 0, 0.3, 2.5)
+    assert not front.any()
+
+
+def mask_of(frame):
+    return area_mask(frame, Area(CORNERS))
+
+
+def test_the_mask_of_a_gray_frame_is_one_channel_of_that_of_a_color_frame():
+    frame = frame_with_tag()[0]
+    mask, gray_mask = mask_of(frame), mask_of(np.ascontiguousarray(frame[..., 0]))
+    assert gray_mask.shape == (HEIGHT, WIDTH) and gray_mask.dtype == np.uint8
+    assert {0, 255} < set(gray_mask.ravel())
+    for channel in range(3):
+        np.testing.assert_array_equal(mask[..., channel], gray_mask)
+    # The same through a lens, which bends here by nothing that can be seen.
+    lens = Lens(WIDTH, HEIGHT, np.float64([[60, 0, 30], [0, 60, 23], [0, 0, 1]]), np.full(4, 1e-9))
+    bent = area_mask(frame[..., 0], Area(CORNERS, lens=lens))
+    assert bent.shape == (HEIGHT, WIDTH) and np.abs(bent.astype(int) - gray_mask).max() <= 40
+    np.testing.assert_array_equal(area_mask(frame, Area(CORNERS, lens=lens))[..., 1], bent)
+
+
+def test_a_gray_mask_warps_as_one_in_color_does():
+    picture = np.random.RandomState(0).randint(0, 256, (90, 130, 3)).astype(np.uint8)
+    frame, homography = frame_with_tag()[0], Area(CORNERS).homography(130, 90)
+    np.testing.assert_array_equal(warp(picture, homography, mask_of(frame[..., 0])),
+                                  warp(picture, homography, mask_of(frame)))
+
+
+def test_a_mask_has_bytes_only():
+    for dtype in np.float32, np.float64, np.uint16:
+        with pytest.raises(InputError, match=r'The frame is \(47, 61, 3\) %s; give' % np.dtype(dtype)):
+            mask_of(frame_with_tag()[0].astype(dtype))
+
+
+@pytest.mark.parametrize('frame, message', [
+    (np.zeros((HEIGHT, WIDTH), np.uint8), r'frame is \(47, 61\) uint8; give \(h, w, 3\) uint8.*COLOR_GRAY2BGR'),
+    (np.zeros((HEIGHT, WIDTH, 4), np.uint8), r'frame is \(47, 61, 4\) uint8'),
+    (np.zeros((HEIGHT, WIDTH, 3)), r'frame is \(47, 61, 3\) float64'),
+    (np.zeros((0, WIDTH, 3), np.uint8), r'frame is \(0, 61, 3\) uint8'),
+    ([[1, 2], [3, 4]], 'frame is no array but a list'),
+])
+def test_painting_into_what_is_no_color_frame_says_so(frame, message):
+    with pytest.raises(InputError, match=message):
+        overlay(frame, np.zeros((9, 9, 3), np.uint8), Area(CORNERS))
+
+
+@pytest.mark.parametrize('picture', [np.zeros((9, 9), np.uint8), np.zeros((9, 9, 3)),
+                                     np.zeros((9, 9, 2), np.uint8), np.zeros((0, 9, 3), np.uint8)])
+def test_painting_what_is_no_color_picture_says_so(picture):
+    with pytest.raises(InputError, match=r'The picture is .*; give \(h, w, 3\) or \(h, w, 4\) uint8'):
+        overlay(frame_with_tag()[0], picture, Area(CORNERS))
+    with pytest.raises(InputError, match='The picture is '):
+        warp(picture, np.eye(3), frame_with_tag()[0])
+
+
+def test_an_area_is_cut_out_of_gray_frames_too():
+    frame = frame_with_tag()[0]
+    gray = frame[..., 0]
+    np.testing.assert_array_equal(subtract(gray, mask_of(gray)), subtract(frame, mask_of(frame))[..., 0])
+    assert subtract(gray, mask_of(gray))[20, 30] == 0 and subtract(gray, mask_of(gray))[45, 55] == gray[45, 55]
+    for wrong in mask_of(frame), mask_of(gray)[1:], mask_of(gray).astype(float):
+        with pytest.raises(InputError, match='The mask is '):
+            subtract(gray, wrong)
+
+
+def test_put_in_takes_three_images_of_one_size_and_a_frame_that_can_be_changed():
+    frame = frame_with_tag()[0]
+    good = frame.copy(), frame.copy(), frame.copy()
+    put_in(*good)
+    for which, name in enumerate(('frame', 'picture', 'mask')):
+        for wrong in frame[..., 0], frame[:-1], frame.astype(np.float32):
+            images = list(good)
+            images[which] = wrong
+            with pytest.raises(InputError, match='The (%s|picture) is' % name):
+                put_in(*images)
+    frame.setflags(write=False)
+    with pytest.raises(InputError, match='The frame is read-only'):
+        put_in(frame, *good[1:])
+    with pytest.raises(InputError, match='The array for the result is read-only'):
+        overlay(frame, good[1], Area(CORNERS), out=frame)
+
+
+@pytest.mark.parametrize('size', [(WIDTH - 5, HEIGHT), (WIDTH, HEIGHT - 1), (WIDTH + 1, HEIGHT)])
+def test_a_lens_of_another_size_is_named(size):
+    frame = frame_with_tag()[0]
+    area = Area(CORNERS, lens=Lens(*size, np.float64([[60, 0, 30], [0, 60, 23], [0, 0, 1]]), np.full(4, 1e-3)))
+    message = 'The frame has 61 x 47 pixels, but the lens is that of %d x %d. Calibrate' % size
+    for call in (lambda: area_mask(frame, area), lambda: area_mask(frame[..., 0], area),
+                 lambda: overlay(frame, np.zeros((9, 9, 3), np.uint8), area), lambda: area.window(frame),
+                 lambda: area.rectified(frame, (20, 20))):
+        with pytest.raises(InputError, match=message):
+            call()
+
+
+def test_tags_are_searched_in_gray_and_color_alike():
+    gray = cv2.copyMakeBorder(draw_tag('DICT_6X6_250', 7, 80), 30, 30, 30, 30, 0, value=255)
+    for frame in gray, np.dstack([gray] * 3), strided(np.dstack([gray] * 3)), upside_down(gray):
+        tag, = Detector().detect(frame)
+        assert tag.id == 7 and np.abs(tag.corners - [[29.5, 29.5], [109.5, 29.5], [109.5, 109.5],
+                                                     [29.5, 109.5]]).max() < 0.2
+    for frame in gray.astype(np.float32), gray[:0], gray[None, None], gray[..., None]:
+        with pytest.raises(InputError, match=r'The frame is .*; give \(h, w\) or \(h, w, 3\) uint8'):
+            Detector().detect(frame)
+
+
+def sanitizer():
+    """The path of the library that the compiler's address sanitizer needs, or None."""
+    if shutil.which('cc') is None:
+        return None
+    asked = subprocess.run(['cc', '-print-file-name=libasan.so'], stdout=subprocess.PIPE, text=True)
+    return asked.stdout.strip() if os.path.isabs(asked.stdout) else None  # else it only repeats the name
+
+
+CHECKED = 'CHECKED_BY_SANITIZER'
+# It is really that library, and it notices a mask that is one row too short, past our checks.
+TOO_SHORT = '''
+import numpy
+from aruco_ar.compiled import binding
+mask, corners = numpy.zeros((46, 61), numpy.uint8), numpy.float64([[0, 0], [60, 0], [60, 60], [0, 60]])
+binding._draw_mask(mask.ctypes.data, 61, 47, 1, corners.ctypes.data, None, 0)
+'''
+
+
+@pytest.mark.skipif(CHECKED in os.environ, reason='this is that run')
+def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
+    if sanitizer() is None:
+        pytest.skip('the compiler has no address sanitizer')
+    compile_to(str(tmp_path / 'libunit5.so'), '-fsanitize=address', '-g', '-O1')
+    environment = {**os.environ, CHECKED: '1', 'LD_PRELOAD': sanitizer(),
+                   'LD_LIBRARY_PATH': '%s:%s' % (tmp_path, os.environ.get('LD_LIBRARY_PATH', '')),
+                   'ASAN_OPTIONS': 'detect_leaks=0'}
+
+    def run(*arguments):
+        done = subprocess.run([sys.executable, *arguments], env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True)
+        return done.returncode, done.stdout
+    if run('-c', 'import cv2, numpy')[0]:
+        pytest.skip('NumPy and OpenCV cannot be imported beside the address sanitizer')
+    code, output = run('-c', TOO_SHORT)
+    assert code and 'AddressSanitizer: heap-buffer-overflow' in output, output
+    code, output = run('-m', 'pytest', '-q', '-s', '-p', 'no:cacheprovider', '--basetemp',
+                       str(tmp_path / 'tests'), __file__)
+    assert code == 0 and ' passed' in output, output[-5000:]
