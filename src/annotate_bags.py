@@ -92,7 +92,7 @@ def main(argv):
         fault = fault_of_bridge()
         if fault:
             print('annotate_bags: %s' % fault, file=sys.stderr)
-        task = Task(exercise(args.exercise), settings(argv))
+        task = Task(exercise(args.exercise), settings(argv), HERE)
         check_picture(task)
         jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
         began = time.monotonic()

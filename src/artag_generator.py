@@ -23,22 +23,26 @@ MAX_ID = 10000  # no dictionary has an id above this
 def read_ids(text):
     """The ids in a text such as "1-4" or "1,4,7-9"."""
     ids: list[int] = []
-    try:
-        for part in text.split(','):
-            first, dash, last = part.partition('-')
-            ids.extend(range(int(first), min(int(last if dash else first), MAX_ID) + 1))
-    except ValueError:
-        raise argparse.ArgumentTypeError('"%s" is not a list of ids; write for example 1-4 or 1,4,7'
-                                         % text) from None
-    if not ids:
-        raise argparse.ArgumentTypeError('"%s" contains no id; write the smaller number first' % text)
+    for part in text.split(','):
+        first, dash, last = part.partition('-')
+        try:
+            begin, end = int(first), int(last if dash else first)
+        except ValueError:
+            raise argparse.ArgumentTypeError('"%s" is not a list of ids; write for example 1-4 or 1,4,7'
+                                             % text) from None
+        if begin > end:
+            raise argparse.ArgumentTypeError('"%s" contains no id; write the smaller number first' % part)
+        if end > MAX_ID:
+            raise argparse.ArgumentTypeError('no dictionary has an id above %d, so there is no tag %d'
+                                             % (MAX_ID, end))
+        ids.extend(range(begin, end + 1))
     return list(dict.fromkeys(ids))
 
 
 def draw(form, args, tag_id):
     """The bytes of the file of one tag. ``form``: jpg, png or svg."""
     if form == 'svg':
-        return tag_svg(args.dictionary, tag_id, args.size, args.border, args.quiet).encode()
+        return tag_svg(args.dictionary, tag_id, args.side, args.border, args.quiet).encode()
     image = draw_tag(args.dictionary, tag_id, args.size, args.border, args.quiet)
     # With JPEG's default quality, faint gray lines would appear along a tag's edges.
     return cv2.imencode('.' + form, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
@@ -51,30 +55,46 @@ def parse(argv):
     option = parser.add_argument
     option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
     option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')
-    option('--size', type=int, default=700, help='side of the tag in pixels (default: 700)')
+    option('--size', type=int,
+           help='side of the tag in pixels, in a jpg or png (default: 700)')
     option('--border', type=int, default=1, help='width of the black border in cells (default: 1)')
     option('--quiet', type=int, help='width of the white margin around the tag in cells '
                                      '(default: 0; 1 on a sheet)')
-    option('--format', choices=['jpg', 'png', 'svg'], default='jpg',
-           help='file format of the tags (default: jpg)')
+    option('--format', choices=['jpg', 'png', 'svg'],
+           help='file format of the tags; an svg has its size in millimeters (default: jpg)')
     option('--output', metavar='FOLDER',
            help="folder to write to (default: the package's Tags/, or ./Tags)")
     option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
-    option('--page', choices=list(PAGES), default='A4', help='paper for the sheet (default: A4)')
+    option('--page', choices=list(PAGES), help='paper for the sheet (default: A4)')
     option('--side', type=float, metavar='MM',
-           help='side of the tags on the sheet in millimeters (default: 75, four a page; 50 around a picture)')
+           help='side of the tags on a sheet or in an svg, in millimeters (default: 75, four a page; 50 around '
+                'a picture)')
     option('--around-picture', action='store_true',
            help='make the sheet a single page to put up as it is, with a tag in each corner')
     args = parser.parse_args(argv)
-    if args.quiet is None:
-        args.quiet = 1 if args.sheet else 0
     if args.sheet is not None and not args.sheet.lower().endswith('.pdf'):
         parser.error('--sheet takes the name of a PDF file, such as tags.pdf, not "%s"' % args.sheet)
     if args.around_picture and not args.sheet:
         parser.error('--around-picture is for a sheet. Give the name of its file, too: --sheet tags.pdf')
-    if args.side is None:
-        args.side = 50 if args.around_picture else 75
+    refuse_unused(parser, args)
+    for name, value in (('size', 700), ('side', 50 if args.around_picture else 75), ('format', 'jpg'),
+                        ('page', 'A4'), ('quiet', 1 if args.sheet else 0)):
+        if getattr(args, name) is None:
+            setattr(args, name, value)
     return args
+
+
+def refuse_unused(parser, args):
+    """End with a sentence if an option is given that has no effect on what is to be written."""
+    is_svg = args.format == 'svg'
+    for name, is_used, where in (
+            ('size', not (args.sheet or is_svg), 'a jpg or png; the side on a sheet or in an svg is --side MM'),
+            ('side', args.sheet or is_svg, 'a sheet or an svg; the side in a jpg or png is --size PIXELS'),
+            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf'),
+            ('format', not args.sheet, 'pictures; a sheet is a pdf'),
+            ('output', not args.sheet, 'pictures; a sheet is written to the path that --sheet gives')):
+        if getattr(args, name) is not None and not is_used:
+            parser.error('--%s is for %s' % (name, where))
 
 
 def generate(args):

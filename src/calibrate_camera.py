@@ -13,6 +13,7 @@ import sys
 
 import aruco_program  # noqa: F401  before all else
 import cv2
+import PIL.Image
 from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 from aruco_ar.base.progress import progress
@@ -20,6 +21,7 @@ from aruco_ar.calibration.calibrate import calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_ar.calibration.views import is_spread
+from aruco_ar.painting.picture import ORIENTATION
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen
@@ -55,15 +57,24 @@ def parse(argv):
 
 
 class FrameFile:
-    """The frames of a video or a photo; of a long video, MAX_FRAMES evenly chosen ones."""
+    """The frames of a video or a photo; of a long video, MAX_FRAMES evenly chosen ones.
+
+    They are as the camera stored them, so that one lens fits those of a phone that was held upright or not.
+    ``is_turned``: whether the file asks programs to turn them.
+    """
 
     def __init__(self, path):
         """Raises InputError if there is no such file."""
         if not os.path.isfile(path):
             raise InputError('There is no file "%s".' % path)
-        self._path, self._photo = path, cv2.imread(path)
-        self._video = cv2.VideoCapture(path) if self._photo is None else None
-        count = 1 if self._video is None else int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
+        self._path, self._photo = path, cv2.imread(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+        self._video, count = None, 1
+        if self._photo is None:
+            self._video = cv2.VideoCapture(path)
+            self._video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 0)
+            count = int(self._video.get(cv2.CAP_PROP_FRAME_COUNT))
+        self.is_turned = _is_turned_photo(path) if self._video is None else \
+            self._video.get(cv2.CAP_PROP_ORIENTATION_META) % 360 != 0
         self._step = max(1, -(-count // MAX_FRAMES))  # rounded up
         self._count = -(-count // self._step)
 
@@ -87,29 +98,44 @@ class FrameFile:
             raise InputError('The file "%s" is neither a video nor a photo that OpenCV can read.' % self._path)
 
 
+def _is_turned_photo(path):
+    try:
+        with PIL.Image.open(path) as photo:
+            return photo.getexif().get(ORIENTATION, 1) != 1
+    except Exception:  # Pillow raises many kinds, also for formats that only OpenCV reads
+        return False
+
+
 def look(files, sheet):
-    """((width, height), [View of each frame]). Raises InputError."""
-    size, views = None, []
+    """((width, height), [View of each frame], [paths of files that ask to be turned]). Raises InputError."""
+    size, views, turned = None, [], []
     for path in files:
-        for frame in progress(FrameFile(path), os.path.basename(path)):
+        file = FrameFile(path)
+        turned += [path] * file.is_turned
+        for frame in progress(file, os.path.basename(path)):
             if size not in (None, frame.shape[1::-1]):
                 raise InputError(
                     '"%s" has frames of %d x %d pixels, and those before it have %d x %d. Give files of one '
-                    'camera at one size.' % (path, *frame.shape[1::-1], *size))
+                    'camera at one size%s.' % (path, *frame.shape[1::-1], *size, (
+                        ', as the camera made them: a program has turned some of these'
+                        if frame.shape[:2] == size else '')))
             size = frame.shape[1::-1]
             views.append(sheet.view(frame))
-    return size, views
+    return size, views, turned
 
 
 def main(argv):
     args = parse(argv)
     try:
         sheet = CharucoBoard(args.dictionary, *args.charuco) if args.charuco else TagSheet(args.dictionary)
-        size, views = look(args.files, sheet)
+        size, views, turned = look(args.files, sheet)
         if not any(is_spread(view, sheet.points) for view in views):
             raise InputError('None of %d frames shows %s. %s' % (
                 len(views), sheet.needs, OTHER_BOARD if args.charuco else OTHER_SHEET))
         print('%d frames of %d x %d pixels' % (len(views), *size))
+        if turned:
+            print('%d of the files, such as "%s", ask to be turned when they are shown. They are used as the '
+                  'camera stored them, and the lens is for frames stored so' % (len(turned), turned[0]))
         found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())
     except InputError as error:
@@ -121,9 +147,10 @@ def main(argv):
     print('error         %.2f px in %d views; %.2f px in views that were held out'
           % (found.rms, found.views, found.held_out))
     print('coverage      %.0f %% of the frame' % (100 * found.coverage))
-    print('corners       within %.2f px, by lenses from two halves of the views' % found.corners)
+    print('corners       ' + ('within %.2f px, by lenses from two halves of the views' % found.corners
+                              if found.corners < size[0] else 'not known: the views do not tell it'))
     if found.lacks():
-        print('This lens is not sure yet. ' + found.lacks())
+        print(found.lacks())
     print('Wrote %s' % args.out)
 
 

@@ -5,7 +5,6 @@ The picture is warped onto the area, and replaces what exercise 5.5 subtracted.
 """
 import aruco_node
 import cv2
-import numpy as np
 from aruco_ar import area_mask
 from aruco_ar.exercise import PICTURE, TRACKER, Exercise, Result
 from aruco_ar.painting.fit import fit_picture
@@ -23,18 +22,16 @@ def paint_picture(scene):
     # The window is the part of the image that the area touches. What we paint into it is in the image.
     # A picture of another shape than the area is stretched, cut off, or leaves a part of the area free.
     window, part = area.window(image)
-    picture, place = fit_picture(scene.picture, part, settings.fit)
+    corners, place = fit_picture(scene.picture, part, settings.fit)
 
     # The homography maps the corners of the picture to the corners of the area, and straight lines
-    # to straight lines. So the corners are undistorted: as a lens without distortion would show them.
-    height, width = picture.shape[:2]
-    corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float32)
+    # to straight lines. So the area's are undistorted: as a lens without distortion would show them.
     homography = cv2.getPerspectiveTransform(corners, place.undistorted)
 
     # Warp the picture: cv2.warpPerspective, but only where the mask of 5.5 is not black, and bent as the real
     # lens bends lines. If the settings ask for it, people stay in front of it, and it takes the wall's light.
     mask = area_mask(window, place)
-    warped = warp(picture, homography, mask, place.positions)
+    warped = warp(scene.picture, homography, mask, place.positions)
     warped, mask = scene.on_wall(warped, mask, area, part)
     scene.hide_tags(area)
 

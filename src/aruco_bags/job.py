@@ -5,8 +5,11 @@ import json
 import os
 import shutil
 from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from pathlib import Path
 from typing import Dict
 
+import cv2
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.exercise import PICTURE
@@ -20,12 +23,15 @@ HIDDEN = '.unit5'      # subfolder of the output folder: drafts, and notes on wh
 LOCK = '.lock'         # no bag can have this name
 TABLE = 'tags.csv'
 DONE = 'done.json'     # the files that are done, {name: size in bytes}
+PACKAGES = Path(__file__).resolve().parent.parent
+PARTS, CODE = ('aruco_ar', 'aruco_bags', 'aruco_node'), ('.py', '.c', '.h')
 
 
 class Job:
     """A bag to process, and its output files in a folder.
 
-    If the bag, the Task or the options change, the notes of the Job get another folder, so it is done again.
+    If the bag, the Task, the options or the code change, the notes of the Job get another folder, so it is done
+    again.
     """
 
     def __init__(self, path, task, folder, video, seconds):
@@ -33,7 +39,7 @@ class Job:
         self._seconds = seconds
         self.name = os.path.splitext(os.path.basename(path))[0]
         self.bag = os.path.join(folder, self.name + '.bag')
-        wanted = [task.exercise.name, repr(task.settings), video, seconds, *_state(path)]
+        wanted = [task.exercise.name, repr(task.settings), video, seconds, *_state(path), _state_of_code(task)]
         if PICTURE in task.exercise.needs:
             wanted += _state(in_package(task.settings.picture))
         digest = hashlib.sha256(json.dumps(wanted).encode()).hexdigest()[:12]
@@ -77,8 +83,9 @@ class Job:
     def _forget_others(self):
         """Remove the notes on output of this bag with other options, since its files are replaced now."""
         others, own = os.path.split(self._hidden)
-        for name in set(os.listdir(others)) - {own}:
-            shutil.rmtree(os.path.join(others, name))
+        for other in os.scandir(others):
+            if other.is_dir() and other.name != own:
+                shutil.rmtree(other.path)
 
     def _folder_of(self, piece):
         return os.path.join(self._drafts, hashlib.sha256(piece.topic.encode()).hexdigest()[:12])
@@ -122,14 +129,16 @@ def locked(folder):
         except BlockingIOError:
             raise InputError('Another annotate_bags works in the folder "%s". Wait for it, or give another '
                              '--out.' % folder) from None
+        for left in os.scandir(os.path.join(folder, HIDDEN)):
+            if left.name != LOCK and left.is_file():  # a draft of a process that was killed
+                os.unlink(left.path)
         yield
 
 
 def write_table(folder):
     """Write the table of all bags whose output is in a folder. Raises InputError if it cannot be written."""
     hidden = os.path.join(folder, HIDDEN)
-    made = [os.path.join(hidden, name, digest) for name in sorted(os.listdir(hidden)) if name != LOCK
-            for digest in sorted(os.listdir(os.path.join(hidden, name)))]
+    made = [str(note.parent) for note in sorted(Path(hidden).glob('*/*/' + DONE))]
     try:
         with drafted(os.path.join(folder, TABLE), hidden) as draft:
             join_tables([os.path.join(each, TABLE) for each in made if _is_whole(each, folder)], draft, COLUMNS)
@@ -143,8 +152,23 @@ def _is_whole(hidden, folder):
         with open(os.path.join(hidden, DONE)) as file:
             return all(os.path.getsize(os.path.join(folder, name)) == size
                        for name, size in json.load(file).items())
-    except FileNotFoundError:
+    except (FileNotFoundError, ValueError):  # a note may be empty after a loss of power
         return False
+
+
+def _state_of_code(task):
+    """A text that changes with the code: this package's, that beside the exercise's file, and OpenCV's."""
+    files = [path for part in PARTS for path in PACKAGES.joinpath(part).glob('**/*') if path.suffix in CODE]
+    return _digest(*sorted(files), *sorted(Path(task.folder).glob('*.py'))) + cv2.__version__
+
+
+@lru_cache(None)
+def _digest(*paths):
+    """The digest of the contents of files, which are read once."""
+    whole = hashlib.sha256()
+    for path in paths:
+        whole.update(hashlib.sha256(path.read_bytes()).digest())
+    return whole.hexdigest()
 
 
 def _state(path):

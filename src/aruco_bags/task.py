@@ -30,10 +30,11 @@ COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in
 
 @dataclass(frozen=True)
 class Task:
-    """What to do with each bag: an Exercise of aruco_ar, and BagSettings for it."""
+    """What to do with each bag: an Exercise of aruco_ar, BagSettings for it, and the folder of its file."""
 
     exercise: Exercise
     settings: Any
+    folder: str
 
 
 def check_picture(task):

@@ -1,17 +1,17 @@
 """The lens of a camera, from views of a flat sheet."""
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Sequence
 
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners
 
+from .calibrated import SIDES, TRY_FISHEYE, Calibrated
 from .layout import learn_layout
 from .views import MIN_POINTS, View, cells_of, different_views, is_spread
 
@@ -28,9 +28,7 @@ MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit
 SURE = ('Show the sheet larger and in all corners of the frame, from the left, the right, above and below, '
         'tilted by up to 45 degrees.')
 NO_LENS = 'OpenCV finds no lens for these views. ' + SURE
-TRY_FISHEYE = ' If straight lines look bent, the lens may be a fisheye: --fisheye, or model:=fisheye.'
-GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
-GOOD_CORNERS_PX = 0.5       # see Calibrated.corners
+TILTED = 0.26               # the sine of 15 degrees: the sheet is tilted by more
 FISHEYE_GUESS = 0.6         # of the frame's longer side: the focal length to begin with
 
 # What is fixed in OpenCV's models, simplest first. p1 and p2 of a pinhole are always free.
@@ -39,32 +37,6 @@ ALWAYS = (cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW
           | cv2.fisheye.CALIB_USE_INTRINSIC_GUESS)
 FISHEYE = (ALWAYS | cv2.fisheye.CALIB_FIX_K2 | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4,
            ALWAYS | cv2.fisheye.CALIB_FIX_K3 | cv2.fisheye.CALIB_FIX_K4, ALWAYS)
-
-
-@dataclass(frozen=True)
-class Calibrated:
-    """The result. ``lens``: the Lens. ``rms``: how far its points are off, pixels (root of the mean square).
-
-    ``held_out``: the same for views that a lens from the others has not seen. ``views``: how many were used.
-    ``coverage``: the share of the frame's cells with points. ``corners``: by how many pixels the lens may be
-    off at the corners of the frame. Lenses from two halves of the views are about twice as far apart; it is
-    infinite if a half does not tell a lens.
-    """
-
-    lens: Lens
-    rms: float
-    held_out: float
-    views: int
-    coverage: float
-    corners: float
-
-    def lacks(self) -> str:
-        """What the views do not show well enough, and the remedy, in a sentence; empty if nothing lacks."""
-        if self.coverage < GOOD_COVERAGE:
-            return 'Show the sheet near the rims of the image, too.'
-        if self.corners > GOOD_CORNERS_PX:
-            return 'The corners of the image are not sure yet. Show more views, tilted to all sides.'
-        return ''
 
 
 def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = False,
@@ -105,8 +77,25 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
         raise InputError('%s %s %s' % (few, fits, SURE))
     if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
-    return Calibrated(lens, rms, held_out, len(kept), float(cells_of(kept, size).mean()),
-                      _doubt(solver, kept, best))
+    seen, untilted = cells_of(kept, size), _untilted(solver.normals)
+    return Calibrated(lens, rms, held_out, len(kept), float(seen.mean()), _doubt(solver, kept, best),
+                      unseen_parts(seen), untilted)
+
+
+def unseen_parts(seen: Booleans) -> tuple[str, ...]:
+    """The parts of a frame of which less than half was seen, such as top left. ``seen``: see cells_of."""
+    across, down = (np.array_split(np.arange(count), 3) for count in seen.shape)
+    return tuple(' '.join(part for part in (row, column) if part) or 'middle'
+                 for row, rows in zip(('top', '', 'bottom'), down)
+                 for column, columns in zip(('left', '', 'right'), across)
+                 if seen[np.ix_(columns, rows)].mean() < 0.5)
+
+
+def _untilted(normals: Floats) -> tuple[str, ...]:
+    """Those of SIDES that are never nearer to the camera. ``normals``: (n, 3), of the sheet in each view."""
+    towards = -normals * np.sign(normals[:, 2:])  # to the camera, which looks along z
+    tilts = towards[:, 0], -towards[:, 0], towards[:, 1], -towards[:, 1]
+    return tuple(side for side, tilt in zip(SIDES, tilts) if not np.any(tilt > TILTED))
 
 
 def _learned(solver: _Solver, views: Sequence[View], models: Sequence[int],
@@ -211,6 +200,7 @@ class _Solver:
         self._fisheye_guess = np.array([[focal, 0, x], [0, focal, y], [0, 0, 1]])
         self.layout: dict[int, Floats] = {}
         self.focal_deviation = 0.0
+        self.normals = np.zeros((0, 3))  # of the sheet in the last views that were solved
 
     @property
     def no_lens(self) -> InputError:
@@ -242,6 +232,7 @@ class _Solver:
             raise self.no_lens
         lens = Lens(*self.size, np.asarray(matrix, np.float64), np.asarray(distortion, np.float64).ravel()[:5],
                     self._fisheye)
+        self.normals = np.array([cv2.Rodrigues(np.asarray(turn))[0][:, 2] for turn in turns])
         errors = [_error(lens, sheet, points, turn, shift)
                   for sheet, points, turn, shift in zip(sheets, pixels, turns, shifts)]
         return lens, np.array(errors)

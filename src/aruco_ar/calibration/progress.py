@@ -10,7 +10,8 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.hints.other_tags import OtherTags
 
-from .calibrate import GOOD_CORNERS_PX, Calibrated, calibrate, corners_apart
+from .calibrate import calibrate, corners_apart
+from .calibrated import GOOD_CORNERS_PX, Calibrated
 from .collection import FEW, Collection
 from .sheets import CharucoBoard, TagSheet
 from .views import View

@@ -4,8 +4,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Floats, Image, Integers
 from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.homography import transform
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.tag import get_dictionary
 
@@ -13,6 +14,7 @@ from .views import MIN_POINTS, View
 
 MIN_SIDE_PX = 20.0  # the corners of smaller tags are not exact enough
 MAX_SQUARES = 50    # of a board, along a side
+OFF = 0.1           # a tag of a board is where it belongs if it is off by less than this part of its side
 
 
 def read_board(text: str) -> tuple[int, int, float]:
@@ -39,19 +41,24 @@ class TagSheet:
     def __init__(self, dictionary: str) -> None:
         """Raises InputError if there is no such dictionary."""
         self.dictionary = dictionary
-        self._detector = Detector(dictionary)
+        self._detector, self._negated = Detector(dictionary), False
         self.needs = 'two tags of %s, each at least %.0f px wide' % (dictionary, MIN_SIDE_PX)
 
     def view(self, frame: Image) -> View:
-        """The View of the sheet in a frame, (h, w, 3) BGR uint8."""
-        tags = [tag for tag in self._detector.detect(frame)
-                if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
-        ids = [tag.id for tag in tags]
-        return View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
+        """The View of the sheet in a frame, (h, w, 3) BGR uint8. It may be printed white on black."""
+        for negated in self._negated, not self._negated:
+            tags = [tag for tag in self._detector.detect(cv2.bitwise_not(frame) if negated else frame)
+                    if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
+            ids = [tag.id for tag in tags]
+            view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
+            if 4 * len(view.points) >= MIN_POINTS:
+                self._negated = negated  # the next frame shows the same sheet
+                return view
+        return View({})
 
 
 class CharucoBoard:
-    """Finds the inner corners of a ChArUco board.
+    """Finds the inner corners of a ChArUco board, whatever the id is that its ids begin with.
 
     ``points``: where they are, in squares. ``needs``: what must be in sight.
     """
@@ -63,13 +70,14 @@ class CharucoBoard:
         if count > tags:  # OpenCV would make a board with tags that do not exist
             raise InputError('A board of %d x %d squares has %d tags, but %s only has %d. Give the dictionary '
                              'of the board.' % (columns, rows, count, dictionary, tags))
-        board = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, table)
-        self._detectors = [cv2.aruco.CharucoDetector(board)]
-        if rows % 2 == 0:  # OpenCV before 4.6 began such a board with a white square
-            older = cv2.aruco.CharucoBoard((columns, rows), 1.0, ratio, table)
-            older.setLegacyPattern(True)
-            self._detectors.append(cv2.aruco.CharucoDetector(older))
-        corners = np.array(board.getChessboardCorners(), np.float64)
+        self._table, self._squares, self._ratio = table, (columns, rows), ratio
+        self._finder = cv2.aruco.ArucoDetector(table)
+        # OpenCV before 4.6 began a board with an even number of rows with a white square.
+        self._tags = [np.array(self._board(0, is_older).getObjPoints(), np.float64)[..., :2]
+                      for is_older in ([False, True] if rows % 2 == 0 else [False])]
+        self._detectors: dict[tuple[int, bool], cv2.aruco.CharucoDetector] = {}
+        self._last = False, 0, False  # whether it is white on black, its first id, whether it is an older one
+        corners = np.array(self._board(0, False).getChessboardCorners(), np.float64)
         self.points = {number: corner[None, :2] for number, corner in enumerate(corners)}
         self.needs = '%d corners of a board of %d x %d squares with tags of %s, not all in a line' % (
             MIN_POINTS, columns, rows, dictionary)
@@ -77,10 +85,58 @@ class CharucoBoard:
     def view(self, frame: Image) -> View:
         """The View of the board in a frame, (h, w, 3) BGR uint8."""
         gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
-        for detector in self._detectors:
-            corners, ids, _, _ = detector.detectBoard(gray)
-            if ids is not None and len(ids) >= MIN_POINTS:
-                self._detectors = [detector]  # the board has this pattern
-                return View({int(number): np.asarray(corner, np.float64).reshape(1, 2)
-                             for number, corner in zip(np.ravel(ids), corners)})
+        for negated in self._last[0], not self._last[0]:
+            shown = cv2.bitwise_not(gray) if negated else gray
+            quads, tag_ids, _ = self._finder.detectMarkers(shown)
+            if tag_ids is not None:
+                kind = self._kind(np.array(quads, np.float64).reshape(-1, 4, 2), np.ravel(tag_ids))
+                corners, ids, _, _ = self._detector(*kind).detectBoard(shown, None, None, quads, tag_ids)
+                if ids is not None and len(ids) >= MIN_POINTS:
+                    self._last = negated, *kind
+                    return View({int(number): np.asarray(corner, np.float64).reshape(1, 2)
+                                 for number, corner in zip(np.ravel(ids), corners)})
         return View({})
+
+    def _kind(self, quads: Floats, ids: Integers) -> tuple[int, bool]:
+        """The first id of the board, and whether it is an older one, for which most tags are where they belong.
+
+        ``quads``: (n, 4, 2) pixels of the tags with those ids. Boards of a set have ids one after the other.
+        """
+        best, most = self._last[1:], 0
+        count, total = len(self._tags[0]), len(self._table.bytesList)
+        firsts = {max(0, min(int(tag_id) - number, total - count)) for tag_id in ids for number in range(count)}
+        likely = sorted(firsts, key=lambda first: (first != self._last[1], first % count != 0, first))
+        for first in likely:
+            is_own = (ids >= first) & (ids < first + count)
+            for is_older, tags in enumerate(self._tags):
+                if np.count_nonzero(is_own) > most:  # else it cannot be better
+                    fitting = _fitting(tags[ids[is_own] - first], quads[is_own])
+                    if fitting > most:
+                        best, most = (first, bool(is_older)), fitting
+        return best
+
+    def _detector(self, first: int, is_older: bool) -> cv2.aruco.CharucoDetector:
+        if (first, is_older) not in self._detectors:
+            self._detectors[first, is_older] = cv2.aruco.CharucoDetector(self._board(first, is_older))
+        return self._detectors[first, is_older]
+
+    def _board(self, first: int, is_older: bool) -> cv2.aruco.CharucoBoard:
+        """The board whose ids begin with ``first``. ``is_older``: as OpenCV before 4.6 drew it."""
+        count = self._squares[0] * self._squares[1] // 2
+        board = cv2.aruco.CharucoBoard(self._squares, 1.0, self._ratio, self._table,
+                                       np.arange(first, first + count, dtype=np.int32))
+        board.setLegacyPattern(is_older)
+        return board
+
+
+def _fitting(tags: Floats, quads: Floats) -> int:
+    """How many tags are where they belong, as one plane sees them.
+
+    ``tags``: (n, 4, 2), their corners on the board. ``quads``: (n, 4, 2), in the frame.
+    """
+    side = np.median(np.linalg.norm(quads[:, 1] - quads[:, 0], axis=1))
+    there, _ = cv2.findHomography(tags.reshape(-1, 2), quads.reshape(-1, 2), cv2.RANSAC, OFF * side)
+    if there is None:
+        return 0
+    off = np.linalg.norm(transform(np.asarray(there, np.float64), tags) - quads, axis=2).max(axis=1)
+    return int(np.count_nonzero(off < 2 * OFF * side))

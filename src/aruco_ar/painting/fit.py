@@ -3,15 +3,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.tracking.area import Area
 
 FITS = 'stretch', 'contain', 'cover'
 
 
-def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
+def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Floats, Area]:
     """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
+
+    The first is (4, 2) float32: the corners of a rectangle in the picture, clockwise from its top left, in
+    pixels. The corners of the whole picture are (0, 0) and (w, h), as in the course.
 
     ``fit``: with ``stretch``, the whole picture fills the whole area. With
     ``contain``, the whole picture is in the middle of the area and keeps its
@@ -20,18 +23,19 @@ def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Image, Area]:
     """
     if fit not in FITS:
         raise InputError('There is no fit "%s" for a picture; choose one of %s.' % (fit, ', '.join(FITS)))
-    if fit == 'stretch':
-        return picture, area
     height, width = picture.shape[:2]
+    if fit == 'stretch':
+        return _middle(width, height), area
     wider = width / height / (area.ratio or _ratio_in_frame(area))  # how many times as wide as the area
     if fit == 'cover':
-        kept_width = max(1, round(width / max(wider, 1)))
-        kept_height = max(1, round(height * min(wider, 1)))
-        left, top = (width - kept_width) // 2, (height - kept_height) // 2
-        return picture[top:top + kept_height, left:left + kept_width], area
-    across, down = min(wider, 1) / 2, min(1 / wider, 1) / 2
-    inner = np.array([[-across, -down], [across, -down], [across, down], [-across, down]]) + 0.5
-    return picture, area.part(inner)
+        return _middle(width, height, 1 / max(wider, 1), min(wider, 1)), area
+    return _middle(width, height), area.part(_middle(1, 1, min(wider, 1), min(1 / wider, 1)))
+
+
+def _middle(width: int, height: int, across: float = 1, down: float = 1) -> Floats:
+    """(4, 2) float32: the corners of the middle of a rectangle, ``across`` and ``down`` of its sides large."""
+    corners = 0.5 + 0.5 * np.array([[-across, -down], [across, -down], [across, down], [-across, down]])
+    return np.asarray(corners * (width, height), np.float32)
 
 
 def _ratio_in_frame(area: Area) -> float:

@@ -8,8 +8,9 @@ import numpy as np
 
 from aruco_ar.base.arrays import Image
 
-# The smaller sizes of pictures that cannot change, by the address, the shape and the strides of the picture.
-_KEPT: dict[tuple[object, ...], list[Image]] = {}
+# The smaller sizes of each picture that cannot change, by the address of the array that owns its pixels. Of the
+# parts and views of a picture, only those of the one that was asked for last are kept.
+_KEPT: dict[int, tuple[object, list[Image]]] = {}
 
 
 def levels_of(picture: Image, count: int) -> list[Image]:
@@ -20,11 +21,13 @@ def levels_of(picture: Image, count: int) -> list[Image]:
     owner = picture if picture.base is None else picture.base
     smaller: list[Image] = []
     if isinstance(owner, np.ndarray) and not owner.flags.writeable and not picture.flags.writeable:
-        key = picture.ctypes.data, picture.shape, picture.strides
-        if key not in _KEPT:
-            _KEPT[key] = []
-            weakref.finalize(owner, _KEPT.pop, key, None)
-        smaller = _KEPT[key]
+        view = picture.ctypes.data, picture.shape, picture.strides
+        if id(owner) not in _KEPT:
+            weakref.finalize(owner, _KEPT.pop, id(owner), None)
+        kept_view, smaller = _KEPT.get(id(owner), (None, smaller))
+        if kept_view != view:
+            smaller = []
+            _KEPT[id(owner)] = view, smaller
     while len(smaller) < count and min((smaller or [picture])[-1].shape[:2]) > 1:
         smaller.append(_half(smaller[-1] if smaller else picture))
     return [picture, *smaller[:count]]

@@ -68,9 +68,10 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
     if area is None or picture is None:
         return out
     window, part = area.window(out)
-    picture, area = fit_picture(picture, part, fit)
+    corners, area = fit_picture(picture, part, fit)
+    homography = cv2.getPerspectiveTransform(corners, np.asarray(area.undistorted, np.float32))
     mask = area_mask(window, area)
-    warped = warp(picture, area.homography(picture.shape[1], picture.shape[0]), mask, area.positions)
+    warped = warp(picture, np.asarray(homography, np.float64), mask, area.positions)
     put_in(window, warped, mask, opacity)
     return out
 
@@ -98,7 +99,11 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
 def _levels_needed(picture: Image, homography: Floats) -> int:
     """How many times a picture has to be halved until it is nowhere larger than in the frame."""
     height, width = picture.shape[:2]
-    seen = transform(homography, np.array([[0.0, 0], [width, 0], [width, height], [0, height]]))
+    corners = np.array([[0.0, 0], [width, 0], [width, height], [0, height]])
+    behind = corners @ homography[2, :2] + homography[2, 2] <= 0
+    if behind.any() and not behind.all():
+        return MAX_LEVELS  # some of what is cut off would be behind the camera
+    seen = transform(homography, corners)
     top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
     shrinks = max(width / max(min(top, foot), 1), height / max(min(left, right), 1))
     return int(np.ceil(np.log2(min(max(1, shrinks), 2**MAX_LEVELS))))  # also if it is not a number

@@ -139,6 +139,7 @@ def _video(path: str) -> Iterator[tuple[float, Image]]:
     with opened(path) as file:
         # The file is named by its descriptor, since OpenCV ends the process for a path that is not UTF-8.
         capture = cv2.VideoCapture('/proc/self/fd/%d' % file.fileno(), cv2.CAP_FFMPEG, TIMEOUTS)
+    capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)  # upright as players show it, whatever OpenCV does by itself
     _check_size(path, capture.get(cv2.CAP_PROP_FRAME_WIDTH) * capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
     duration, picture, start = DEFAULT_DURATION_S, None, 0.0
     while capture.grab():

@@ -13,7 +13,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.progress import progress
 
 from .instructions import draw_arrow, draw_instructions
-from .tag import check_quiet, check_size, tag_cells
+from .tag import check_quiet, tag_cells
 
 PAGES = {'A4': A4, 'A3': A3, 'Letter': LETTER}
 
@@ -41,19 +41,20 @@ def black_runs(cells: Image) -> list[tuple[int, int, int]]:
     return runs
 
 
-def tag_svg(dictionary: str, tag_id: int, size: int = 700, border: int = 1, quiet: float = 0) -> str:
-    """One tag as SVG text; the arguments and errors are those of ``draw_tag``.
+def tag_svg(dictionary: str, tag_id: int, side_mm: float = 75, border: int = 1, quiet: float = 0) -> str:
+    """One tag as SVG text, which programs show and print with a side of ``side_mm`` millimeters.
 
-    All cells are one path, so that no viewer shows hairlines between them.
+    The other arguments and the errors are those of ``draw_tag``. All cells are one path, so that no viewer
+    shows hairlines between them.
     """
     cells = tag_cells(dictionary, tag_id, border)
-    check_size(len(cells), size)
+    _check_side(side_mm)
     check_quiet(quiet)
     total = len(cells) + 2 * quiet
-    side = size * total / len(cells)
+    side = side_mm * total / len(cells)
     path = ' '.join('M%g %gh%dv1h-%dz' % (column + quiet, row + quiet, length, length)
                     for row, column, length in black_runs(cells))
-    return ('<svg xmlns="http://www.w3.org/2000/svg" width="%g" height="%g" viewBox="0 0 %g %g">\n'
+    return ('<svg xmlns="http://www.w3.org/2000/svg" width="%gmm" height="%gmm" viewBox="0 0 %g %g">\n'
             '<title>%s id %d</title>\n'
             '<rect width="%g" height="%g" fill="white"/>\n'
             '<path d="%s" fill="black"/>\n'
@@ -147,9 +148,13 @@ def tags_around_picture(dictionary: str, ids: Sequence[int], side_mm: float, pag
 def _check(side_mm: float, page: str, quiet: float) -> None:
     if page not in PAGES:
         raise InputError('There is no page size "%s"; choose one of %s.' % (page, ', '.join(PAGES)))
+    _check_side(side_mm)
+    check_quiet(quiet)
+
+
+def _check_side(side_mm: float) -> None:
     if not 1 <= side_mm <= 1000:
         raise InputError('A tag with a side of %g mm cannot be printed; choose from 1 to 1000.' % side_mm)
-    check_quiet(quiet)
 
 
 def _draw_tag(canvas: Canvas, tag_id: int, cells: Image, left: float, foot: float, cell_mm: float,

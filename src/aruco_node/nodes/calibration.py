@@ -61,6 +61,11 @@ def lens_from_info(info, size, rectified=False, scale=1.0, notes=None):
     if np.any(original == 0):
         raise InputError('it does not say for what size of frames it is, so the camera is not calibrated. '
                          + CALIBRATE, kind='camera_info without a size')
+    if np.all(np.abs(original * scale - size[::-1]) <= 1) and original[0] != original[1]:
+        raise InputError('it is for frames of %d x %d pixels, but the frames have %d x %d: one of the two is '
+                         'turned, as those of a phone that was held upright are. Turn the source of the frames '
+                         'back, or calibrate with the frames of this topic: calibrate_live.launch'
+                         % (*original, *np.round(np.array(size) / scale)), kind='camera_info of turned frames')
     if np.any(np.abs(original * scale - size) > 1):
         raise InputError('it is for frames of %d x %d pixels, but the frames have %d x %d. Calibrate the '
                          'camera at the size at which it runs' % (*original, *np.round(size / scale)),

@@ -14,7 +14,7 @@ from aruco_ar.exercise import CORRECT, LENSES
 from aruco_ar.looks.look import CLEAN, FOREGROUNDS, FULL, GRAINS, LIGHTS, PAINT, SHOW, TAGS
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
-from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M
+from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M, tag_cells
 from aruco_ar.tracking.tracker import HOLD_S, UPRIGHT
 
 from aruco_node.messages.topics import IMAGE_TYPES
@@ -253,6 +253,14 @@ class PoseSettings(AreaSettings):
         'learned, otherwise wall', live=False)
     robot_frame: str = text(
         'base_link', 'the name of a TF frame', 'TF frame of the robot, for its pose', live=False)
+
+    def __post_init__(self):
+        """Raises InputError if a tag with a size of its own is not in the dictionary."""
+        try:
+            for tag_id, _ in self.tag_sizes:
+                tag_cells(self.dictionary, tag_id)
+        except InputError as error:
+            raise InputError('The parameter ~tag_sizes cannot be used: %s' % error) from None
 
 
 @dataclass(frozen=True)

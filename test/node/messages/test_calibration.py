@@ -27,6 +27,15 @@ def test_the_lens_is_that_of_the_camera_info():
     np.testing.assert_allclose(lens.distortion, CAMERA.distortion)
 
 
+def test_frames_that_one_program_has_turned_are_named():
+    for size, scale in ((480, 640), 1.0), ((240, 320), 0.5):
+        with pytest.raises(InputError, match='for frames of 640 x 480 pixels, but the frames have '
+                                             '480 x 640: one of the two is turned.*calibrate_live.launch'):
+            lens_from_info(info(), size, scale=scale)
+    with pytest.raises(InputError, match='Calibrate the camera at the size at which it runs'):
+        lens_from_info(info(), (480, 320))
+
+
 def test_a_rectified_image_has_another_matrix_and_no_distortion():
     lens = lens_from_info(info(P=[500.0, 0, 310, 0, 0, 510, 240, 0, 0, 0, 1, 0]), SIZE, rectified=True)
     np.testing.assert_allclose(lens.matrix, [[500, 0, 310], [0, 510, 240], [0, 0, 1]])

@@ -36,6 +36,7 @@ def test_tag_sizes_may_be_a_dict_or_text(sizes):
 @pytest.mark.parametrize('name, value, allowed', [
     ('tag_size', 0, 'from 0.001 to 10'), ('tag_size', 'big', 'a number'), ('tag_sizes', '7', 'such as 7: 0.1'),
     ('tag_sizes', '7: wide', 'such as 7: 0.1'), ('tag_sizes', {'7': 11}, 'such as 7: 0.1'),
+    ('tag_sizes', '7: 0.1, 250: 0.1', 'id 250 is not in DICT_6X6_250'),
     ('tag_sizes', 5, 'such'), ('tag_frame', 'tag', '{id}'), ('wall', '', 'learn, or the path'),
     ('rectified', 'yes', 'true, false or auto')])
 def test_a_wrong_parameter_of_tag_poses_is_explained(name, value, allowed):

@@ -2,6 +2,7 @@
 import csv
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -295,6 +296,32 @@ def test_results_of_other_settings_are_made_again(package, recorded, done, tmp_p
     os.unlink(str(tmp_path / 'drive.bag'))
     annotate(package, tmp_path, recorded)
     assert_same(done, tmp_path)
+
+
+def test_what_a_killed_process_left_does_no_harm(package, recorded, done, tmp_path):
+    annotate(package, tmp_path, recorded)
+    (tmp_path / '.unit5' / '0123456789abcdef.csv').write_text('half of a tab')
+    (tmp_path / '.unit5' / 'drive' / 'left').write_text('')
+    assert 'is done already' in annotate(package, tmp_path, recorded)
+    assert sorted(path.name for path in (tmp_path / '.unit5').iterdir()) == ['.lock', 'drive']
+    assert_same(done, tmp_path)
+    note, = (tmp_path / '.unit5' / 'drive').glob('*/done.json')
+    note.write_text('')  # as after a loss of power
+    assert 'is done already' not in annotate(package, tmp_path, recorded)
+    assert_same(done, tmp_path)
+
+
+def test_results_of_other_code_are_made_again(package, recorded, tmp_path):
+    shutil.copytree(package + '/src', str(tmp_path / 'unit5' / 'src'))
+    for name in 'package.xml', 'config', 'images':
+        (tmp_path / 'unit5' / name).symlink_to(os.path.join(package, name))
+    run = [str(tmp_path / 'unit5'), tmp_path / 'out', recorded, '--exercise', '5.2']
+    assert 'Wrote' in annotate(*run) and 'is done already' in annotate(*run)
+    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/edges.c':
+        with open(str(tmp_path / 'unit5' / 'src' / edited), 'a') as code:
+            code.write('\n')
+        assert 'is done already' not in annotate(*run), edited
+    assert 'is done already' in annotate(*run)
 
 
 def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):

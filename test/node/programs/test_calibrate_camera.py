@@ -1,12 +1,19 @@
 """calibrate_camera.py on simulated videos and photos, and what it says about bad ones."""
+import os
+import struct
 import subprocess
 import sys
 
 import cv2
 import numpy as np
+import PIL.Image
 import pytest
 import yaml
 from aruco_ar.calibration.calibrate import corners_apart
+from aruco_ar.calibration.sheets import CharucoBoard
+from aruco_ar.calibration.views import is_spread
+from aruco_ar.painting.picture import ORIENTATION
+from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import Camera
 from calibrate_camera import MAX_FRAMES, FrameFile, main
 from rig.accuracy.sheets import BARREL, frames_of, lens_of_file
@@ -57,6 +64,54 @@ def test_photos_of_a_charuco_board_tell_the_lens_of_a_fisheye(tmp_path):
     lens = lens_of_file(out)
     assert lens.fisheye and lens.matrix[0, 0] == pytest.approx(camera.matrix[0, 0], rel=0.01)
     assert corners_apart(lens, camera.lens).max() < 0.5
+
+
+def test_photos_of_which_some_are_turned_are_used_as_the_camera_stored_them(tmp_path, capsys):
+    paths = []
+    for number, frame in enumerate(frames_of(BARREL, tmp_path / 'wall.yaml')):
+        paths.append(str(tmp_path / ('%02d.jpg' % number)))
+        exif = PIL.Image.Exif()
+        exif[ORIENTATION] = 6 if number % 3 == 0 else 1
+        PIL.Image.fromarray(frame[:, :, ::-1]).save(paths[-1], quality=95, exif=exif)
+    out = str(tmp_path / 'camera.yaml')
+    main([*paths, '--out', out])
+    said = capsys.readouterr().out
+    assert '36 frames of 640 x 480 pixels' in said
+    assert '12 of the files' in said and '00.jpg", ask to be turned' in said
+    lens = lens_of_file(out)
+    assert lens.matrix[0, 0] == pytest.approx(BARREL.matrix[0, 0], rel=0.01)
+    assert corners_apart(lens, BARREL.lens).max() < 0.6
+
+
+def test_a_video_that_asks_to_be_turned_is_read_in_one_known_way(tmp_path):
+    path, frame = str(tmp_path / 'portrait.mp4'), np.zeros((96, 160, 3), np.uint8)
+    frame[:, :80] = 255  # its left half
+    video = cv2.VideoWriter(path, cv2.VideoWriter_fourcc(*'mp4v'), 10, (160, 96))
+    for _ in range(3):
+        video.write(frame)
+    video.release()
+    with open(path, 'r+b') as file:
+        data = file.read()
+        file.seek(data.index(b'tkhd') + 44)  # the matrix, for a turn by 90 degrees clockwise
+        file.write(struct.pack('>9i', 0, 1 << 16, 0, -(1 << 16), 0, 0, 0, 0, 1 << 30))
+    file = FrameFile(path)
+    assert file.is_turned
+    for stored in file:
+        assert stored.shape == (96, 160, 3) and stored[:, :70].min() > 200 > 50 > stored[:, 90:].max()
+    painted = open_source(path).at(0.0)
+    assert painted.shape == (160, 96, 3) and painted[:70].min() > 200 > 50 > painted[90:].max()
+
+
+@pytest.mark.clips
+@pytest.mark.parametrize('negated', [False, True])
+def test_a_real_board_is_found_white_on_black_too(package, negated):
+    path = package + '/../shared/videos/turned.avi'
+    if not os.path.isfile(path):
+        pytest.skip('the clip %s is missing' % os.path.normpath(path))
+    board = CharucoBoard('DICT_4X4_50', 4, 5, 0.75)
+    views = [board.view(255 - frame if negated else frame) for frame in FrameFile(path)]
+    assert sum(len(view.points) == 12 for view in views) >= 35
+    assert sum(is_spread(view, board.points) for view in views) >= 46
 
 
 @pytest.mark.parametrize('arguments, words', [

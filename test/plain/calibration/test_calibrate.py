@@ -3,7 +3,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError, Lens
-from aruco_ar.calibration.calibrate import MIN_VIEWS, calibrate, corners_apart
+from aruco_ar.calibration.calibrate import MIN_VIEWS, _untilted, calibrate, corners_apart, unseen_parts
+from aruco_ar.calibration.calibrated import TRY_FISHEYE, Calibrated
 from aruco_ar.calibration.collection import FEW, FULL, LIKE, MOVING, Collection
 from aruco_ar.calibration.layout import learn_layout
 from aruco_ar.calibration.views import MAX_VIEWS, View, cells_of, different_views
@@ -48,9 +49,42 @@ def test_a_known_board_is_enough(random):
 def test_a_lens_is_not_sure_where_the_sheet_was_not_or_where_few_views_are_noisy():
     truth = LENSES['barrel']
     middle = calibrate(views_of(truth, sheet(2, 2), 14, away=0.05), SIZE)
-    assert middle.coverage < 0.8 and 'near the rims' in middle.lacks()
-    noisy = calibrate(views_of(truth, sheet(), 10, noise=1.5), SIZE)
-    assert noisy.corners > 0.5 and 'Show more views' in noisy.lacks()
+    assert middle.coverage < 0.8 and 'Show the sheet near the rims of the image, too.' in middle.lacks()
+    noisy = calibrate(views_of(truth, sheet(), 10, noise=0.7), SIZE)
+    assert noisy.corners > 0.5 and 'At the corners of the image this lens may be off by' in noisy.lacks()
+    assert noisy.lacks().endswith('Show the sheet in more views, near and far, too.')
+
+
+def found_with(**changes):
+    good = dict(lens=LENSES['barrel'], rms=0.1, held_out=0.1, views=20, coverage=1.0, corners=0.1)
+    return Calibrated(**{**good, **changes})
+
+
+OFF = 'At the corners of the image this lens may be off by 2.6 px. Show the sheet '
+UNKNOWN = 'At the corners of the image this lens is not known. Show the sheet '
+NEARER = 'tilted, with its left side or foot nearer to the camera, too.'
+BAD = 'This lens is bad: points are off by 2.6 px, and a good one leaves less than 1.0 px. Put the sheet on'
+
+
+@pytest.mark.parametrize('found, begin, end', [
+    (found_with(), '', ''),
+    (found_with(held_out=2.6), BAD + ' a flat board', TRY_FISHEYE),
+    (found_with(corners=2.6), OFF, OFF + 'in more views, near and far, too.'),
+    (found_with(corners=np.inf, untilted=('left side', 'foot')), UNKNOWN, UNKNOWN + NEARER),
+    (found_with(corners=2.6, coverage=0.5, unseen=('top left', 'top', 'right'), untilted=('left side', 'foot')),
+     OFF, OFF + 'in the top left, the top and the right of the image; and ' + NEARER)])
+def test_what_is_wrong_with_a_lens_is_said_with_the_views_that_mend_it(found, begin, end):
+    said = found.lacks()
+    assert said.startswith(begin) and said.endswith(end) and bool(said) == bool(end)
+
+
+def test_the_parts_that_were_not_seen_and_the_tilts_that_are_missing_are_known():
+    # The normal of a sheet that is nearer at the left. The camera's x axis points right, and z away from it.
+    normals = np.array([[0.4, 0, -1.0]] * 3) / np.hypot(0.4, 1)
+    assert _untilted(normals) == ('right side', 'top', 'foot') and _untilted(-normals) == _untilted(normals)
+    seen = np.ones((8, 6), bool)
+    seen[6:, :2] = False
+    assert unseen_parts(seen) == ('top right',)
 
 
 def test_two_lenses_are_apart_at_the_corners_but_a_turn_of_the_camera_does_not_count():

@@ -3,7 +3,7 @@ import aruco_ar.calibration.progress as progress_module
 import numpy as np
 import pytest
 from aruco_ar import InputError, Lens, draw_tag
-from aruco_ar.calibration.calibrate import Calibrated
+from aruco_ar.calibration.calibrated import Calibrated
 from aruco_ar.calibration.collection import LIKE, MOVING
 from aruco_ar.calibration.progress import SHOW, Progress
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet

@@ -1,8 +1,10 @@
 """Fitting pictures into areas, with their own proportions on the wall, from any viewpoint."""
+import tracemalloc
+
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Detector, InputError, Tracker, find_area, overlay
+from aruco_ar import Area, Detector, InputError, Tracker, area_mask, find_area, overlay
 from aruco_ar.painting.fit import fit_picture
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
@@ -65,11 +67,53 @@ def test_cover_fills_the_area_with_the_middle_of_the_picture():
         assert image[y, x].tolist() == list(BLUE)
 
 
+@pytest.mark.parametrize('channels', [3, 4])
+def test_cover_paints_what_a_picture_that_was_cut_by_hand_would_show(random, channels):
+    frame = np.full((240, 320, 3), 100, np.uint8)
+    area = Area(np.float32([[60, 30], [260, 60], [250, 180], [70, 210]]), 1.5)
+    coarse = random.randint(0, 256, (30, 20, channels)).astype(np.uint8)
+    picture = cv2.resize(coarse, (600, 900), interpolation=cv2.INTER_CUBIC)
+    whole = overlay(frame, picture, area, fit='cover')
+    cut = overlay(frame, picture[250:650].copy(), area)
+    off = np.abs(whole.astype(int) - cut)
+    # Beyond the cut there are real pixels now, where the rim's were repeated: this is seen at the very rim.
+    inside = cv2.erode(area_mask(frame, area), np.ones((5, 5)))
+    assert off[inside == 255].max() <= 8 and off[inside == 255].mean() < 0.5
+
+
+def test_a_running_ratio_makes_no_further_smaller_sizes_of_the_picture(random):
+    frame = np.full((240, 320, 3), 100, np.uint8)
+    corners = np.float32([[60, 30], [260, 60], [250, 180], [70, 210]])
+    picture = random.randint(0, 256, (1200, 1600, 3)).astype(np.uint8)
+    picture.setflags(write=False)  # as the exercises do
+    ratios = np.linspace(1.4, 1.6, 60)
+    overlay(frame, picture, Area(corners, ratios[0]), fit='cover')
+    tracemalloc.start()
+    try:
+        images = [overlay(frame, picture, Area(corners, ratio), fit='cover') for ratio in ratios]
+        grown, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert grown < sum(image.nbytes for image in images) + 1e6  # one set of smaller sizes has 1.9 MB
+    for ratio, image in zip(ratios[::10], images[::10]):
+        np.testing.assert_array_equal(image, overlay(frame, picture.copy(), Area(corners, ratio), fit='cover'))
+
+
+def test_what_is_cut_off_may_be_behind_the_camera(random):
+    frame = np.full((480, 640, 3), 100, np.uint8)
+    area = Area(np.float32([[100, 20], [500, 200], [500, 280], [100, 460]]), 1 / 3)
+    wide = np.full((50, 1000, 3), RED, np.uint8)
+    wide[:, 488:513] = BLUE  # 17 px of it fill the area
+    image = overlay(frame, wide, area, fit='cover')
+    for x, y in ((105, 240), (300, 240), (495, 240)):
+        assert image[y, x].tolist() == list(BLUE)
+
+
 def test_stretch_fills_the_area_with_the_whole_picture():
     picture = np.zeros((40, 20, 3), np.uint8)
     area = Area(np.float32([[10, 10], [110, 10], [110, 60], [10, 60]]), 2.0)
-    fitted, place = fit_picture(picture, area, 'stretch')
-    assert fitted is picture and place is area
+    corners, place = fit_picture(picture, area, 'stretch')
+    assert corners.tolist() == [[0, 0], [20, 0], [20, 40], [0, 40]] and place is area
 
 
 def test_without_tags_the_proportions_in_the_frame_are_used():

@@ -37,6 +37,14 @@ def test_the_levels_of_a_read_only_picture_are_made_once():
     assert levels_of(part, 1)[1].shape == (40, 40, 3)
 
 
+def test_of_many_parts_of_a_picture_the_levels_of_the_last_one_are_kept():
+    picture = gray_picture(7)
+    picture.setflags(write=False)
+    kept = [weakref.ref(levels_of(picture[:, start:], 1)[1]) for start in range(20)]
+    gc.collect()
+    assert [level() is not None for level in kept] == [False] * 19 + [True]
+
+
 def test_the_levels_go_with_their_picture():
     picture = gray_picture(7)
     picture.setflags(write=False)

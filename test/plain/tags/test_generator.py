@@ -55,10 +55,10 @@ def test_written_pictures_are_detected(generate, tmp_path, form):
 
 
 def test_a_written_svg_is_detected(generate, tmp_path):
-    assert generate('--ids', '17', '--format', 'svg', '--quiet', '2', '--output', '.')[0] == 0
+    assert generate('--ids', '17', '--format', 'svg', '--quiet', '2', '--output', '.', '--side', '120')[0] == 0
     svg = ElementTree.parse(str(tmp_path / 'image_17.svg')).getroot()
     cells = int(svg.get('viewBox').split()[2])
-    assert cells == 12 and float(svg.get('width')) == 700 * 12 / 8
+    assert cells == 12 and svg.get('width') == svg.get('height') == '180mm'  # 120 mm are 8 cells
     image = np.full((cells, cells), 255, np.uint8)
     path = svg.find('{http://www.w3.org/2000/svg}path').get('d')
     for run in path.replace('M', ' ').split('z')[:-1]:
@@ -149,10 +149,18 @@ def test_one_page_is_a_wall_of_its_own(generate, tmp_path, page):
     (['--ids', 'one'], '"one" is not a list of ids'),
     (['--ids', '4-1'], 'smaller number first'),
     (['--size', '7'], 'from 8 to 10000'),
-    (['--size', '7', '--format', 'svg'], 'from 8 to 10000'),
+    (['--size', '700', '--format', 'svg'], 'in an svg is --side MM'),
+    (['--size', '700', '--sheet', 'sheet.pdf'], 'on a sheet or in an svg is --side MM'),
+    (['--side', '75'], 'in a jpg or png is --size PIXELS'),
+    (['--side', '0', '--format', 'svg'], 'from 1 to 1000'),
+    (['--page', 'A3'], '--sheet tags.pdf'),
+    (['--sheet', 'sheet.pdf', '--format', 'png'], '--format is for pictures'),
+    (['--sheet', 'sheet.pdf', '--output', '.'], '--output is for pictures'),
+    (['--ids', '1-4,9-7'], '"9-7" contains no id; write the smaller number first'),
+    (['--ids', '1,99999'], 'there is no tag 99999'),
     (['--size', '70000'], 'from 8 to 10000'),
     (['--ids', '1-'], '"1-" is not a list of ids'),
-    (['--ids', '1-1000000000'], 'id 250 is not in'),
+    (['--ids', '1-1000000000'], 'there is no tag 1000000000'),
     (['--sheet', 'sheet.png'], 'name of a PDF file'),
     (['--sheet', ''], 'name of a PDF file'),
     (['--sheet', 'sheet.pdf', '--side', 'inf'], 'from 1 to 1000'),
