@@ -10,8 +10,8 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import fit_tags, sample_cells, side_of
-from .tag import Tag, get_dictionary, tag_cells
+from .edges import compare_tags, fit_tags, lighter_inside, sample_cells, side_of
+from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
 # How a frame is searched. ``scale``: the frame is resized by this factor first.
@@ -42,13 +42,20 @@ MAX_ENLARGED = 3
 # A tag must have at least this likeness (see fit_tags). OpenCV corrects as many
 # wrong cells as it can, which finds tags that are blurred by motion. This limit
 # rejects the other things that it then mistakes for tags.
-MIN_LIKENESS = 0.8
+MIN_LIKENESS = 0.76
+# All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells, so
+# these need less: a share for no cell at all, what each pixel of a cell's width adds, and the limit for wide cells.
+MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.7
 # Cells that are reread are sharpened by this kernel, since the cells of a far tag
 # are blurred into each other.
 SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32)
 # In a reread tag, at most this share of the black border may be light. At most the
 # same share of the white ring around it may be dark.
 MAX_WRONG = 0.15
+# A corner may be so far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and its
+# place is less sure than it seems.
+BEYOND_PX = 0.75
+MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
 # many are reread. The limit is needed because each is reread twice, and cv2.remap
@@ -57,7 +64,7 @@ MAX_READ = MAX_REREAD = 2000
 
 
 class Detector:
-    """Finds the tags of one dictionary.
+    """Finds the tags of one dictionary, black on white or white on black.
 
     ``dictionary``: a name such as ``DICT_6X6_250``. ``ids``: if given, tags
     with other ids are ignored. ``search``: ``normal``; ``fast``, which finds
@@ -65,12 +72,14 @@ class Detector:
     and slanted tags, at many times the cost. ``correction``, 0 to 1: how many
     wrong cells are corrected, as a share of those that the dictionary can
     correct. ``likeness``, 0 to 1: a tag must have more (see fit_tags).
-    ``min_side``, pixels: tags with a shorter mean side are ignored. Raises
+    ``min_side``, pixels: tags with a shorter mean side are ignored.
+    ``border``, 1 to 10: the width of the tags' black border in cells. Raises
     InputError for any other value.
     """
 
     def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), search: str = 'normal',
-                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0) -> None:
+                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0,
+                 border: int = 1) -> None:
         if search not in _PRESETS:
             raise InputError('There is no search "%s"; choose one of %s.' % (search, ', '.join(SEARCHES)))
         for name, value in ('correction', correction), ('likeness', likeness):
@@ -78,13 +87,16 @@ class Detector:
                 raise InputError('The %s cannot be %s; give a number from 0 to 1.' % (name, value))
         if not isinstance(min_side, (int, float)) or not min_side >= 0:
             raise InputError('The shortest side of tags cannot be %s; give pixels, 0 or more.' % (min_side,))
-        self._dictionary = dictionary
+        if not isinstance(border, int) or not 1 <= border <= MAX_BORDER_CELLS:
+            raise InputError('The border of tags cannot be %s cells wide; choose from 1 to %d.'
+                             % (border, MAX_BORDER_CELLS))
+        self._dictionary, self._border = dictionary, border
         self._marker = get_dictionary(dictionary)
         self._ids = frozenset(ids)
         for tag_id in self._ids:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
-        self._cells: dict[int, Image] = {}
+        self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
         self._preset = _PRESETS[search]
         self._preset_finder = self._finder(self._preset.windows, self._preset.min_perimeter)
         self._normal_finder = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].min_perimeter) \
@@ -96,6 +108,7 @@ class Detector:
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
         """
+        frame = _gray(frame)
         ids, quads = self._find(self._preset_finder, frame, self._preset.scale, self._preset.rereads)
         if self._normal_finder is not None:  # it finds some tags that the fine search misses
             more, others = self._find(self._normal_finder, frame, _PRESETS['normal'].scale)
@@ -107,21 +120,27 @@ class Detector:
 
         With a large ``side``, this is faster than ``detect``. With a small one, it finds more tags.
         """
-        scale = min(SEARCH_SIDE_PX / side, MAX_ENLARGED)
+        scale, frame = min(SEARCH_SIDE_PX / side, MAX_ENLARGED), _gray(frame)
         return self._fitted(frame, *self._find(self._sized_finder, frame, scale))
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
+        return fit_tags(frame, quads, self._cells_of(ids))
+
+    def _cells_of(self, ids: Sequence[int]) -> Image:
+        """(n, m, m) uint8: the cells of the tags with those ids."""
         for tag_id in ids:
             if tag_id not in self._cells:
-                self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
-        return fit_tags(frame, quads, np.array([self._cells[tag_id] for tag_id in ids]))
+                self._cells[tag_id] = tag_cells(self._dictionary, tag_id, self._border)
+        return np.array([self._cells[tag_id] for tag_id in ids])
 
     def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> cv2.aruco.ArucoDetector:
         """OpenCV's detector, with the windows and the smallest perimeter of a _Preset."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
         parameters.maxErroneousBitsInBorderRate = 0.6
+        parameters.markerBorderBits = self._border
+        parameters.minDistanceToBorder = 0
         # From OpenCV 4.14 on, cells that are not clearly dark or light count as wrong, so tags that are blurred
         # by motion are not found. As before 4.14, a cell takes the value of the majority of its 25 pixels.
         if hasattr(parameters, 'validBitIdThreshold'):
@@ -139,12 +158,16 @@ class Detector:
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
-        corners, ids, rejected = finder.detectMarkers(_scaled(frame, scale))
+        scaled = _scaled(frame, scale)
+        corners, ids, rejected = finder.detectMarkers(scaled)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
         if len(ids) > MAX_READ:
             largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
             corners, ids = [corners[number] for number in largest], [ids[number] for number in largest]
         quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
+        if not rereads:
+            more, others = self._inverted(scaled, np.array(rejected[:MAX_REREAD], np.float32).reshape(-1, 4, 2))
+            ids, quads = ids + more, np.concatenate([quads, others])
         # The middle of the first pixel is (0, 0), both before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
         if rereads and len(quads):
@@ -153,19 +176,47 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
+    def _inverted(self, gray: Image, quads: Floats) -> tuple[list[int], Floats]:
+        """The ids and quadrilaterals, (n, 4, 2) float32, of those in which tags are white on black.
+
+        OpenCV can read such tags, too, but then it mistakes the inside of some other tags for the whole.
+        """
+        quads = quads[lighter_inside(gray, quads, self._marker.markerSize + 2 * self._border) > MIN_CONTRAST]
+        found, turned = [], []
+        for quad, seen in zip(quads, self._seen(gray, quads)):
+            tag_id, turns = self._read(255 - seen)
+            if tag_id is not None:
+                found.append(tag_id)
+                turned.append(np.roll(quad, turns, axis=0))
+        return found, np.array(turned, np.float32).reshape(-1, 4, 2)
+
+    def _seen(self, frame: Image, quads: Floats) -> Image:
+        """(n, m, m) uint8: the gray of the cells in quadrilaterals, (n, 4, 2), with the ring of cells around."""
+        count = self._marker.markerSize + 2 * self._border
+        if not len(quads):
+            return np.empty((0, count + 2, count + 2), np.uint8)
+        return sample_cells(frame, quads, count, -1).astype(np.uint8).reshape(-1, count + 2, count + 2)
+
+    def _read(self, seen: Image) -> tuple[int | None, int]:
+        """The id of the tag with these cells (see _seen), and its quarter turns; None if there is no such tag."""
+        rim = self._border + 1
+        good, tag_id, turns = self._marker.identify(_light(seen)[rim:-rim, rim:-rim].astype(np.uint8),
+                                                    float(self._correction))
+        return (tag_id if good else None), turns
+
     def _reread(self, frame: Image, quads: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of those whose cells are a tag's in the frame itself.
 
         Each quadrilateral is read twice: as it is given, and fitted to its edges.
         """
-        count = self._marker.markerSize + 2
+        count = self._marker.markerSize + 2 * self._border
         unknown = np.zeros((len(quads), count, count))
         quads, found, turned = np.concatenate([quads, fit_tags(frame, quads, unknown)[0]]), [], []
-        grays = sample_cells(frame, quads, count, -1).astype(np.uint8)
-        for quad, gray in zip(quads, grays.reshape(-1, count + 2, count + 2)):
-            inside = _light(cv2.filter2D(gray, -1, SHARPEN))[2:-2, 2:-2]
-            good, tag_id, turns = self._marker.identify(inside.astype(np.uint8), float(self._correction))
-            if good and _wrong(_light(gray)) <= MAX_WRONG:
+        for quad, seen in zip(quads, self._seen(frame, quads)):
+            if np.median(seen[1:-1, [1, -2]]) > np.median(seen[:, [0, -1]]):  # white on black
+                seen = 255 - seen
+            tag_id, turns = self._read(cv2.filter2D(seen, -1, SHARPEN))
+            if tag_id is not None and _wrong(_light(seen), self._border + 1) <= MAX_WRONG:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
         return found, np.array(turned, np.float32).reshape(-1, 4, 2)
@@ -174,35 +225,46 @@ class Detector:
         """The tags among quadrilaterals, (n, 4, 2), moved onto their edges if these are found."""
         if not ids:
             return []
-        fitted, _, likeness = self.fit(frame, ids, quads)
-        good = np.flatnonzero((likeness > self._likeness) & (side_of(fitted) >= self._min_side)
-                              & is_quadrilateral(fitted))
+        cells = self._cells_of(ids)
+        cells[compare_tags(frame, quads, cells, 1) < 0] ^= 255  # white on black
+        fitted, found, likeness = fit_tags(frame, quads, cells)
+        far = np.array(frame.shape[1::-1]) - 1
+        found |= ((fitted >= 1) & (fitted <= far - 1)).all(axis=(1, 2))
+        found &= ((fitted >= -BEYOND_PX) & (fitted <= far + BEYOND_PX)).all(axis=(1, 2))
+        sides = side_of(fitted)
+        whole = compare_tags(frame, fitted, cells)
+        least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
+        good = np.flatnonzero(found & (likeness > self._likeness) & (sides >= self._min_side)
+                              & is_quadrilateral(fitted) & (whole > least))
         if self._preset.rereads:
-            good = _without_duplicates(fitted, likeness, good)
+            good = _without_duplicates(fitted, whole, good)
+        self._cells.update((ids[number], cells[number]) for number in good)
         return [Tag(ids[number], fitted[number]) for number in good]
 
 
-def _scaled(frame: Image, scale: float) -> Image:
-    """(h, w) uint8: a frame, resized and gray, and sharpened if it is enlarged."""
-    if scale < 1:
-        frame = cv2.resize(frame, None, fx=scale, fy=scale)
-    gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+def _gray(frame: Image) -> Image:
+    """(h, w) uint8: a frame in gray. All work on it takes less time than on three channels."""
+    return frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+
+
+def _scaled(gray: Image, scale: float) -> Image:
+    """(h, w) uint8: a gray frame, resized, and sharpened if it is enlarged."""
     if scale <= 1:
-        return gray
+        return gray if scale == 1 else cv2.resize(gray, None, fx=scale, fy=scale)
     # Without this, blur would fill the cells of small tags, and join a tag to what is beyond a narrow margin.
     sharp = cv2.addWeighted(gray, 2, cv2.GaussianBlur(gray, (0, 0), 1), -1, 0)
     return cv2.resize(sharp, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
 
 
-def _without_duplicates(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:
-    """The indices of the quadrilaterals, (n, 4, 2), to keep: in each place the one with the highest likeness.
+def _without_duplicates(quads: Floats, whole: Floats, numbers: Iterable[int]) -> list[int]:
+    """The indices of the quadrilaterals, (n, 4, 2), to keep: in each place the one that is most like a tag.
 
     A tag can be found several times: by the contours on both sides of its
     edges, and both as given and as fitted.
     """
     centers, sides = quads.mean(axis=1), side_of(quads)
     kept: list[int] = []
-    left = np.array(sorted(numbers, key=lambda number: -likeness[number]), int)
+    left = np.array(sorted(numbers, key=lambda number: -whole[number]), int)
     while len(left):
         best = left[0]
         kept.append(best)
@@ -220,11 +282,13 @@ def _light(gray: Image) -> Booleans:
     return gray > threshold
 
 
-def _wrong(light: Booleans) -> float:
+def _wrong(light: Booleans, rim: int) -> float:
     """The part of the ring that is dark, or of the black border that is light; the larger of the two.
 
-    ``light``: (n, n) bool, a tag's cells with the ring of cells around it.
+    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: the width of ring and border.
     """
-    with_ring, with_border, inside = light.sum(), light[1:-1, 1:-1].sum(), light[2:-2, 2:-2].sum()
-    ring = 4 * (len(light) - 1)
-    return max(1 - (with_ring - with_border) / ring, (with_border - inside) / (ring - 8))
+    with_ring, with_border, inside = (int(light[width:-width or None, width:-width or None].sum())
+                                      for width in (0, 1, rim))
+    tag, middle = len(light) - 2, len(light) - 2 * rim
+    return max(1 - (with_ring - with_border) / (len(light)**2 - tag**2),
+               (with_border - inside) / (tag**2 - middle**2))

@@ -9,11 +9,17 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.compiled import library
+from aruco_ar.geometry.lines import cross
 
 _C = library('edges')
 _C.fit_tags.restype = None
 _C.fit_tags.argtypes = [ctypes.c_void_p, ctypes.c_int64, *[ctypes.c_int] * 4, ctypes.c_void_p, ctypes.c_int,
                         *[ctypes.c_void_p] * 4]
+_C.compare_tags.restype = None
+_C.compare_tags.argtypes = [*_C.fit_tags.argtypes[:9], ctypes.c_int, ctypes.c_int, ctypes.c_void_p]
+
+SAMPLES = 3  # of each cell in both directions, if all of a tag is compared
+MIN_CROSS, MIN_DEPTH = 1e-6, 0.05  # limits for quadrilaterals that are no view of a square
 
 # The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
 PROFILE_POSITIONS = np.ctypeslib.as_array(
@@ -44,6 +50,23 @@ def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Boolean
     return fitted, found, likeness
 
 
+def compare_tags(frame: Image, quads: Floats, cells: Image, samples: int = SAMPLES) -> Floats:
+    """(n,) float32: the correlation of all that is seen in quadrilaterals with tags, black border included.
+
+    Unlike the likeness (see fit_tags), this does not look at the middles of cells alone. So it is low for
+    anything else in which these happen to be dark and light as in the tag. It is negative if what is seen is
+    white on black. ``samples``: of each cell, in both directions. The others are those of fit_tags.
+    """
+    quads, cells = np.ascontiguousarray(quads, np.float32), np.ascontiguousarray(cells, np.uint8)
+    count, channels = len(quads), frame.shape[2] if frame.ndim == 3 else 1
+    if frame.strides[1:] != (channels, 1)[:frame.ndim - 1]:
+        frame = np.ascontiguousarray(frame)
+    found = np.empty(count, np.float32)
+    _C.compare_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0], channels, count,
+                    quads.ctypes.data, cells.shape[1], cells.ctypes.data, 0, samples, found.ctypes.data)
+    return found
+
+
 def side_of(quads: Floats) -> Floats:
     """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
     along = quads - quads[:, [1, 2, 3, 0]]
@@ -54,17 +77,46 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     """The gray in the middle of each cell of quadrilaterals: (n, k) float32, row by row.
 
     ``frame``: see fit_tags. ``quads``: (n, 4, 2) float32, each ``count`` cells
-    wide. ``margin``: cells at the rim that are left out, so
+    wide and a square in perspective. ``margin``: cells at the rim that are left out, so
     k = (count - 2 * margin)**2; if negative, cells around are included.
     """
-    points = _cell_weights(count, margin) @ quads
-    seen = cv2.remap(frame, points, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    quads, (x, y) = np.asarray(quads, np.float32), _middles(count, margin)
+    first, second, third, fourth = (quads[:, None, corner] for corner in range(4))
+    # The homography from the unit square, as in homography_to, but for all quadrilaterals at once.
+    one, other, rest = second - third, fourth - third, first - second + third - fourth
+    area = cross(one, other)
+    area = np.where(np.abs(area) < MIN_CROSS, MIN_CROSS, area)
+    g, h = (cross(*pair) / area for pair in ((rest, other), (one, rest)))
+    depth = np.maximum(g * x + h * y + 1, MIN_DEPTH)[..., None]
+    g, h, x, y = g[..., None], h[..., None], x[:, None], y[:, None]
+    points = ((second - first + g * second) * x + (fourth - first + h * fourth) * y + first) / depth
+    seen = cv2.remap(frame, np.asarray(points, np.float32), NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
+def lighter_inside(frame: Image, quads: Floats, count: int) -> Floats:
+    """(n,): how much lighter quadrilaterals are just inside of each side than just outside, in gray levels.
+
+    ``frame``: (h, w) uint8. The others are as in sample_cells. This only looks at the middles of the sides.
+    """
+    if not len(quads):
+        return np.empty(0)
+    seen = cv2.remap(frame, _across_sides(count) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
+                     borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
+    return (seen[:, :4] - seen[:, 4:]).min(axis=1)
+
+
 @lru_cache
-def _cell_weights(count: int, margin: int) -> Floats:
-    """(k, 4): the middle of each cell, without a margin, as the weights of the tag's corners in a mean."""
-    middle = (np.arange(margin, count - margin) + 0.5) / count
+def _across_sides(count: int) -> Floats:
+    """(8, 4): points half a cell inside and then outside of the middle of each side, as weights of the corners."""
+    near = np.array([[0.5 * (corner in (side, (side + 1) % 4)) for corner in range(4)] for side in range(4)])
+    return np.array([near + (near[[2, 3, 0, 1]] - near) * share / count for share in (0.5, -0.5)],
+                    np.float32).reshape(8, 4)
+
+
+@lru_cache
+def _middles(count: int, margin: int) -> tuple[Floats, Floats]:
+    """(k,) and (k,) float32: x and y of the middle of each cell in the unit square, without a margin."""
+    middle = (np.arange(margin, count - margin, dtype=np.float32) + np.float32(0.5)) / np.float32(count)
     y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
-    return np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y], np.float32).T
+    return x, y
