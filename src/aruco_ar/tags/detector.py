@@ -10,7 +10,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import compare_tags, fit_tags, lighter_inside, sample_cells, side_of
+from .edges import compare_tags, fit_tags, steps_inward, sample_cells, side_of
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
@@ -56,6 +56,9 @@ MAX_WRONG = 0.15
 # place is less sure than it seems.
 BEYOND_PX = 0.75
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
+# Under a shadow, a cell is compared with those up to two cells away, if their contrast is at least this share of
+# that of all.
+AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
 # many are reread. The limit is needed because each is reread twice, and cv2.remap
@@ -165,8 +168,8 @@ class Detector:
             largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
             corners, ids = [corners[number] for number in largest], [ids[number] for number in largest]
         quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
-        if not rereads:
-            more, others = self._inverted(scaled, np.array(rejected[:MAX_REREAD], np.float32).reshape(-1, 4, 2))
+        if not rereads and len(rejected):
+            more, others = self._read_locally(scaled, np.array(rejected[:MAX_REREAD], np.float32)[:, 0], quads)
             ids, quads = ids + more, np.concatenate([quads, others])
         # The middle of the first pixel is (0, 0), both before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
@@ -176,15 +179,23 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
-    def _inverted(self, gray: Image, quads: Floats) -> tuple[list[int], Floats]:
-        """The ids and quadrilaterals, (n, 4, 2) float32, of those in which tags are white on black.
+    def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
+        """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
 
-        OpenCV can read such tags, too, but then it mistakes the inside of some other tags for the whole.
+        These are white on black, or in the light on one side and in a shadow on the other. OpenCV can read the
+        former, too, but then it mistakes the inside of some other tags for the whole. ``quads``: those that it
+        could not read. ``known``: those that it could, which are not read again.
         """
-        quads = quads[lighter_inside(gray, quads, self._marker.markerSize + 2 * self._border) > MIN_CONTRAST]
+        steps = steps_inward(gray, quads, self._marker.markerSize + 2 * self._border)
+        white = (steps > MIN_CONTRAST).all(axis=1)
+        may_be = white | (steps < -MIN_CONTRAST).all(axis=1)
+        if len(known) and may_be.any():
+            apart = np.abs(quads.mean(axis=1)[:, None] - known.mean(axis=1)).max(axis=2)
+            may_be &= (apart > side_of(known) / 2).all(axis=1)
+        white, quads = white[may_be], quads[may_be]
         found, turned = [], []
-        for quad, seen in zip(quads, self._seen(gray, quads)):
-            tag_id, turns = self._read(255 - seen)
+        for quad, seen, inverted in zip(quads, self._seen(gray, quads), white):
+            tag_id, turns = self._read(_locally_light(255 - seen if inverted else seen))
             if tag_id is not None:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
@@ -197,10 +208,10 @@ class Detector:
             return np.empty((0, count + 2, count + 2), np.uint8)
         return sample_cells(frame, quads, count, -1).astype(np.uint8).reshape(-1, count + 2, count + 2)
 
-    def _read(self, seen: Image) -> tuple[int | None, int]:
-        """The id of the tag with these cells (see _seen), and its quarter turns; None if there is no such tag."""
+    def _read(self, light: Booleans) -> tuple[int | None, int]:
+        """The id of the tag with these light cells (see _light), and its quarter turns; None if there is none."""
         rim = self._border + 1
-        good, tag_id, turns = self._marker.identify(_light(seen)[rim:-rim, rim:-rim].astype(np.uint8),
+        good, tag_id, turns = self._marker.identify(light[rim:-rim, rim:-rim].astype(np.uint8),
                                                     float(self._correction))
         return (tag_id if good else None), turns
 
@@ -215,7 +226,7 @@ class Detector:
         for quad, seen in zip(quads, self._seen(frame, quads)):
             if np.median(seen[1:-1, [1, -2]]) > np.median(seen[:, [0, -1]]):  # white on black
                 seen = 255 - seen
-            tag_id, turns = self._read(cv2.filter2D(seen, -1, SHARPEN))
+            tag_id, turns = self._read(_light(cv2.filter2D(seen, -1, SHARPEN)))
             if tag_id is not None and _wrong(_light(seen), self._border + 1) <= MAX_WRONG:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
@@ -280,6 +291,15 @@ def _light(gray: Image) -> Booleans:
     """
     threshold, _ = cv2.threshold(gray[1:-1, 1:-1].copy(), 0, 1, cv2.THRESH_OTSU)
     return gray > threshold
+
+
+def _locally_light(gray: Image) -> Booleans:
+    """The same, if some cells are in the light and others in a shadow: each is compared with those around it."""
+    gray = np.asarray(gray, np.float32) + 1
+    darkest, lightest = cv2.erode(gray, AROUND), cv2.dilate(gray, AROUND)
+    plain = lightest - darkest < MIN_LOCAL * (gray.max() - gray.min())  # all around are of one color
+    # A shadow divides all gray levels, so the limit between dark and light is the mean of their logarithms.
+    return np.where(plain, _light(np.asarray(gray - 1, np.uint8)), gray * gray > darkest * lightest)
 
 
 def _wrong(light: Booleans, rim: int) -> float:

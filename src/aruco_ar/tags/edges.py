@@ -94,16 +94,14 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
-def lighter_inside(frame: Image, quads: Floats, count: int) -> Floats:
-    """(n,): how much lighter quadrilaterals are just inside of each side than just outside, in gray levels.
+def steps_inward(frame: Image, quads: Floats, count: int) -> Floats:
+    """(n, 4): how much lighter quadrilaterals are just inside of the middle of each side than just outside.
 
-    ``frame``: (h, w) uint8. The others are as in sample_cells. This only looks at the middles of the sides.
+    In gray levels; negative if they are darker. ``frame``: (h, w) uint8. The others are as in sample_cells.
     """
-    if not len(quads):
-        return np.empty(0)
     seen = cv2.remap(frame, _across_sides(count) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
                      borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
-    return (seen[:, :4] - seen[:, 4:]).min(axis=1)
+    return seen[:, :4] - seen[:, 4:]
 
 
 @lru_cache
