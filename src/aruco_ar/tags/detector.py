@@ -10,7 +10,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import compare_tags, fit_tags, steps_inward, sample_cells, side_of
+from .edges import across_sides, compare_tags, fit_tags, sample_cells, side_of
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
@@ -56,8 +56,9 @@ MAX_WRONG = 0.15
 # place is less sure than it seems.
 BEYOND_PX = 0.75
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
-# Under a shadow, a cell is compared with those up to two cells away, if their contrast is at least this share of
-# that of all.
+# There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on another.
+# Then a cell is compared with those up to two cells away, if their contrast is at least this share of that of all.
+UNEVEN = 1.5
 AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
@@ -186,9 +187,10 @@ class Detector:
         former, too, but then it mistakes the inside of some other tags for the whole. ``quads``: those that it
         could not read. ``known``: those that it could, which are not read again.
         """
-        steps = steps_inward(gray, quads, self._marker.markerSize + 2 * self._border)
-        white = (steps > MIN_CONTRAST).all(axis=1)
-        may_be = white | (steps < -MIN_CONTRAST).all(axis=1)
+        inside, outside = across_sides(gray, quads, self._marker.markerSize + 2 * self._border)
+        white = (inside > outside + MIN_CONTRAST).all(axis=1)
+        uneven = outside.max(axis=1) > UNEVEN * outside.min(axis=1)
+        may_be = white | uneven & (inside < outside - MIN_CONTRAST).all(axis=1)
         if len(known) and may_be.any():
             apart = np.abs(quads.mean(axis=1)[:, None] - known.mean(axis=1)).max(axis=2)
             may_be &= (apart > side_of(known) / 2).all(axis=1)

@@ -94,14 +94,14 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
-def steps_inward(frame: Image, quads: Floats, count: int) -> Floats:
-    """(n, 4): how much lighter quadrilaterals are just inside of the middle of each side than just outside.
+def across_sides(frame: Image, quads: Floats, count: int) -> tuple[Floats, Floats]:
+    """(n, 4) and (n, 4): the gray half a cell inside of the middle of each side of quadrilaterals, and outside.
 
-    In gray levels; negative if they are darker. ``frame``: (h, w) uint8. The others are as in sample_cells.
+    ``frame``: (h, w) uint8. The others are as in sample_cells.
     """
     seen = cv2.remap(frame, _across_sides(count) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
                      borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
-    return seen[:, :4] - seen[:, 4:]
+    return seen[:, :4], seen[:, 4:]
 
 
 @lru_cache
