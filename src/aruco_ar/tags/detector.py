@@ -27,6 +27,14 @@ class _Preset(NamedTuple):
     rereads: bool
 
 
+class _Finder(NamedTuple):
+    """OpenCV's detector. ``inverted``: one that looks for white tags on black; it mistakes the inside of some other
+    tags for the whole, so it is used only if the plain one finds none."""
+
+    plain: cv2.aruco.ArucoDetector
+    inverted: cv2.aruco.ArucoDetector
+
+
 _PRESETS = {
     'fast': _Preset(0.5, (11, 11, 1), 0.03, False),
     'normal': _Preset(1, (3, 23, 10), 0.03, False),
@@ -138,7 +146,7 @@ class Detector:
                 self._cells[tag_id] = tag_cells(self._dictionary, tag_id, self._border)
         return np.array([self._cells[tag_id] for tag_id in ids])
 
-    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> cv2.aruco.ArucoDetector:
+    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> _Finder:
         """OpenCV's detector, with the windows and the smallest perimeter of a _Preset."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
@@ -156,14 +164,18 @@ class Detector:
         # Whole pixels are exact enough for fit_tags. With a narrow margin, OpenCV's refinement would choose the
         # corners of the paper.
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-        return cv2.aruco.ArucoDetector(self._marker, parameters)
+        plain = cv2.aruco.ArucoDetector(self._marker, parameters)
+        parameters.detectInvertedMarker = True
+        return _Finder(plain, cv2.aruco.ArucoDetector(self._marker, parameters))
 
-    def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
+    def _find(self, finder: _Finder, frame: Image, scale: float,
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
         scaled = _scaled(frame, scale)
-        corners, ids, rejected = finder.detectMarkers(scaled)
+        corners, ids, rejected = finder.plain.detectMarkers(scaled)
+        if ids is None and self._are_dark(scaled, rejected):
+            corners, ids, _ = finder.inverted.detectMarkers(scaled)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
         if len(ids) > MAX_READ:
             largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
@@ -180,12 +192,19 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
+    def _are_dark(self, gray: Image, rejected: Sequence[Floats]) -> bool:
+        """Whether any of these quadrilaterals is darker than what is around, as the margin of a white tag is."""
+        if not len(rejected):
+            return False
+        count = self._marker.markerSize + 2 * self._border
+        inside, outside = across_sides(gray, np.array(rejected[:MAX_REREAD], np.float32)[:, 0], count)
+        return bool((inside < outside - MIN_CONTRAST).all(axis=1).any())
+
     def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
 
-        These are white on black, or in the light on one side and in a shadow on the other. OpenCV can read the
-        former, too, but then it mistakes the inside of some other tags for the whole. ``quads``: those that it
-        could not read. ``known``: those that it could, which are not read again.
+        These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those that
+        it could not read. ``known``: those that it could, which are not read again.
         """
         inside, outside = across_sides(gray, quads, self._marker.markerSize + 2 * self._border)
         white = (inside > outside + MIN_CONTRAST).all(axis=1)
