@@ -85,13 +85,13 @@ class Detector:
     wrong cells are corrected, as a share of those that the dictionary can
     correct. ``likeness``, 0 to 1: a tag must have more (see fit_tags).
     ``min_side``, pixels: tags with a shorter mean side are ignored.
-    ``border``, 1 to 10: the width of the tags' black border in cells. Raises
+    ``border``, 1 to 10: the width of the tags' black border, whole cells. Raises
     InputError for any other value.
     """
 
     def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), search: str = 'normal',
                  correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0,
-                 border: int = 1) -> None:
+                 border: float = 1) -> None:
         if search not in _PRESETS:
             raise InputError('There is no search "%s"; choose one of %s.' % (search, ', '.join(SEARCHES)))
         for name, value in ('correction', correction), ('likeness', likeness):
@@ -99,10 +99,10 @@ class Detector:
                 raise InputError('The %s cannot be %s; give a number from 0 to 1.' % (name, value))
         if not isinstance(min_side, (int, float)) or not min_side >= 0:
             raise InputError('The shortest side of tags cannot be %s; give pixels, 0 or more.' % (min_side,))
-        if not isinstance(border, int) or not 1 <= border <= MAX_BORDER_CELLS:
+        if border not in range(1, MAX_BORDER_CELLS + 1):
             raise InputError('The border of tags cannot be %s cells wide; choose from 1 to %d.'
                              % (border, MAX_BORDER_CELLS))
-        self._dictionary, self._border = dictionary, border
+        self._dictionary, self._border = dictionary, int(border)
         self._marker = get_dictionary(dictionary)
         self._ids = frozenset(ids)
         for tag_id in self._ids:
