@@ -28,8 +28,11 @@ class _Preset(NamedTuple):
 
 
 class _Finder(NamedTuple):
-    """OpenCV's detector. ``inverted``: one that looks for white tags on black; it mistakes the inside of some other
-    tags for the whole, so it is used only if the plain one finds none."""
+    """OpenCV's detector.
+
+    ``inverted``: one that also looks for white tags on black. It mistakes the inside of some other tags for the
+    whole, so it is used only if the plain one finds none.
+    """
 
     plain: cv2.aruco.ArucoDetector
     inverted: cv2.aruco.ArucoDetector
@@ -51,8 +54,8 @@ MAX_ENLARGED = 3
 # wrong cells as it can, which finds tags that are blurred by motion. This limit
 # rejects the other things that it then mistakes for tags.
 MIN_LIKENESS = 0.76
-# All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells, so
-# these need less: a share for no cell at all, what each pixel of a cell's width adds, and the limit for wide cells.
+# All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
+# so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.
 MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.7
 # Cells that are reread are sharpened by this kernel, since the cells of a far tag
 # are blurred into each other.
@@ -60,12 +63,13 @@ SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32
 # In a reread tag, at most this share of the black border may be light. At most the
 # same share of the white ring around it may be dark.
 MAX_WRONG = 0.15
-# A corner may be so far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and its
-# place is less sure than it seems.
+# A corner may be so far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and
+# its place is less sure than it seems.
 BEYOND_PX = 0.75
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
-# There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on another.
-# Then a cell is compared with those up to two cells away, if their contrast is at least this share of that of all.
+# There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on
+# another. Then a cell is compared with those up to two cells away, if their contrast is at least this share of
+# that of all.
 UNEVEN = 1.5
 AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
@@ -193,7 +197,7 @@ class Detector:
         return [ids[number] for number in wanted], quads[wanted]
 
     def _are_dark(self, gray: Image, rejected: Sequence[Floats]) -> bool:
-        """Whether any of these quadrilaterals is darker than what is around, as the margin of a white tag is."""
+        """Whether any of these quadrilaterals is darker than what is around, as a white tag's margin is."""
         if not len(rejected):
             return False
         count = self._marker.markerSize + 2 * self._border
@@ -203,8 +207,8 @@ class Detector:
     def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
 
-        These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those that
-        it could not read. ``known``: those that it could, which are not read again.
+        These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those
+        that it could not read. ``known``: those that it could, which are not read again.
         """
         inside, outside = across_sides(gray, quads, self._marker.markerSize + 2 * self._border)
         white = (inside > outside + MIN_CONTRAST).all(axis=1)
@@ -223,14 +227,14 @@ class Detector:
         return found, np.array(turned, np.float32).reshape(-1, 4, 2)
 
     def _seen(self, frame: Image, quads: Floats) -> Image:
-        """(n, m, m) uint8: the gray of the cells in quadrilaterals, (n, 4, 2), with the ring of cells around."""
+        """(n, m, m) uint8: the gray of the cells in quadrilaterals, (n, 4, 2), and of the ring around."""
         count = self._marker.markerSize + 2 * self._border
         if not len(quads):
             return np.empty((0, count + 2, count + 2), np.uint8)
         return sample_cells(frame, quads, count, -1).astype(np.uint8).reshape(-1, count + 2, count + 2)
 
     def _read(self, light: Booleans) -> tuple[int | None, int]:
-        """The id of the tag with these light cells (see _light), and its quarter turns; None if there is none."""
+        """The id of the tag with these light cells (see _light), or None, and its quarter turns."""
         rim = self._border + 1
         good, tag_id, turns = self._marker.identify(light[rim:-rim, rim:-rim].astype(np.uint8),
                                                     float(self._correction))
@@ -245,10 +249,10 @@ class Detector:
         unknown = np.zeros((len(quads), count, count))
         quads, found, turned = np.concatenate([quads, fit_tags(frame, quads, unknown)[0]]), [], []
         for quad, seen in zip(quads, self._seen(frame, quads)):
-            if np.median(seen[1:-1, [1, -2]]) > np.median(seen[:, [0, -1]]):  # white on black
-                seen = 255 - seen
-            tag_id, turns = self._read(_light(cv2.filter2D(seen, -1, SHARPEN)))
-            if tag_id is not None and _wrong(_light(seen), self._border + 1) <= MAX_WRONG:
+            is_white = np.median(seen[1:-1, [1, -2]]) > np.median(seen[:, [0, -1]])
+            gray = 255 - seen if is_white else seen
+            tag_id, turns = self._read(_light(cv2.filter2D(gray, -1, SHARPEN)))
+            if tag_id is not None and _wrong(_light(gray), self._border + 1) <= MAX_WRONG:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
         return found, np.array(turned, np.float32).reshape(-1, 4, 2)
@@ -258,7 +262,8 @@ class Detector:
         if not ids:
             return []
         cells = self._cells_of(ids)
-        cells[compare_tags(frame, quads, cells, 1) < 0] ^= 255  # white on black
+        white = compare_tags(frame, quads, cells, 1) < 0
+        cells = np.where(white[:, None, None], 255 - cells, cells)
         fitted, found, likeness = fit_tags(frame, quads, cells)
         far = np.array(frame.shape[1::-1]) - 1
         found |= ((fitted >= 1) & (fitted <= far - 1)).all(axis=(1, 2))
@@ -315,7 +320,7 @@ def _light(gray: Image) -> Booleans:
 
 
 def _locally_light(gray: Image) -> Booleans:
-    """The same, if some cells are in the light and others in a shadow: each is compared with those around it."""
+    """As _light, if there is a shadow on some of the cells: each is compared with those around it."""
     gray = np.asarray(gray, np.float32) + 1
     darkest, lightest = cv2.erode(gray, AROUND), cv2.dilate(gray, AROUND)
     plain = lightest - darkest < MIN_LOCAL * (gray.max() - gray.min())  # all around are of one color
@@ -326,7 +331,7 @@ def _locally_light(gray: Image) -> Booleans:
 def _wrong(light: Booleans, rim: int) -> float:
     """The part of the ring that is dark, or of the black border that is light; the larger of the two.
 
-    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: the width of ring and border.
+    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: the width of both, in cells.
     """
     with_ring, with_border, inside = (int(light[width:-width or None, width:-width or None].sum())
                                       for width in (0, 1, rim))

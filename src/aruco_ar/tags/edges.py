@@ -90,7 +90,8 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     depth = np.maximum(g * x + h * y + 1, MIN_DEPTH)[..., None]
     g, h, x, y = g[..., None], h[..., None], x[:, None], y[:, None]
     points = ((second - first + g * second) * x + (fourth - first + h * fourth) * y + first) / depth
-    seen = cv2.remap(frame, np.asarray(points, np.float32), NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    seen = cv2.remap(frame, np.asarray(points, np.float32), NO_ARRAY, cv2.INTER_LINEAR,
+                     borderMode=cv2.BORDER_REPLICATE)
     return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
@@ -106,7 +107,7 @@ def across_sides(frame: Image, quads: Floats, count: int) -> tuple[Floats, Float
 
 @lru_cache
 def _across_sides(count: int) -> Floats:
-    """(8, 4): points half a cell inside and then outside of the middle of each side, as weights of the corners."""
+    """(8, 4): points half a cell inside, then outside of the middle of each side, as weights of the corners."""
     near = np.array([[0.5 * (corner in (side, (side + 1) % 4)) for corner in range(4)] for side in range(4)])
     return np.array([near + (near[[2, 3, 0, 1]] - near) * share / count for share in (0.5, -0.5)],
                     np.float32).reshape(8, 4)

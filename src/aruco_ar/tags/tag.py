@@ -23,8 +23,8 @@ DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()
 CORRECTED = {'DICT_APRILTAG_16H5': 0, 'DICT_APRILTAG_25H9': 1, 'DICT_APRILTAG_36H10': 2,
              'DICT_APRILTAG_36H11': 2, 'DICT_ARUCO_MIP_36H12': 5, 'DICT_ARUCO_ORIGINAL': 0}
 
-# The cells of the official AprilTag with id 0, without its border: 1 is white, row by row from the top. OpenCV 4
-# has all AprilTags turned by 180 degrees, some versions of OpenCV 5 do not.
+# The cells of the official AprilTag with id 0, without its border: 1 is white, row by row from the top.
+# OpenCV 4 has all AprilTags turned by 180 degrees, some versions of OpenCV 5 do not.
 OFFICIAL = {'DICT_APRILTAG_16H5': '0010001100011011', 'DICT_APRILTAG_25H9': '1010101011100101111110001',
             'DICT_APRILTAG_36H10': '000111001010100100101010011010000111',
             'DICT_APRILTAG_36H11': '110101011101011000101000010110000100'}
@@ -62,7 +62,7 @@ class Tag:
 
 
 def get_dictionary(name: str) -> cv2.aruco.Dictionary:
-    """The OpenCV dictionary of that name, such as ``DICT_6X6_250``. Its AprilTags are the official ones, upright.
+    """The OpenCV dictionary of that name, such as ``DICT_6X6_250``; of AprilTags the official ones, upright.
 
     Raises InputError for a name that OpenCV does not know.
     """

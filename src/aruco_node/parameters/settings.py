@@ -140,7 +140,7 @@ class TagSettings(FrameSettings):
     min_side: float = number(
         0.0, 0, 10000, 'smallest side of a tag in the frame, in pixels; smaller tags are ignored')
     border: float = number(
-        1.0, 1, MAX_BORDER_CELLS, "width of the tags' black border in cells, as artag_generator --border prints it")
+        1.0, 1, MAX_BORDER_CELLS, "width of the tags' black border, in cells (see artag_generator --border)")
 
 
 @dataclass(frozen=True)

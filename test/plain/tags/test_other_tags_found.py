@@ -1,4 +1,4 @@
-"""Tags that OpenCV's usual search misses: white on black, with wide borders, half in a shadow, at the frame's rim."""
+"""Tags that OpenCV misses: white on black, with wide borders, half in a shadow, at the frame's rim."""
 import cv2
 import numpy as np
 import pytest
@@ -75,7 +75,7 @@ def test_tags_with_a_wide_border_are_found_if_its_width_is_given(random, search)
 
 @pytest.mark.parametrize('border', [0, 11, 1.5, 'wide'])
 def test_an_impossible_border_is_refused(border):
-    with pytest.raises(InputError, match='^The border of tags cannot be %s cells wide; choose from 1 to 10.$' % border):
+    with pytest.raises(InputError, match='^The border of tags cannot be %s cells wide; choose from 1' % border):
         Detector(border=border)
 
 
@@ -98,7 +98,8 @@ def test_a_tag_that_slides_out_of_the_frame_is_found_in_its_place_or_not_at_all(
             gap = 5 - 0.5 * step  # from the outermost corner to the middle of the frame's outermost pixel
             quad = np.copy(middle)
             axis, is_far = edge % 2, edge // 2
-            quad[:, axis] += (320, 240)[axis] - 1 - gap - quad[:, axis].max() if is_far else gap - quad[:, axis].min()
+            far = (320, 240)[axis] - 1 - gap
+            quad[:, axis] += far - quad[:, axis].max() if is_far else gap - quad[:, axis].min()
             frame = np.full((240, 320), 170.0)
             paint(frame, quad, dictionary, 3)
             tags = Detector(dictionary).detect(seen(frame, random))

@@ -1,4 +1,4 @@
-"""Photos and clips with known tags, if they are beside the package: as many true tags as OpenCV, no more false ones."""
+"""Photos and clips with known tags, if they are beside the package: we find what OpenCV finds."""
 import os
 
 import cv2
@@ -43,7 +43,8 @@ def by_opencv(dictionary, frame):
     """[(id, center)] of the tags that OpenCV finds with its defaults."""
     table = cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary])
     corners, ids, _ = cv2.aruco.ArucoDetector(table, cv2.aruco.DetectorParameters()).detectMarkers(frame)
-    return [] if ids is None else [(int(tag_id), quad[0].mean(axis=0)) for tag_id, quad in zip(ids.ravel(), corners)]
+    ids = [] if ids is None else ids.ravel()
+    return [(int(tag_id), quad[0].mean(axis=0)) for tag_id, quad in zip(ids, corners)]
 
 
 def ours(detector, frame):
@@ -87,8 +88,8 @@ def test_white_tags_are_found_as_black_ones_are():
 @pytest.mark.clips
 def test_with_another_dictionary_fewer_things_are_mistaken_for_tags_than_by_opencv():
     theirs = false = 0
-    for name in CASES:
-        frames, (own, _) = frames_of(name), CASES[name]
+    for name, (own, _) in CASES.items():
+        frames = frames_of(name)
         for dictionary in OTHERS:
             if dictionary[:8] == own[:8]:
                 continue
