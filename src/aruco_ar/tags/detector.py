@@ -178,7 +178,7 @@ class Detector:
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
         scaled = _scaled(frame, scale)
         corners, ids, rejected = finder.plain.detectMarkers(scaled)
-        if ids is None and self._are_dark(scaled, rejected):
+        if ids is None and self._are_margins(scaled, rejected):
             corners, ids, _ = finder.inverted.detectMarkers(scaled)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
         if len(ids) > MAX_READ:
@@ -196,13 +196,14 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
-    def _are_dark(self, gray: Image, rejected: Sequence[Floats]) -> bool:
-        """Whether any of these quadrilaterals is darker than what is around, as a white tag's margin is."""
+    def _are_margins(self, gray: Image, rejected: Sequence[Floats]) -> bool:
+        """Whether any of these quadrilaterals may be the rim of a white tag's margin, a cell wide."""
         if not len(rejected):
             return False
-        count = self._marker.markerSize + 2 * self._border
-        inside, outside = across_sides(gray, np.array(rejected[:MAX_REREAD], np.float32)[:, 0], count)
-        return bool((inside < outside - MIN_CONTRAST).all(axis=1).any())
+        count = self._marker.markerSize + 2 * self._border + 2
+        quads = np.array(rejected[:MAX_REREAD], np.float32)[:, 0]
+        border, margin = across_sides(gray, quads, count, (1.5, 0.5))
+        return bool((margin < border - MIN_CONTRAST).all(axis=1).any())
 
     def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
@@ -331,7 +332,7 @@ def _locally_light(gray: Image) -> Booleans:
 def _wrong(light: Booleans, rim: int) -> float:
     """The part of the ring that is dark, or of the black border that is light; the larger of the two.
 
-    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: the width of both, in cells.
+    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: that of both, in cells.
     """
     with_ring, with_border, inside = (int(light[width:-width or None, width:-width or None].sum())
                                       for width in (0, 1, rim))

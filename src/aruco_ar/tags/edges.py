@@ -95,21 +95,22 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
 
-def across_sides(frame: Image, quads: Floats, count: int) -> tuple[Floats, Floats]:
-    """(n, 4) and (n, 4): the gray half a cell inside of the middle of each side of quadrilaterals, and outside.
+def across_sides(frame: Image, quads: Floats, count: int,
+                 depths: tuple[float, float] = (0.5, -0.5)) -> tuple[Floats, Floats]:
+    """(n, 4) and (n, 4): the gray at two depths in quadrilaterals, from the middle of each side.
 
-    ``frame``: (h, w) uint8. The others are as in sample_cells.
+    ``frame``: (h, w) uint8. ``depths``: cells; negative outside. The others are as in sample_cells.
     """
-    seen = cv2.remap(frame, _across_sides(count) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
+    seen = cv2.remap(frame, _across_sides(count, depths) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
                      borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
     return seen[:, :4], seen[:, 4:]
 
 
 @lru_cache
-def _across_sides(count: int) -> Floats:
-    """(8, 4): points half a cell inside, then outside of the middle of each side, as weights of the corners."""
+def _across_sides(count: int, depths: tuple[float, float]) -> Floats:
+    """(8, 4): points at both depths from the middle of each side, in cells, as weights of the corners."""
     near = np.array([[0.5 * (corner in (side, (side + 1) % 4)) for corner in range(4)] for side in range(4)])
-    return np.array([near + (near[[2, 3, 0, 1]] - near) * share / count for share in (0.5, -0.5)],
+    return np.array([near + (near[[2, 3, 0, 1]] - near) * depth / count for depth in depths],
                     np.float32).reshape(8, 4)
 
 
