@@ -70,7 +70,7 @@ MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
 # There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on
 # another. Then a cell is compared with those up to two cells away, if their contrast is at least this share of
 # that of all.
-UNEVEN = 1.5
+UNEVEN = 2.0
 AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
