@@ -57,7 +57,8 @@ def parse(argv):
     option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')
     option('--size', type=int,
            help='side of the tag in pixels, in a jpg or png (default: 700)')
-    option('--border', type=int, default=1, help='width of the black border in cells (default: 1)')
+    option('--border', type=int, default=1, help='width of the black border in cells (default: 1); '
+                                                 'tell the nodes another width by border:=')
     option('--quiet', type=int, help='width of the white margin around the tag in cells '
                                      '(default: 0; 1 on a sheet)')
     option('--format', choices=['jpg', 'png', 'svg'],

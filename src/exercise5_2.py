@@ -14,9 +14,9 @@ from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
-    # The settings for the detector are the parameters dictionary, ids, search, correction, likeness and
-    # min_side of the node: rosrun unit5 exercise5_2.py --help explains them. The dictionary lists the
-    # patterns of all tags and their ids.
+    # The settings for the detector are the parameters dictionary, ids, search, correction, likeness,
+    # min_side and border of the node: rosrun unit5 exercise5_2.py --help explains them. The dictionary
+    # lists the patterns of all tags and their ids.
     detector = Detector(**detection(scene.settings))
 
     # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which searches for dark quadrilaterals

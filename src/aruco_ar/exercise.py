@@ -15,7 +15,8 @@ from .tracking.tracker import Tracker
 TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
 CORRECT = 'correct'  # this value of the parameter ``lens`` has the distortion corrected
 LENSES = CORRECT, 'ignore'
-DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side'  # the parameters of a Detector
+# The parameters of a Detector.
+DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'border'
 # A change of one of these parameters makes a new tracker.
 TRACKER_PARAMETERS = (*DETECTION, 'upright')
 

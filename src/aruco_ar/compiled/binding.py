@@ -17,6 +17,7 @@ from aruco_ar.base.errors import InputError
 from .library import load
 
 MAX_PICTURE_SIDE_PX = 2**22  # positions in a picture, in parts of a pixel, are 32-bit integers
+MAX_SAMPLES = 100
 MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
 
 _C = load()
@@ -32,6 +33,7 @@ class _Frame(ctypes.Structure):
 _ARRAY, _INT, _LONG, _FLOAT = ctypes.c_void_p, ctypes.c_int, ctypes.c_int64, ctypes.c_float
 _ARGUMENTS: dict[str, list[Any]] = {
     'fit_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, *[_ARRAY] * 4],
+    'compare_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _ARRAY, _INT, _INT, _ARRAY],
     'draw_mask': [_ARRAY, *[_INT] * 3, _ARRAY, _ARRAY, _LONG],
     'warp': [_ARRAY, _ARRAY, *[_INT] * 3, _ARRAY, _INT, _ARRAY, _ARRAY, _LONG],
     'refine_pairs': [_LONG, _INT, _INT, *[_ARRAY] * 9],
@@ -48,7 +50,7 @@ def _function(name: str) -> Any:
     return function
 
 
-_fit_tags, _draw_mask, _warp, _refine_pairs, _compare, _learn = map(_function, _ARGUMENTS)
+_fit_tags, _compare_tags, _draw_mask, _warp, _refine_pairs, _compare, _learn = map(_function, _ARGUMENTS)
 
 NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
@@ -59,19 +61,26 @@ PROFILE_POSITIONS = np.ctypeslib.as_array(
 
 def fit_tags(frame: Image, quads: Numbers, cells: Image) -> tuple[Floats, Booleans, Floats]:
     """See fit_tags in tags/edges.py. A frame may also have a fourth channel, which is ignored."""
-    frame = _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
-    quads = _numbers(quads, np.float32)
-    count = len(quads) if quads.ndim else 0
-    check_array('quadrilaterals', quads, np.float32, (count, 4, 2))
-    cells = _numbers(cells, np.uint8) if count else np.zeros((0, 3, 3), np.uint8)
-    side = cells.shape[-1] if cells.ndim else 0
-    check_array('cells of the tags', cells, np.uint8, (count, max(side, 3), max(side, 3)))
+    frame, quads, cells = _tags(frame, quads, cells)
+    count = len(quads)
     fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
     likeness = np.empty(count, np.float32)
     _fit_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
-              1 if frame.ndim == 2 else frame.shape[2], count, quads.ctypes.data, side, cells.ctypes.data,
-              fitted.ctypes.data, found.ctypes.data, likeness.ctypes.data)
+              1 if frame.ndim == 2 else frame.shape[2], count, quads.ctypes.data, cells.shape[1],
+              cells.ctypes.data, fitted.ctypes.data, found.ctypes.data, likeness.ctypes.data)
     return fitted, found, likeness
+
+
+def compare_tags(frame: Image, quads: Numbers, cells: Image, samples: int) -> Floats:
+    """See compare_tags in tags/edges.py."""
+    frame, quads, cells = _tags(frame, quads, cells)
+    if not 1 <= samples <= MAX_SAMPLES:
+        raise InputError('A cell cannot be sampled %s times; choose from 1 to %d.' % (samples, MAX_SAMPLES))
+    likeness = np.empty(len(quads), np.float32)
+    _compare_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
+                  1 if frame.ndim == 2 else frame.shape[2], len(quads), quads.ctypes.data, cells.shape[1],
+                  cells.ctypes.data, 0, samples, likeness.ctypes.data)
+    return likeness
 
 
 def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) -> Image:
@@ -170,6 +179,18 @@ def learn(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: B
     _learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
            wall.size, passed, settle, rate, variance_rate, look.ctypes.data, variance.ctypes.data,
            known.ctypes.data, seconds.ctypes.data)
+
+
+def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:
+    """A frame, quadrilaterals in it, and the cells of their tags, checked."""
+    frame = _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
+    quads = _numbers(quads, np.float32)
+    count = len(quads) if quads.ndim else 0
+    check_array('quadrilaterals', quads, np.float32, (count, 4, 2))
+    cells = _numbers(cells, np.uint8) if count else np.zeros((0, 3, 3), np.uint8)
+    side = cells.shape[-1] if cells.ndim else 0
+    check_array('cells of the tags', cells, np.uint8, (count, max(side, 3), max(side, 3)))
+    return frame, quads, cells
 
 
 def _sized(array: Any, *channels: int | str) -> list[Shape]:

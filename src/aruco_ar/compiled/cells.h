@@ -99,20 +99,26 @@ static void solve(double matrix[UNKNOWNS][UNKNOWNS], double vector[UNKNOWNS])
     }
 }
 
-/* Where the homography from the unit square to a quadrilateral maps (x, y); see homography_to. */
-static Point map_into(const Point quad[4], float x, float y)
+/* The homography from the unit square to a quadrilateral; see homography_to. */
+typedef struct { Point right, down, start; float g, h; } Homography;
+
+static Homography homography_to(const Point quad[4])
 {
     Point one = minus(quad[1], quad[2]), other = minus(quad[3], quad[2]);
     Point rest = minus(minus(quad[0], quad[1]), minus(quad[3], quad[2]));
-    float area = cross(one, other), g, h;
+    float area = cross(one, other);
     area = fabsf(area) < 1e-6f ? 1e-6f : area;
-    g = cross(rest, other) / area;
-    h = cross(one, rest) / area;
-    float depth = g * x + h * y + 1;
-    return (Point){((quad[1].x - quad[0].x + g * quad[1].x) * x + (quad[3].x - quad[0].x + h * quad[3].x) * y
-                    + quad[0].x) / depth,
-                   ((quad[1].y - quad[0].y + g * quad[1].y) * x + (quad[3].y - quad[0].y + h * quad[3].y) * y
-                    + quad[0].y) / depth};
+    float g = cross(rest, other) / area, h = cross(one, rest) / area;
+    return (Homography){plus(minus(quad[1], quad[0]), g, quad[1]), plus(minus(quad[3], quad[0]), h, quad[3]), quad[0],
+                        g, h};
+}
+
+/* Where it maps (x, y). */
+static inline Point mapped(const Homography *to, float x, float y)
+{
+    float scale = 1 / (to->g * x + to->h * y + 1);
+    return (Point){(to->right.x * x + to->down.x * y + to->start.x) * scale,
+                   (to->right.y * x + to->down.y * y + to->start.y) * scale};
 }
 
 /* Fit a quadrilateral to the edges between dark and light cells within a tag. Returns 0 if too many edges are
@@ -123,6 +129,7 @@ static int fit_cells(const Frame *frame, const Point quad[4], int cells, const u
     memcpy(fitted, quad, 4 * sizeof(Point));
     for (int step = 0; step < STEPS; step++) {
         double matrix[UNKNOWNS][UNKNOWNS] = {{0}}, vector[UNKNOWNS] = {0};
+        Homography to = homography_to(fitted);
         int edges = 0, found = 0;
         float sum_off = 0, next_blur[2];
         for (int down = 0; down < 2; down++) {
@@ -135,8 +142,8 @@ static int fit_cells(const Frame *frame, const Point quad[4], int cells, const u
                         continue;
                     edges++;
                     float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells, further = 1.0f / cells;
-                    Point first = map_into(fitted, x, y);
-                    Point second = map_into(fitted, x + (down ? 0 : further), y + (down ? further : 0));
+                    Point first = mapped(&to, x, y);
+                    Point second = mapped(&to, x + (down ? 0 : further), y + (down ? further : 0));
                     Point across = minus(second, first);
                     float gray[PROFILE], contrast, slope, should_contrast, should_slope;
                     for (int sample = 0; sample < PROFILE; sample++)

@@ -1,6 +1,6 @@
 /* Fitting tags to their edges in the frame, and comparing what is seen with their cells.
 
-   A tag's edge is black inside and white outside. It is sampled along short
+   A tag's edge is black inside and white outside, or the other way round. It is sampled along short
    lines across it, its profiles. The share of light samples tells where the
    edge crosses a profile, to some hundredths of a pixel, even if it is blurred.
 
@@ -26,6 +26,7 @@
 #define MAX_FINE_PX 5.0f
 #define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
 #define MAX_BENT 0.35f    /* half of an edge's profiles must be off its line by less than this share of the reach */
+#define MIN_WITHIN_PX 1   /* nearer to the frame's rim, an edge is not measured by profiles across it */
 #define MARGIN_LIGHT 0.9f /* samples at least this light, as a share of the contrast, are the margin */
 #define STEADY 0.5f       /* with a narrow margin, most profiles must have this share of the contrast */
 
@@ -121,9 +122,18 @@ static int offsets(float gray[PROFILES][SAMPLES], float reach, float offset[PROF
     return typical > MIN_CONTRAST && (!narrow || ranked(contrast, PROFILES, PROFILES / 4) > STEADY * typical);
 }
 
+/* How many pixels the frame goes on from a point in a direction, a unit vector; negative outside of the frame. */
+static float room(const Frame *frame, Point at, Point direction)
+{
+    float across = direction.x > 0 ? frame->width - 1 - at.x : at.x, size = fabsf(direction.x);
+    float down = direction.y > 0 ? frame->height - 1 - at.y : at.y, other = fabsf(direction.y);
+    return smaller(across / larger(size, 1e-6f), down / larger(other, 1e-6f));
+}
+
 /* Fit a quadrilateral by profiles that reach that many pixels to both sides of each edge. Returns 0 if one of the
-   edges is not found. Also whether a margin ends within that reach. */
-static int fit_edges(const Frame *frame, const Point quad[4], const float reach[4], Point fitted[4],
+   edges is not found. ``inverted``: it is white inside. An edge with a reach of 0 stays as it is. Also whether a
+   margin ends within that reach. */
+static int fit_edges(const Frame *frame, const Point quad[4], int inverted, const float reach[4], Point fitted[4],
                      int *narrow)
 {
     Point first[4], along[4];
@@ -132,12 +142,16 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
         along[edge] = minus(quad[(edge + 1) % 4], quad[edge]);
         float size = larger(length(along[edge]), 1e-6f);
         Point outward = {along[edge].y / size, -along[edge].x / size};
+        first[edge] = quad[edge];
+        if (!reach[edge])
+            continue;
         float gray[PROFILES][SAMPLES], offset[PROFILES], weight[PROFILES];
         for (int i = 0; i < PROFILES; i++) {
             Point on_edge = plus(quad[edge], unit5_profile_positions[i], along[edge]);
             for (int sample = 0; sample < SAMPLES; sample++) {
                 float across = reach[edge] * (sample * 2.0f / (SAMPLES - 1) - 1);
-                gray[i][sample] = gray_at(frame, plus(on_edge, across, outward));
+                float seen = gray_at(frame, plus(on_edge, across, outward));
+                gray[i][sample] = inverted ? 255 - seen : seen;
             }
             weight[i] = 1;
         }
@@ -160,24 +174,36 @@ static int fit_edges(const Frame *frame, const Point quad[4], const float reach[
         crossed = fabsf(crossed) < 1e-6f ? 1e-6f : crossed;
         float far = cross(minus(first[edge], first[before]), along[edge]) / crossed;
         fitted[edge] = plus(first[before], far, along[before]);
-        if (!(length(minus(fitted[edge], quad[edge])) < 3 * reach[edge]))
+        if (!(length(minus(fitted[edge], quad[edge])) <= 3 * larger(reach[edge], reach[before])))
             return 0;
     }
     return 1;
 }
 
-/* Move a quadrilateral onto the edges of a tag that is ``cells`` cells wide. Returns 0 if an edge is not found. */
-static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fitted[4], int *narrow)
+/* How far profiles reach from each edge of a quadrilateral that is ``cells`` cells wide: as far as the frame goes
+   on, but at least the least that shows an edge. Returns how many pixels the frame goes on beyond the edges. */
+static float reaches(const Frame *frame, const Point quad[4], int cells, float coarse[4], float fine[4], float beyond[4])
 {
-    float coarse[4], fine[4];
     /* In a slanted view, cells are much narrower in one direction than in the other. */
-    float area = fabsf(cross(minus(quad[2], quad[0]), minus(quad[3], quad[1]))) / 2;
+    float area = fabsf(cross(minus(quad[2], quad[0]), minus(quad[3], quad[1]))) / 2, least = MAX_FINE_PX;
     for (int edge = 0; edge < 4; edge++) {
-        float cell = area / larger(length(minus(quad[(edge + 1) % 4], quad[edge])), 1e-6f) / cells;
+        Point from = quad[edge], to = quad[(edge + 1) % 4], along = minus(to, from);
+        float size = larger(length(along), 1e-6f), cell = area / size / cells;
+        Point outward = {along.y / size, -along.x / size};
+        beyond[edge] = smaller(room(frame, from, outward), room(frame, to, outward));
         coarse[edge] = larger(COARSE * cell, MIN_COARSE_PX);
-        fine[edge] = smaller(larger(FINE * cell, MIN_FINE_PX), MAX_FINE_PX);
+        fine[edge] = larger(smaller(smaller(FINE * cell, MAX_FINE_PX), beyond[edge]), MIN_FINE_PX);
+        least = smaller(least, beyond[edge]);
     }
-    int near = fit_edges(frame, quad, fine, fitted, narrow), settled = 1;
+    return least;
+}
+
+/* Move a quadrilateral onto the edges of a tag that is ``cells`` cells wide. Returns 0 if an edge is not found. */
+static int fit_tag(const Frame *frame, const Point quad[4], int inverted, int cells, Point fitted[4], int *narrow)
+{
+    float coarse[4], fine[4], beyond[4];
+    reaches(frame, quad, cells, coarse, fine, beyond);
+    int near = fit_edges(frame, quad, inverted, fine, fitted, narrow), settled = 1;
     for (int corner = 0; near && corner < 4; corner++) {
         float moved = length(minus(fitted[corner], quad[corner]));
         near = moved < NEAR * fine[corner];
@@ -188,31 +214,68 @@ static int fit_tag(const Frame *frame, const Point quad[4], int cells, Point fit
     Point found[4], measured[4];
     if (near) {
         memcpy(found, fitted, sizeof found);
-        return fit_edges(frame, found, fine, fitted, narrow);
+        return fit_edges(frame, found, inverted, fine, fitted, narrow);
     }
-    return fit_edges(frame, quad, coarse, found, narrow) && fit_edges(frame, found, fine, measured, narrow)
-        && fit_edges(frame, measured, fine, fitted, narrow);
+    return fit_edges(frame, quad, inverted, coarse, found, narrow)
+        && fit_edges(frame, found, inverted, fine, measured, narrow)
+        && fit_edges(frame, measured, inverted, fine, fitted, narrow);
 }
 
-/* The correlation of what is seen in a quadrilateral with a tag's cells, (cells, cells), without its border. */
-static float likeness_of(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted)
+/* The correlation of what is seen in a quadrilateral with a tag's cells, (cells, cells), without a margin of that
+   many cells. ``samples``: of each cell, in both directions. */
+static float correlation(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted, int margin,
+                         int samples)
 {
     double sum = 0, squares = 0, wanted_sum = 0, wanted_squares = 0, products = 0;
-    int count = (cells - 2) * (cells - 2);
-    for (int row = 1; row < cells - 1; row++)
-        for (int column = 1; column < cells - 1; column++) {
-            float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells;
-            Point upper = plus(quad[0], x, minus(quad[1], quad[0]));
-            Point lower = plus(quad[3], x, minus(quad[2], quad[3]));
-            double gray = gray_at(frame, plus(upper, y, minus(lower, upper))), cell = wanted[row * cells + column];
-            sum += gray;
-            squares += gray * gray;
-            wanted_sum += cell;
-            wanted_squares += cell * cell;
-            products += gray * cell;
+    Homography to = homography_to(quad);
+    float step = 1.0f / (cells * samples);
+    for (int row = margin; row < cells - margin; row++)
+        for (int column = margin; column < cells - margin; column++) {
+            double cell = wanted[row * cells + column], seen = 0;
+            for (int sample = 0; sample < samples * samples; sample++) {
+                int down = sample / samples, right = sample - down * samples;
+                double gray = gray_at(frame, mapped(&to, (column * samples + right + 0.5f) * step,
+                                                    (row * samples + down + 0.5f) * step));
+                seen += gray;
+                squares += gray * gray;
+            }
+            sum += seen;
+            products += seen * cell;
+            wanted_sum += cell * samples * samples;
+            wanted_squares += cell * cell * samples * samples;
         }
+    int count = (cells - 2 * margin) * (cells - 2 * margin) * samples * samples;
     double spread = (squares - sum * sum / count) * (wanted_squares - wanted_sum * wanted_sum / count);
     return (products - sum * wanted_sum / count) / sqrt(fmax(spread, 1e-6));
+}
+
+/* See compare_tags in edges.py. */
+EXPORT void unit5_compare_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
+                  const float *quads, int cells, const uint8_t *wanted, int margin, int samples, float *found)
+{
+    Frame frame = {pixels, row, width, height, channels};
+    for (int tag = 0; tag < count; tag++)
+        found[tag] = correlation(&frame, (const Point *)quads + 4 * tag, cells, wanted + tag * cells * cells,
+                                 margin, samples);
+}
+
+/* Fit a quadrilateral to the edges between a tag's cells, and, ``at_rim``, where the tag is at the frame's rim,
+   to those of its edges that are well within the frame. Returns 0 if too few of them are found. */
+static int fit_inner(const Frame *frame, const Point quad[4], int inverted, int cells, const uint8_t *wanted,
+                     int at_rim, Point fitted[4])
+{
+    Point inner[4];
+    float coarse[4], fine[4], beyond[4];
+    int narrow;
+    if (!fit_cells(frame, quad, cells, wanted, inner))
+        return 0;
+    reaches(frame, inner, cells, coarse, fine, beyond);
+    for (int edge = 0; edge < 4; edge++)
+        if (beyond[edge] < MIN_FINE_PX)
+            fine[edge] = 0;
+    if (!at_rim || !fit_edges(frame, inner, inverted, fine, fitted, &narrow) || narrow)
+        memcpy(fitted, inner, sizeof inner);
+    return 1;
 }
 
 /* See fit_tags in edges.py. ``row``: the bytes from one row of the frame to the next. */
@@ -225,16 +288,22 @@ EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int he
         int narrow = 0;
         const Point *quad = (const Point *)quads + 4 * tag;
         Point *found = (Point *)fitted + 4 * tag;
-        good[tag] = fit_tag(&frame, quad, cells, found, &narrow);
-        if (!good[tag] || narrow) {
+        const uint8_t *own = wanted + tag * cells * cells;
+        int inverted = own[0] > 127;
+        good[tag] = fit_tag(&frame, quad, inverted, cells, found, &narrow);
+        const Point *first = good[tag] ? found : quad;
+        float coarse[4], fine[4], beyond[4], least = reaches(&frame, first, cells, coarse, fine, beyond);
+        int at_rim = least < MIN_FINE_PX;
+        if (!good[tag] || narrow || at_rim) {
             Point inner[4];
-            if (fit_cells(&frame, good[tag] ? found : quad, cells, wanted + tag * cells * cells, inner)) {
-                good[tag] = 1;
+            if (fit_inner(&frame, first, inverted, cells, own, at_rim, inner)) {
                 memcpy(found, inner, sizeof inner);
-            }
+                good[tag] = 1;
+            } else if (least < MIN_WITHIN_PX)
+                good[tag] = 0;
         }
         if (!good[tag])
             memcpy(found, quad, 4 * sizeof(Point));
-        likeness[tag] = likeness_of(&frame, found, cells, wanted + tag * cells * cells);
+        likeness[tag] = correlation(&frame, found, cells, own, 1, 1);
     }
 }

@@ -11,8 +11,8 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import fit_tags, sample_cells, side_of
-from .tag import Tag, get_dictionary, tag_cells
+from .edges import across_sides, compare_tags, fit_tags, sample_cells, side_of
+from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
 # How a frame is searched. ``scale``: the frame is resized by this factor first.
@@ -26,6 +26,17 @@ class _Preset(NamedTuple):
     windows: tuple[int, int, int]
     min_perimeter: float
     rereads: bool
+
+
+class _Finder(NamedTuple):
+    """OpenCV's detector.
+
+    ``inverted``: one that also looks for white tags on black. It mistakes the inside of some other tags for the
+    whole, so it is used only if the plain one finds none.
+    """
+
+    plain: cv2.aruco.ArucoDetector
+    inverted: cv2.aruco.ArucoDetector
 
 
 _PRESETS = {
@@ -43,13 +54,25 @@ MAX_ENLARGED = 3
 # A tag must have at least this likeness (see fit_tags). OpenCV corrects as many
 # wrong cells as it can, which finds tags that are blurred by motion. This limit
 # rejects the other things that it then mistakes for tags.
-MIN_LIKENESS = 0.8
+MIN_LIKENESS = 0.76
+# All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
+# so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.
+MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.7
 # Cells that are reread are sharpened by this kernel, since the cells of a far tag
 # are blurred into each other.
 SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32)
 # In a reread tag, at most this share of the black border may be light. At most the
 # same share of the white ring around it may be dark.
 MAX_WRONG = 0.15
+# A corner may be so far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and
+# its place is less sure than it seems.
+BEYOND_PX = 0.75
+MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
+# There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on
+# another. Then a cell is compared with those up to two cells away, if their contrast is at least this share of
+# that of all.
+UNEVEN = 2.0
+AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
 # many are reread. The limit is needed because each is reread twice, and cv2.remap
@@ -58,7 +81,7 @@ MAX_READ = MAX_REREAD = 2000
 
 
 class Detector:
-    """Finds the tags of one dictionary.
+    """Finds the tags of one dictionary, black on white or white on black.
 
     ``dictionary``: a name such as ``DICT_6X6_250``. ``ids``: if given, tags
     with other ids are ignored. ``search``: ``normal``; ``fast``, which finds
@@ -66,12 +89,14 @@ class Detector:
     and slanted tags, at many times the cost. ``correction``, 0 to 1: how many
     wrong cells are corrected, as a share of those that the dictionary can
     correct. ``likeness``, 0 to 1: a tag must have more (see fit_tags).
-    ``min_side``, pixels: tags with a shorter mean side are ignored. Raises
+    ``min_side``, pixels: tags with a shorter mean side are ignored.
+    ``border``, 1 to 10: the width of the tags' black border, whole cells. Raises
     InputError for any other value.
     """
 
     def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), search: str = 'normal',
-                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0) -> None:
+                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0,
+                 border: float = 1) -> None:
         if search not in _PRESETS:
             raise InputError('There is no search "%s"; choose one of %s.' % (search, ', '.join(SEARCHES)))
         for name, value in ('correction', correction), ('likeness', likeness):
@@ -79,13 +104,16 @@ class Detector:
                 raise InputError('The %s cannot be %s; give a number from 0 to 1.' % (name, value))
         if not isinstance(min_side, (int, float)) or not min_side >= 0:
             raise InputError('The shortest side of tags cannot be %s; give pixels, 0 or more.' % (min_side,))
-        self._dictionary = dictionary
+        if border not in range(1, MAX_BORDER_CELLS + 1):
+            raise InputError('The border of tags cannot be %s cells wide; choose from 1 to %d.'
+                             % (border, MAX_BORDER_CELLS))
+        self._dictionary, self._border = dictionary, int(border)
         self._marker = get_dictionary(dictionary)
         self._ids = frozenset(ids)
         for tag_id in self._ids:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
-        self._cells: dict[int, Image] = {}
+        self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
         self._preset = _PRESETS[search]
         self._preset_finder = self._finder(self._preset.windows, self._preset.min_perimeter)
         self._normal_finder = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].min_perimeter) \
@@ -97,6 +125,7 @@ class Detector:
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
         """
+        frame = _gray(frame)
         ids, quads = self._find(self._preset_finder, frame, self._preset.scale, self._preset.rereads)
         if self._normal_finder is not None:  # it finds some tags that the fine search misses
             more, others = self._find(self._normal_finder, frame, _PRESETS['normal'].scale)
@@ -108,21 +137,27 @@ class Detector:
 
         With a large ``side``, this is faster than ``detect``. With a small one, it finds more tags.
         """
-        scale = min(SEARCH_SIDE_PX / side, MAX_ENLARGED)
+        scale, frame = min(SEARCH_SIDE_PX / side, MAX_ENLARGED), _gray(frame)
         return self._fitted(frame, *self._find(self._sized_finder, frame, scale))
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
+        return fit_tags(frame, quads, self._cells_of(ids))
+
+    def _cells_of(self, ids: Sequence[int]) -> Image:
+        """(n, m, m) uint8: the cells of the tags with those ids."""
         for tag_id in ids:
             if tag_id not in self._cells:
-                self._cells[tag_id] = tag_cells(self._dictionary, tag_id)
-        return fit_tags(frame, quads, np.array([self._cells[tag_id] for tag_id in ids]))
+                self._cells[tag_id] = tag_cells(self._dictionary, tag_id, self._border)
+        return np.array([self._cells[tag_id] for tag_id in ids])
 
-    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> cv2.aruco.ArucoDetector:
+    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> _Finder:
         """OpenCV's detector, with the windows and the smallest perimeter of a _Preset."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
         parameters.maxErroneousBitsInBorderRate = 0.6
+        parameters.markerBorderBits = self._border
+        parameters.minDistanceToBorder = 0
         # From OpenCV 4.14 on, cells that are not clearly dark or light count as wrong, so tags that are blurred
         # by motion are not found. As before 4.14, a cell takes the value of the majority of its 25 pixels.
         if hasattr(parameters, 'validBitIdThreshold'):
@@ -134,19 +169,27 @@ class Detector:
         # Whole pixels are exact enough for fit_tags. With a narrow margin, OpenCV's refinement would choose the
         # corners of the paper.
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-        return cv2.aruco.ArucoDetector(self._marker, parameters)
+        plain = cv2.aruco.ArucoDetector(self._marker, parameters)
+        parameters.detectInvertedMarker = True
+        return _Finder(plain, cv2.aruco.ArucoDetector(self._marker, parameters))
 
-    def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
+    def _find(self, finder: _Finder, frame: Image, scale: float,
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
         check_array('frame', frame, np.uint8, *GRAY_OR_COLOR)
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
-        corners, ids, rejected = finder.detectMarkers(_scaled(frame, scale))
+        scaled = _scaled(frame, scale)
+        corners, ids, rejected = finder.plain.detectMarkers(scaled)
+        if ids is None and self._are_margins(scaled, rejected):
+            corners, ids, _ = finder.inverted.detectMarkers(scaled)
         ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
         if len(ids) > MAX_READ:
             largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
             corners, ids = [corners[number] for number in largest], [ids[number] for number in largest]
         quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
+        if not rereads and len(rejected):
+            more, others = self._read_locally(scaled, np.array(rejected[:MAX_REREAD], np.float32)[:, 0], quads)
+            ids, quads = ids + more, np.concatenate([quads, others])
         # The middle of the first pixel is (0, 0), both before and after scaling.
         quads = (quads + 0.5) / np.float32(scale) - 0.5
         if rereads and len(quads):
@@ -155,19 +198,64 @@ class Detector:
         wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
+    def _are_margins(self, gray: Image, rejected: Sequence[Floats]) -> bool:
+        """Whether any of these quadrilaterals may be the rim of a white tag's margin, a cell wide."""
+        if not len(rejected):
+            return False
+        count = self._marker.markerSize + 2 * self._border + 2
+        quads = np.array(rejected[:MAX_REREAD], np.float32)[:, 0]
+        border, margin = across_sides(gray, quads, count, (1.5, 0.5))
+        return bool((margin < border - MIN_CONTRAST).all(axis=1).any())
+
+    def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
+        """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
+
+        These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those
+        that it could not read. ``known``: those that it could, which are not read again.
+        """
+        inside, outside = across_sides(gray, quads, self._marker.markerSize + 2 * self._border)
+        white = (inside > outside + MIN_CONTRAST).all(axis=1)
+        uneven = outside.max(axis=1) > UNEVEN * outside.min(axis=1)
+        may_be = white | uneven & (inside < outside - MIN_CONTRAST).all(axis=1)
+        if len(known) and may_be.any():
+            apart = np.abs(quads.mean(axis=1)[:, None] - known.mean(axis=1)).max(axis=2)
+            may_be &= (apart > side_of(known) / 2).all(axis=1)
+        white, quads = white[may_be], quads[may_be]
+        found, turned = [], []
+        for quad, seen, inverted in zip(quads, self._seen(gray, quads), white):
+            tag_id, turns = self._read(_locally_light(255 - seen if inverted else seen))
+            if tag_id is not None:
+                found.append(tag_id)
+                turned.append(np.roll(quad, turns, axis=0))
+        return found, np.array(turned, np.float32).reshape(-1, 4, 2)
+
+    def _seen(self, frame: Image, quads: Floats) -> Image:
+        """(n, m, m) uint8: the gray of the cells in quadrilaterals, (n, 4, 2), and of the ring around."""
+        count = self._marker.markerSize + 2 * self._border
+        if not len(quads):
+            return np.empty((0, count + 2, count + 2), np.uint8)
+        return sample_cells(frame, quads, count, -1).astype(np.uint8).reshape(-1, count + 2, count + 2)
+
+    def _read(self, light: Booleans) -> tuple[int | None, int]:
+        """The id of the tag with these light cells (see _light), or None, and its quarter turns."""
+        rim = self._border + 1
+        good, tag_id, turns = self._marker.identify(light[rim:-rim, rim:-rim].astype(np.uint8),
+                                                    float(self._correction))
+        return (tag_id if good else None), turns
+
     def _reread(self, frame: Image, quads: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of those whose cells are a tag's in the frame itself.
 
         Each quadrilateral is read twice: as it is given, and fitted to its edges.
         """
-        count = self._marker.markerSize + 2
+        count = self._marker.markerSize + 2 * self._border
         unknown = np.zeros((len(quads), count, count))
         quads, found, turned = np.concatenate([quads, fit_tags(frame, quads, unknown)[0]]), [], []
-        grays = sample_cells(frame, quads, count, -1).astype(np.uint8)
-        for quad, gray in zip(quads, grays.reshape(-1, count + 2, count + 2)):
-            inside = _light(cv2.filter2D(gray, -1, SHARPEN))[2:-2, 2:-2]
-            good, tag_id, turns = self._marker.identify(inside.astype(np.uint8), float(self._correction))
-            if good and _wrong(_light(gray)) <= MAX_WRONG:
+        for quad, seen in zip(quads, self._seen(frame, quads)):
+            is_white = np.median(seen[1:-1, [1, -2]]) > np.median(seen[:, [0, -1]])
+            gray = 255 - seen if is_white else seen
+            tag_id, turns = self._read(_light(cv2.filter2D(gray, -1, SHARPEN)))
+            if tag_id is not None and _wrong(_light(gray), self._border + 1) <= MAX_WRONG:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
         return found, np.array(turned, np.float32).reshape(-1, 4, 2)
@@ -176,35 +264,47 @@ class Detector:
         """The tags among quadrilaterals, (n, 4, 2), moved onto their edges if these are found."""
         if not ids:
             return []
-        fitted, _, likeness = self.fit(frame, ids, quads)
-        good = np.flatnonzero((likeness > self._likeness) & (side_of(fitted) >= self._min_side)
-                              & is_quadrilateral(fitted))
+        cells = self._cells_of(ids)
+        white = compare_tags(frame, quads, cells, 1) < 0
+        cells = np.where(white[:, None, None], 255 - cells, cells)
+        fitted, found, likeness = fit_tags(frame, quads, cells)
+        far = np.array(frame.shape[1::-1]) - 1
+        found |= ((fitted >= 1) & (fitted <= far - 1)).all(axis=(1, 2))
+        found &= ((fitted >= -BEYOND_PX) & (fitted <= far + BEYOND_PX)).all(axis=(1, 2))
+        sides = side_of(fitted)
+        whole = compare_tags(frame, fitted, cells)
+        least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
+        good = np.flatnonzero(found & (likeness > self._likeness) & (sides >= self._min_side)
+                              & is_quadrilateral(fitted) & (whole > least))
         if self._preset.rereads:
-            good = _without_duplicates(fitted, likeness, good)
+            good = _without_duplicates(fitted, whole, good)
+        self._cells.update((ids[number], cells[number]) for number in good)
         return [Tag(ids[number], fitted[number], float(likeness[number])) for number in good]
 
 
-def _scaled(frame: Image, scale: float) -> Image:
-    """(h, w) uint8: a frame, resized and gray, and sharpened if it is enlarged."""
-    if scale < 1:
-        frame = cv2.resize(frame, None, fx=scale, fy=scale)
-    gray = frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+def _gray(frame: Image) -> Image:
+    """(h, w) uint8: a frame in gray. All work on it takes less time than on three channels."""
+    return frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+
+
+def _scaled(gray: Image, scale: float) -> Image:
+    """(h, w) uint8: a gray frame, resized, and sharpened if it is enlarged."""
     if scale <= 1:
-        return gray
+        return gray if scale == 1 else cv2.resize(gray, None, fx=scale, fy=scale)
     # Without this, blur would fill the cells of small tags, and join a tag to what is beyond a narrow margin.
     sharp = cv2.addWeighted(gray, 2, cv2.GaussianBlur(gray, (0, 0), 1), -1, 0)
     return cv2.resize(sharp, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
 
 
-def _without_duplicates(quads: Floats, likeness: Floats, numbers: Iterable[int]) -> list[int]:
-    """The indices of the quadrilaterals, (n, 4, 2), to keep: in each place the one with the highest likeness.
+def _without_duplicates(quads: Floats, whole: Floats, numbers: Iterable[int]) -> list[int]:
+    """The indices of the quadrilaterals, (n, 4, 2), to keep: in each place the one that is most like a tag.
 
     A tag can be found several times: by the contours on both sides of its
     edges, and both as given and as fitted.
     """
     centers, sides = quads.mean(axis=1), side_of(quads)
     kept: list[int] = []
-    left = np.array(sorted(numbers, key=lambda number: -likeness[number]), int)
+    left = np.array(sorted(numbers, key=lambda number: -whole[number]), int)
     while len(left):
         best = left[0]
         kept.append(best)
@@ -222,11 +322,22 @@ def _light(gray: Image) -> Booleans:
     return gray > threshold
 
 
-def _wrong(light: Booleans) -> float:
+def _locally_light(gray: Image) -> Booleans:
+    """As _light, if there is a shadow on some of the cells: each is compared with those around it."""
+    gray = np.asarray(gray, np.float32) + 1
+    darkest, lightest = cv2.erode(gray, AROUND), cv2.dilate(gray, AROUND)
+    plain = lightest - darkest < MIN_LOCAL * (gray.max() - gray.min())  # all around are of one color
+    # A shadow divides all gray levels, so the limit between dark and light is the mean of their logarithms.
+    return np.where(plain, _light(np.asarray(gray - 1, np.uint8)), gray * gray > darkest * lightest)
+
+
+def _wrong(light: Booleans, rim: int) -> float:
     """The part of the ring that is dark, or of the black border that is light; the larger of the two.
 
-    ``light``: (n, n) bool, a tag's cells with the ring of cells around it.
+    ``light``: (n, n) bool, a tag's cells with the ring of cells around it. ``rim``: that of both, in cells.
     """
-    with_ring, with_border, inside = light.sum(), light[1:-1, 1:-1].sum(), light[2:-2, 2:-2].sum()
-    ring = 4 * (len(light) - 1)
-    return max(1 - (with_ring - with_border) / ring, (with_border - inside) / (ring - 8))
+    with_ring, with_border, inside = (int(light[width:-width or None, width:-width or None].sum())
+                                      for width in (0, 1, rim))
+    tag, middle = len(light) - 2, len(light) - 2 * rim
+    return max(1 - (with_ring - with_border) / (len(light)**2 - tag**2),
+               (with_border - inside) / (tag**2 - middle**2))

@@ -23,6 +23,12 @@ DICTIONARY_NAMES = sorted({number: name for name, number in DICTIONARIES.items()
 CORRECTED = {'DICT_APRILTAG_16H5': 0, 'DICT_APRILTAG_25H9': 1, 'DICT_APRILTAG_36H10': 2,
              'DICT_APRILTAG_36H11': 2, 'DICT_ARUCO_MIP_36H12': 5, 'DICT_ARUCO_ORIGINAL': 0}
 
+# The cells of the official AprilTag with id 0, without its border: 1 is white, row by row from the top.
+# OpenCV 4 has all AprilTags turned by 180 degrees, some versions of OpenCV 5 do not.
+OFFICIAL = {'DICT_APRILTAG_16H5': '0010001100011011', 'DICT_APRILTAG_25H9': '1010101011100101111110001',
+            'DICT_APRILTAG_36H10': '000111001010100100101010011010000111',
+            'DICT_APRILTAG_36H11': '110101011101011000101000010110000100'}
+
 SIDE_M = 0.001, 10.0  # the smallest and the largest side of a real tag
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
@@ -59,7 +65,7 @@ class Tag:
 
 
 def get_dictionary(name: str) -> cv2.aruco.Dictionary:
-    """The OpenCV dictionary of that name, such as ``DICT_6X6_250``.
+    """The OpenCV dictionary of that name, such as ``DICT_6X6_250``; of AprilTags the official ones, upright.
 
     Raises InputError for a name that OpenCV does not know.
     """
@@ -68,6 +74,13 @@ def get_dictionary(name: str) -> cv2.aruco.Dictionary:
                          % (name, ', '.join(DICTIONARY_NAMES)))
     dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
     dictionary.maxCorrectionBits = CORRECTED.get(name.upper(), dictionary.maxCorrectionBits)
+    official = OFFICIAL.get(name.upper())
+    if official is not None:
+        bits = cv2.aruco.Dictionary.getBitsFromByteList(dictionary.bytesList[:1], dictionary.markerSize)
+        if ''.join(map(str, bits.ravel())) != official:
+            # Of each tag it has the bytes of all four quarter turns, one turn after the other.
+            turns = dictionary.bytesList.reshape(len(dictionary.bytesList), 4, -1)
+            dictionary.bytesList = np.roll(turns, 2, axis=1).reshape(dictionary.bytesList.shape)
     return dictionary
 
 

@@ -14,7 +14,7 @@ from aruco_ar.exercise import CORRECT, LENSES
 from aruco_ar.looks.look import CLEAN, FOREGROUNDS, FULL, GRAINS, LIGHTS, PAINT, SHOW, TAGS
 from aruco_ar.painting.fit import FITS
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
-from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M, tag_cells
+from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, MAX_BORDER_CELLS, SIDE_M, tag_cells
 from aruco_ar.tracking.tracker import HOLD_S, UPRIGHT
 
 from aruco_node.messages.topics import IMAGE_TYPES
@@ -139,6 +139,8 @@ class TagSettings(FrameSettings):
         "how closely an image must match a tag's pattern to be taken for that tag; 1 is a perfect match")
     min_side: float = number(
         0.0, 0, 10000, 'smallest side of a tag in the frame, in pixels; smaller tags are ignored')
+    border: float = number(
+        1.0, 1, MAX_BORDER_CELLS, "width of the tags' black border, in cells (see artag_generator --border)")
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,11 @@ def of_fit_tags():
     return binding.fit_tags, {'frame': frame, 'quads': quads, 'cells': cells}
 
 
+def of_compare_tags():
+    _, arrays = of_fit_tags()
+    return lambda **arrays: binding.compare_tags(**arrays, samples=3), arrays
+
+
 def of_draw_mask():
     return binding.draw_mask, {'frame': frame_with_tag()[0], 'corners': CORNERS, 'positions': positions()}
 
@@ -93,10 +98,10 @@ def of_learn():
 
 
 MADE = {made.__name__[3:]: made for made in
-        (of_fit_tags, of_draw_mask, of_warp, of_refine_pairs, of_compare, of_learn)}
+        (of_fit_tags, of_compare_tags, of_draw_mask, of_warp, of_refine_pairs, of_compare, of_learn)}
 CONVERTED = {'quads', 'cells', 'corners', 'to_picture', *of_refine_pairs()[1]}  # numbers of any type
 WRITTEN = {('learn', name) for name in ('look', 'variance', 'known', 'seconds')}
-GRAY_TOO = {('fit_tags', 'frame'), ('draw_mask', 'frame'), ('warp', 'mask')}
+GRAY_TOO = {('fit_tags', 'frame'), ('compare_tags', 'frame'), ('draw_mask', 'frame'), ('warp', 'mask')}
 ARGUMENTS = [(name, argument) for name in MADE for argument in MADE[name]()[1]]
 
 
@@ -181,7 +186,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
               array.shape[-1] > 2 else array[..., :1]]
     if (name, argument) != ('draw_mask', 'frame'):
         others.append(array[..., 0])
-    if name not in ('fit_tags', 'draw_mask') or argument != 'frame':
+    if name not in ('fit_tags', 'compare_tags', 'draw_mask') or argument != 'frame':
         others += [array[:-1], array[:0]]
     if array.ndim > 1 and argument not in ('frame', 'picture', 'spread'):
         others += [array[:, :-1], array[:, :0]]
@@ -191,7 +196,9 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('warp', 'mask'): other.shape == array.shape[:2],
                 ('refine_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 ('fit_tags', 'frame'): other.ndim == 2 and other.size,
-                ('fit_tags', 'quads'): other.shape == (0, 4, 2)}.get((name, argument))
+                ('fit_tags', 'quads'): other.shape == (0, 4, 2),
+                ('compare_tags', 'frame'): other.ndim == 2 and other.size,
+                ('compare_tags', 'quads'): other.shape == (0, 4, 2)}.get((name, argument))
         if fits:
             result_of(name, **{argument: other})
         else:

@@ -19,6 +19,7 @@ from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 
 RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'likeness': (0, 1), 'min_side': (0, 10000), 'hold': (0, 60),
+          'border': (1, 10),
           'opacity': (0, 1), 'settle': (0.5, 3600), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20),
           'falloff': (0, 1), 'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100),
           'jpeg': (0, 100), 'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
@@ -27,7 +28,7 @@ CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'
            'grain': ['clean', 'match'], 'tags': ['show', 'hide'],
            'visitor': ['nobody', 'person', 'hand'], 'lens': ['correct', 'ignore'],
            'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
-SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'folder'}
+SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'border', 'folder'}
 AREA = SIGHT | {'lens', 'hold', 'upright'}
 OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
            'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'grain', 'tags',
