@@ -176,7 +176,6 @@ class Detector:
     def _find(self, finder: _Finder, frame: Image, scale: float,
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
-        check_array('frame', frame, np.uint8, *GRAY_OR_COLOR)
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
         scaled = _scaled(frame, scale)
         corners, ids, rejected = finder.plain.detectMarkers(scaled)
@@ -283,7 +282,8 @@ class Detector:
 
 
 def _gray(frame: Image) -> Image:
-    """(h, w) uint8: a frame in gray. All work on it takes less time than on three channels."""
+    """(h, w) uint8: a frame, checked, in gray. All work on it takes less time than on three channels."""
+    check_array('frame', frame, np.uint8, *GRAY_OR_COLOR)
     return frame if frame.ndim == 2 else cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
 
 

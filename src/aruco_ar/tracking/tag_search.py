@@ -19,8 +19,6 @@ from .motion import AreaMotion
 MAX_SUBSTITUTES = 8       # if one of the four tags is missing, at most this many other tags are fitted
 MIN_SIDE_PX = 8           # a tag that is expected to be smaller is not searched for
 EXPECTED_LIKENESS = 0.6   # a tag in its expected place must have more than this likeness (see fit_tags)
-# A tag may be out of the frame by this much, in its sides: its black border is twice as wide.
-OUTSIDE_SIDES = 0.05
 NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
 NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
 SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
@@ -118,9 +116,8 @@ class TagSearch:
         """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
         ids = list(layout.places)
         quads = self._distorted(motion.project(layout.quads(ids)))
-        side = side_of(quads)
-        outside = np.maximum(-0.5 - quads, quads - np.array(frame.shape[1::-1]) + 0.5).max(axis=(1, 2))
-        inside = (outside <= OUTSIDE_SIDES * side) & (side > MIN_SIDE_PX)
+        inside = (quads >= 0) & (quads <= np.array(frame.shape[1::-1]) - 1)
+        inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
         return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
 
     def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
