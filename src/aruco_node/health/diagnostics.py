@@ -67,6 +67,7 @@ class FrameCount:
         self._tags = 0 if looks_for_tags else None
         self._tag_seen, self._area_seen = time.monotonic(), None
         self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
+        self.misses_tags = False  # whether no tag was in sight for NO_TAGS_S at the last report
 
     def restart(self):
         """Start measuring again. Frames of a pause do not count as dropped."""
@@ -134,6 +135,7 @@ class FrameCount:
             values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
             if has_area is not None:
                 values['area in the last frame'] = YES if has_area else NO
+        self.misses_tags = tags is not None and unseen > NO_TAGS_S
         dropped = recent[:, 3].sum()
         if len(recent) > 1 and dropped > MAX_DROPPED * (dropped + len(recent)):
             # A node that is idle most of the time does not drop them itself.
@@ -142,6 +144,6 @@ class FrameCount:
             why = 'Slow: %s were dropped within %d s. ' + remedy if busy else \
                 '%s did not arrive within %d s: the gaps in header.seq show that they were lost on the way.'
             return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
-        if tags is not None and unseen > NO_TAGS_S:
+        if self.misses_tags:
             return WARN, 'No tag has been in sight for %d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -10,7 +10,7 @@ from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
-from aruco_node.health.diagnostics import ERROR, WARN
+from aruco_node.health.diagnostics import ERROR, NO_TAGS_S, WARN
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
@@ -43,6 +43,7 @@ class CameraNode(FrameNode):
         self._hints = self._new_hints(self.settings)
         self._lens_check, self._worker = LensCheck(), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
+        self._missed_tags = False  # whether it was logged that no tag is in sight
         self._calibration = None
         if isinstance(self.settings, LensSettings):
             self._calibration = Calibration(self.settings, self.camera)
@@ -75,7 +76,9 @@ class CameraNode(FrameNode):
         if TRACKER in self._exercise.needs:
             values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
         if not self.is_receiving:  # what follows is true of the frames that arrive
+            self._missed_tags = False
             return level, sentence, values
+        self._log_missing_tags()
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
@@ -174,6 +177,13 @@ class CameraNode(FrameNode):
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
+
+    def _log_missing_tags(self):
+        """Log that no tag has been in sight for long, once each time."""
+        misses, before = self._count.misses_tags, self._missed_tags
+        self._missed_tags = misses
+        if misses and not before:
+            rospy.logwarn('No tag has been in sight for %d s.', NO_TAGS_S)
 
     @property
     def _warning(self):
