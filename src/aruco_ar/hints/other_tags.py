@@ -19,8 +19,9 @@ ENOUGH = 2       # number of different tags that must be found, since some dicti
 HITS = 3         # number of searches in a row that must find them
 FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
 SURE = 10        # number of frames with wanted tags after which the dictionary and the ids are right
-# Some dictionaries find a tag in anything, but rarely the same one in the next frames. So wanted tags are believed
-# that are in STEADY frames in a row, ENOUGH of them. If there were others, only FOUR tags of another kind count.
+# Some dictionaries find a tag in anything, but rarely the same ones in the next frames; and a few tags are the
+# same when they are mirrored. So wanted tags are believed if FOUR are in STEADY frames in a row, or if they
+# show an area. After fewer, it takes FOUR tags of another kind, and twice as many.
 STEADY, FOUR = 5, 4
 BORDER = 2           # cells of a wide black border, as some print it
 MAX_BORDER = 0.2     # at most this share of the cells of such a border may be light
@@ -63,7 +64,8 @@ class OtherTags:
         self._seen: Found = frozenset()
         self._since: float | None = None  # time when wanted tags were last seen, or of the first frame
         self._streaks: dict[int, int] = {}  # for each wanted id, in how many frames in a row it is
-        self._doubtful = float('-inf')  # when wanted tags were last found that may be false
+        # When wanted tags were last found that may be false, and how many others then count.
+        self._doubtful, self._least = float('-inf'), FOUR
         self.has_looked = self._wanted_frames >= SURE  # whether all kinds of tags have been searched for
         self._hinted = 0.0
         self._searches.begin_anew()
@@ -77,13 +79,13 @@ class OtherTags:
         frame brings the hint.
         """
         streaks = {tag_id: self._streaks.get(tag_id, 0) + 1 for tag_id in seen}
-        found_wanted = has_area or sum(streak >= STEADY for streak in streaks.values()) >= ENOUGH
+        found_wanted = has_area or sum(streak >= STEADY for streak in streaks.values()) >= FOUR
         if found_wanted or self._since is None or stamp < self._since:
             self.reset()
             self._since = stamp
         self._streaks = streaks
         if seen:
-            self._doubtful = stamp
+            self._doubtful, self._least = stamp, max(FOUR, 2 * len(seen))
         self._wanted_frames += found_wanted
         if self._wanted_frames >= SURE:  # other tags in sight now hang on another wall
             self.has_looked = True
@@ -123,7 +125,7 @@ class OtherTags:
     def _judge(self, ids: Found, stamp: float) -> None:
         """Draw conclusions from the ids of the kind of tags that was searched for."""
         again = ids & self._seen if self._hits else ids
-        if len(again) >= (FOUR if stamp - self._doubtful < FORGET_S else ENOUGH):
+        if len(again) >= (self._least if stamp - self._doubtful < FORGET_S else ENOUGH):
             self._hits += 1
             if self._hits <= HITS:  # later searches only confirm it, so that the sentence stays the same
                 self._seen = again

@@ -37,8 +37,8 @@ class SameIds:
             self._seen[tag_id] = self._seen.get(tag_id, (stamp,))[0], stamp
         ids = sorted(tag_id for tag_id, (since, _) in self._seen.items() if stamp - since >= LASTING_S)
         self.hint = None if not ids else (
-            '%s several times in sight: %s. Nothing shows which one is meant, so the area does not use %s. Hang '
-            'up four tags with different ids, each once.' % (
+            '%s several times in sight: %s. Nothing shows which one is meant, so the area does not use %s. '
+            'Hang up four tags with different ids, each once.' % (
                 ('An id is', ids[0], 'it') if len(ids) == 1 else
                 ('%d ids are' % len(ids), ', '.join(map(str, ids[:8])), 'them')))
 

@@ -78,11 +78,11 @@ class CameraNode(FrameNode):
         if not self.is_receiving:  # what follows is true of the frames that arrive
             self._missed_tags = False
             return level, sentence, values
-        self._log_missing_tags()
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
         warning = self._warning
+        self._log_missing_tags(warning)
         if warning:
             values['hint'] = warning
             if level < ERROR:
@@ -178,11 +178,10 @@ class CameraNode(FrameNode):
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
 
-    def _log_missing_tags(self):
-        """Log that no tag has been in sight for long, once each time."""
-        misses, before = self._count.misses_tags, self._missed_tags
-        self._missed_tags = misses
-        if misses and not before:
+    def _log_missing_tags(self, warning):
+        """Log that no tag has been in sight for long, once each time, unless a warning says why."""
+        before, self._missed_tags = self._missed_tags, self._count.misses_tags and not warning
+        if self._missed_tags and not before:
             rospy.logwarn('No tag has been in sight for %d s.', NO_TAGS_S)
 
     @property

@@ -1,4 +1,4 @@
-"""Real clips, if they are beside the package: hints say nothing false, and name the one parameter that is wrong."""
+"""Real clips, if they are beside the package: no hint is false, and one that is true names the remedy."""
 import os
 
 import cv2
@@ -12,15 +12,16 @@ WIDEST_PX, FRAMES_PER_S, LONG_S = 960, 10, 16
 
 
 def shown(name, change, seconds=None, dictionary=None, any_ids=False):
-    """All that is said of a clip, which is looped until so many seconds are over. The search is done at once."""
+    """All that is said of a clip, looped until so many seconds are over. Each search is done at once."""
     if not os.path.isdir(real.CLIPS):
         pytest.skip('the folder %s with clips is missing' % os.path.normpath(real.CLIPS))
     clip, = (clip for clip in real.clips_of(real.CLIPS) if os.path.basename(clip.path) == name)
     frames, rate = clip.frames()
     step = max(1, round(rate / FRAMES_PER_S))
     scale = min(1.0, WIDEST_PX / frames[0].shape[1])
-    frames = [cv2.resize(frame, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA) for frame in frames[::step]]
-    frames = [np.ascontiguousarray(change(frame)) for frame in frames]
+    size = tuple(round(scale * side) for side in frames[0].shape[1::-1])
+    frames = [np.ascontiguousarray(change(cv2.resize(frame, size, interpolation=cv2.INTER_AREA)))
+              for frame in frames[::step]]
     detection = {'dictionary': dictionary or clip.dictionary, 'ids': () if any_ids else clip.ids}
     tracker, hints, said = Tracker(**detection), Hints(detection, 'tags'), []
     for number in range(len(frames) if seconds is None else int(seconds * rate / step)):
