@@ -12,10 +12,10 @@ STEP_PX = 8           # of the pixels looked at
 SHARE = 5             # percent of the pixels that may be lighter than DARK, or darker than BRIGHT
 DARK, BRIGHT = 16, 240  # gray levels
 
-TOO_DARK = (f'The image is almost black: 95 % of its pixels are below {DARK} of 255, so tags cannot be read. Turn '
-            'on the light, take off the lens cap, or raise the exposure of the camera.')
-TOO_BRIGHT = (f'The image is almost white: 95 % of its pixels are above {BRIGHT} of 255, so tags cannot be read. '
-              'Lower the exposure of the camera, or the light.')
+TOO_DARK = (f'The image is almost black: 95 % of its pixels are below {DARK} of 255, so tags cannot be '
+            'read. Turn on the light, take off the lens cap, or raise the exposure of the camera.')
+TOO_BRIGHT = (f'The image is almost white: 95 % of its pixels are above {BRIGHT} of 255, so tags cannot be '
+              'read. Lower the exposure of the camera, or the light.')
 
 
 class Light:
