@@ -3,7 +3,7 @@ import time
 
 import rospy
 from aruco_ar.hints.area_hints import NOTES
-from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
+from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NO_TAG, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
 from aruco_node.ros_internals.subscribers import tolerant
 from diagnostic_msgs.msg import DiagnosticArray
@@ -50,7 +50,8 @@ def sentence_of(status):
         return status.message[:MAX_TEXT], True
     values = {item.key: item.value for item in status.values}
     if 'hint' not in values and values.get('area in the last frame') == NO and _is_lost(values.get(AREA_SEEN)):
-        return values.get('area', '')[:MAX_TEXT], False
+        no_tag = status.message if status.message.startswith(NO_TAG) else ''
+        return values.get('area', no_tag)[:MAX_TEXT], False
     said = ' '.join(values[name] for name in ('hint', *NOTES, 'calibration') if name in values)
     return said[:MAX_TEXT], False
 

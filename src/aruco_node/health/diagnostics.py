@@ -16,6 +16,7 @@ NO_TAGS_S = 10.0     # after this time without a tag in sight, there is a warnin
 MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
 BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
 MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
+NO_TAG = 'No tag has been in sight for '  # the sentence begins so
 NONE_SEEN, YES, NO = 'none seen', 'yes', 'no'
 AREA_SEEN = 'area last seen (s ago)'
 MAX_LATENCY_S = 60.0  # a frame that seems older than this was stamped by another clock, or comes from a bag
@@ -145,5 +146,5 @@ class FrameCount:
                 '%s did not arrive within %d s: the gaps in header.seq show that they were lost on the way.'
             return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
         if self.misses_tags:
-            return WARN, 'No tag has been in sight for %d s.' % unseen, values
+            return WARN, NO_TAG + '%d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -10,7 +10,7 @@ from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
-from aruco_node.health.diagnostics import ERROR, NO_TAGS_S, WARN
+from aruco_node.health.diagnostics import ERROR, NO_TAG, NO_TAGS_S, WARN
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
@@ -182,7 +182,7 @@ class CameraNode(FrameNode):
         """Log that no tag has been in sight for long, once each time, unless a warning says why."""
         before, self._missed_tags = self._missed_tags, self._count.misses_tags and not warning
         if self._missed_tags and not before:
-            rospy.logwarn('No tag has been in sight for %d s.', NO_TAGS_S)
+            rospy.logwarn('%s%d s.', NO_TAG, NO_TAGS_S)
 
     @property
     def _warning(self):

@@ -25,6 +25,9 @@ HANGS = 'The picture hangs upside down.'
     (WARN, HINT, {**NONE, 'hint': HINT}, (HINT, False)),
     (WARN, 'Slow: 40 of 120 frames were dropped within 5 s.', SEEN, ('', False)),
     (OK, '30.0 frames a second', {**SEEN, 'upside down': HANGS}, (HANGS, False)),
+    (WARN, 'No tag has been in sight for 11 s.', {NOW: 'no', 'area last seen (s ago)': 'none seen'},
+     ('No tag has been in sight for 11 s.', False)),
+    (WARN, 'No tag has been in sight for 11 s.', NONE, (WHY, False)),
     (OK, '30.0 frames a second', {'calibration': '3 views'}, ('3 views', False)),
     # Not ours:
     (OK, '', {'area': '5 m2'}, ('', False)),
