@@ -167,6 +167,7 @@ class CameraNode(FrameNode):
     def _hint(self, frame, stamp, results):
         """Log what a user may have overlooked, if there is anything, once."""
         tags = [tag for result in results for tag in result.tags]
+        tags += [tag for stage in self._stages if stage.tracker for tag in stage.tracker.repeated]
         work = self._hints.update(frame, stamp, tags, [result.area for result in results])
         if self.needs_calibration:
             work += self._lens_checks(stamp, tags)

@@ -1,7 +1,7 @@
 """What a user is told about tags with the same id, and about bad light."""
 import numpy as np
 import pytest
-from aruco_ar import Tag
+from aruco_ar import Tag, Tracker, draw_tag
 from aruco_ar.hints.light import TOO_BRIGHT, TOO_DARK, Light
 from aruco_ar.hints.same_ids import SameIds
 
@@ -62,3 +62,15 @@ def test_the_hint_at_light_ends_when_the_light_is_good():
     for number in range(100):
         watched.update(np.full((240, 320, 3), 0 if number < 60 else 100, np.uint8), number / 10, False)
     assert watched.hint is None
+
+
+def test_tags_of_one_id_are_also_named_where_a_tracker_looks_for_the_area():
+    frame = np.full((480, 640, 3), 235, np.uint8)
+    for number, tag_id in enumerate([3, 3, 5, 3]):
+        x, y = 60 + 300 * (number % 2), 60 + 220 * (number // 2)
+        frame[y:y + 90, x:x + 90] = draw_tag('DICT_6X6_250', tag_id, 90)[..., None]
+    tracker, same = Tracker(), SameIds()
+    for number in range(30):
+        area = tracker.update(frame, number / 10)
+        same.update(number / 10, tracker.tags + tracker.repeated, area is not None)
+    assert same.hint.startswith('An id is several times in sight: 3.')
