@@ -3,7 +3,7 @@ import time
 
 import rospy
 from aruco_ar.hints.area_hints import NOTES
-from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NONE_SEEN
+from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NO_TAG, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import ENCODING
 from aruco_node.ros_internals.subscribers import tolerant
@@ -53,6 +53,8 @@ def sentence_of(status):
     names = ['hint', *NOTES, 'calibration']
     if 'hint' not in values and values.get('area in the last frame') == NO and _is_lost(values.get(AREA_SEEN)):
         names = ['area']
+        if status.message.startswith(NO_TAG):  # for exercises without an area
+            values.setdefault('area', status.message)
     said = ' '.join(values[name] for name in [*names, ENCODING] if name in values)
     return said[:MAX_TEXT], False
 

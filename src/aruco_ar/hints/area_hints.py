@@ -47,10 +47,10 @@ def _choice(tags: Sequence[Tag], area: Area) -> str | None:
     sides = np.linalg.norm(area.corners - np.roll(area.corners, -1, axis=0), axis=1)
     if away.min(axis=1).max() > NEAR * sides.min():
         return None  # a tag of the area is out of sight
-    taken, others = [tags[number].id for number in away.argmin(axis=1)], ids[:4]
-    remedy = 'the parameter ids' if set(others) == set(taken) else 'ids:=' + ','.join(map(str, others))
-    return '%d tags are in sight: %s. The area is between the outermost four, %s. Choose others by %s.' % (
-        len(ids), _listed(ids), _listed(taken), remedy)
+    taken = [tags[number].id for number in away.argmin(axis=1)]
+    return ('%d tags are in sight: %s. The area is between the outermost four. Keep these four by ids:=%s, '
+            'or give four others that span the area you want.' % (
+                len(ids), _listed(ids), ','.join(map(str, taken))))
 
 
 def _listed(ids: Sequence[int]) -> str:

@@ -8,8 +8,10 @@ from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
 from .area_hints import AreaHints
+from .light import Light
 from .missed_tags import MissedTags
 from .other_tags import OtherTags
+from .same_ids import SameIds
 
 
 class Hints:
@@ -24,11 +26,13 @@ class Hints:
         ids = detection['ids']
         self._other_tags = OtherTags(detection['dictionary'], ids)
         self._missed_tags = MissedTags(detection)
+        self._same_ids, self._light = SameIds(), Light()
         self._area_hints = AreaHints(ids, upright)
 
     @property
     def warning(self) -> str | None:
-        return self._other_tags.hint or self._missed_tags.hint
+        watched = self._same_ids, self._other_tags, self._missed_tags, self._light
+        return next((each.hint for each in watched if each.hint), None)
 
     @property
     def notes(self) -> dict[str, str]:
@@ -38,6 +42,8 @@ class Hints:
         """Begin anew, after a pause without frames."""
         self._other_tags.reset()
         self._missed_tags.reset()
+        self._same_ids.reset()
+        self._light.reset()
         self._area_hints.reset()
 
     def may_search(self, stamp: float) -> bool:
@@ -52,7 +58,14 @@ class Hints:
         search the frame for other tags. They may be called in another thread, and bring hints later.
         """
         has_area = any(area is not None for area in areas)
-        searches = [self._other_tags.update(frame, stamp, bool(tags) or has_area),
-                    self._missed_tags.update(frame, stamp, {tag.id for tag in tags}, has_area)]
+        seen = {tag.id for tag in tags}
+        searches = [self._other_tags.update(frame, stamp, seen, has_area)]
+        # Tags of another kind can look like a wanted one that is hard to see.
+        if self._other_tags.has_looked and self._other_tags.hint is None:
+            searches.append(self._missed_tags.update(frame, stamp, seen, has_area))
+        else:
+            self._missed_tags.reset()
+        self._same_ids.update(stamp, tags, has_area)
+        self._light.update(frame, stamp, bool(tags) or has_area)
         self._area_hints.update(stamp, tags, areas[0] if len(areas) == 1 else None)
         return [search for search in searches if search is not None]

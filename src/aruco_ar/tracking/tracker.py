@@ -79,6 +79,13 @@ class Tracker:
         return self._search.as_found([tag for tag in self._seen.values() if self._counts(tag.id)])
 
     @property
+    def repeated(self) -> list[Tag]:
+        """A list of Tag: more tags with the ids of others, while nothing is known yet of where the area is."""
+        if self._layout is not None:
+            return []
+        return self._search.as_found([tag for tag in self._repeated if self._counts(tag.id)])
+
+    @property
     def explanation(self) -> str:
         """A sentence that says how the area of the last frame is known, or why there is none."""
         if self._layout is None:
@@ -114,6 +121,7 @@ class Tracker:
         self._clock = FrameClock()
         self._shape: tuple[int, ...] = ()  # that of the last frame
         self._shown = False                # whether the last frame had an area
+        self._repeated: list[Tag] = []     # see repeated
         self._search.lens = self.lens
         self._search.reset()
         self._layout = None
@@ -145,6 +153,7 @@ class Tracker:
     def _start(self, tags: Sequence[Tag]) -> None:
         """Start anew, with the area that these tags span, if they span one."""
         self._seen = {tag.id: tag for tag in tags}
+        self._repeated = [tag for tag in tags if self._seen[tag.id] is not tag]
         self._texture, self._recognized = Texture(self.lens), False  # whether the last frame showed the texture
         self._agreed: list[int] = []  # the tags that agreed in the last frame
         self._layout = self._layout_of(tags)

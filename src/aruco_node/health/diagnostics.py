@@ -16,6 +16,7 @@ NO_TAGS_S = 10.0     # after this time without a tag in sight, there is a warnin
 MAX_DROPPED = 0.1    # if a larger share of the frames is dropped, there is a warning
 BUSY = 0.5           # a node that works for a smaller share of the time is not called slow
 MAX_MISSING = 1000   # a larger gap between two header.seq is not lost frames, but another camera
+NO_TAG = 'No tag has been in sight for '  # the sentence begins so
 NONE_SEEN, YES, NO = 'none seen', 'yes', 'no'
 AREA_SEEN = 'area last seen (s ago)'
 MAX_LATENCY_S = 60.0  # a frame that seems older than this was stamped by another clock, or comes from a bag
@@ -68,6 +69,7 @@ class FrameCount:
         self._tags = 0 if looks_for_tags else None
         self._tag_seen, self._area_seen = time.monotonic(), None
         self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
+        self.misses_tags = False  # whether no tag was in sight for NO_TAGS_S at the last report
 
     def restart(self):
         """Start measuring again. Frames of a pause do not count as dropped."""
@@ -146,6 +148,7 @@ class FrameCount:
             values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
             if has_area is not None:
                 values['area in the last frame'] = YES if has_area else NO
+        self.misses_tags = tags is not None and unseen > NO_TAGS_S
         if len(problems) > 1:  # a single one is told by the log
             return WARN, '%d of %d frames within %d s could not be used. %s' % (
                 len(problems), len(problems) + len(recent), WINDOW_S, problems[-1]), values
@@ -157,6 +160,6 @@ class FrameCount:
             why = 'Slow: %s were dropped within %d s. ' + remedy if busy else \
                 '%s did not arrive within %d s: the gaps in header.seq show that they were lost on the way.'
             return WARN, why % ('%d of %d frames' % (dropped, dropped + len(recent)), WINDOW_S), values
-        if tags is not None and unseen > NO_TAGS_S:
-            return WARN, 'No tag has been in sight for %d s.' % unseen, values
+        if self.misses_tags:
+            return WARN, NO_TAG + '%d s.' % unseen, values
         return OK, '%.1f frames a second' % rate, values

@@ -10,7 +10,7 @@ from aruco_ar.painting.picture import resize
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
-from aruco_node.health.diagnostics import ERROR, WARN
+from aruco_node.health.diagnostics import ERROR, NO_TAG, NO_TAGS_S, WARN
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
@@ -43,6 +43,7 @@ class CameraNode(FrameNode):
         self._hints = self._new_hints(self.settings)
         self._lens_check, self._worker = LensCheck(), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
+        self._missed_tags = False  # whether it was logged that no tag is in sight
         self._calibration = None
         if isinstance(self.settings, LensSettings):
             self._calibration = Calibration(self.settings, self.camera)
@@ -75,11 +76,13 @@ class CameraNode(FrameNode):
         if TRACKER in self._exercise.needs:
             values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
         if not self.is_receiving:  # what follows is true of the frames that arrive
+            self._missed_tags = False
             return level, sentence, values
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
         warning = self._warning
+        self._log_missing_tags(warning)
         if warning:
             values['hint'] = warning
             if level < ERROR:
@@ -164,6 +167,7 @@ class CameraNode(FrameNode):
     def _hint(self, frame, stamp, results):
         """Log what a user may have overlooked, if there is anything, once."""
         tags = [tag for result in results for tag in result.tags]
+        tags += [tag for stage in self._stages if stage.tracker for tag in stage.tracker.repeated]
         work = self._hints.update(frame, stamp, tags, [result.area for result in results])
         if self.needs_calibration:
             work += self._lens_checks(stamp, tags)
@@ -174,6 +178,12 @@ class CameraNode(FrameNode):
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
+
+    def _log_missing_tags(self, warning):
+        """Log that no tag has been in sight for long, once each time, unless a warning says why."""
+        before, self._missed_tags = self._missed_tags, self._count.misses_tags and not warning
+        if self._missed_tags and not before:
+            rospy.logwarn('%s%d s.', NO_TAG, NO_TAGS_S)
 
     @property
     def _warning(self):

@@ -19,15 +19,14 @@ def sentences(tags, area, ids=(), upright='tags', seconds=3):
     return list(hints.sentences.values())
 
 
-def test_of_more_than_four_tags_it_says_which_were_taken_and_what_chooses_others():
+def test_of_more_than_four_tags_it_says_how_to_keep_those_that_were_taken():
     tags = tags_at([*CORNERS, (250, 200), (200, 160)])
-    assert sentences(tags, Area(CORNERS)) == [
-        ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four, 1, 2, 3, 4. '
-        'Choose others by the parameter ids.')]
-    others = tags_at([(250, 200), (200, 160), *CORNERS])
-    assert sentences(others, Area(CORNERS)) == [
-        ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four, 3, 4, 5, 6. '
-        'Choose others by ids:=1,2,3,4.')]
+    said = ('6 tags are in sight: 1, 2, 3, 4, 5, 6. The area is between the outermost four. Keep these four by '
+            'ids:=%s, or give four others that span the area you want.')
+    assert sentences(tags, Area(CORNERS)) == [said % '1,2,3,4']
+    in_a_row = tags_at([(250, 200), (270, 200), (290, 200), (310, 200), *CORNERS])  # they span no area
+    seen = '3, 4, 5, 6, 7, 8'
+    assert sentences(in_a_row[2:], Area(CORNERS)) == [said.replace('1, 2, 3, 4, 5, 6', seen) % '5,6,7,8']
     assert sentences(tags, Area(CORNERS), ids=(1, 2, 3, 4)) == []
     assert sentences(tags, Area(CORNERS), seconds=1) == []
 

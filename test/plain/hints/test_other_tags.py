@@ -21,17 +21,17 @@ def frame_with(dictionary, ids, random=None):
     return np.clip(np.round(frame + noise), 0, 255).astype(np.uint8)
 
 
-def show(others, frame, times, found=False):
-    """Show a frame at some times, seconds, and do each search at once."""
+def show(others, frame, times, found=False, seen=()):
+    """Show a frame at some times, seconds, and do each search at once. ``seen``: the wanted ids in it."""
     for stamp in times:
-        work = others.update(frame, stamp, found)
+        work = others.update(frame, stamp, set(seen), found)
         if work is not None:
             work()
 
 
-def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=20, found=False):
+def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=20, found=False, seen=()):
     others = OtherTags(dictionary, ids)
-    show(others, frame, np.arange(0, seconds, 1 / FRAMES_PER_S), found)
+    show(others, frame, np.arange(0, seconds, 1 / FRAMES_PER_S), found, seen)
     return others.hint
 
 
@@ -66,7 +66,7 @@ def test_a_hint_is_withdrawn_when_the_tags_are_gone_or_the_wanted_ones_come():
     assert others.hint is None
     show(others, frame, np.arange(50, 80, 0.1))
     assert others.hint
-    others.update(frame, 80.0, True)
+    others.update(frame, 80.0, set(), True)
     assert others.hint is None
 
 
@@ -112,3 +112,33 @@ def test_noise_patterns_and_text_give_no_hint(random):
 def test_dictionaries_are_known_as_courses_spell_them():
     frame = frame_with('DICT_6X6_250', [1, 2])
     assert {tag.id for tag in Detector('DICT_6x6_250').detect(frame)} == {1, 2}
+
+
+def wide(ids):
+    """A frame with tags whose black border is two cells wide."""
+    frame = np.full((480, 640, 3), 235, np.uint8)
+    for number, tag_id in enumerate(ids):
+        frame[60:140, 30 + 150 * number:110 + 150 * number] = \
+            cv2.aruco.generateImageMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_6X6_250), tag_id, 80,
+                                          borderBits=2)[..., None]
+    return frame
+
+
+@pytest.mark.parametrize('seen', [(), (17,)], ids=['nothing found', 'a false tag now and then'])
+def test_tags_that_are_mirrored_negated_or_of_a_wider_border_are_named_with_the_remedy(seen):
+    frame, ids = frame_with('DICT_6X6_250', [1, 2, 3, 4]), '4 tags of DICT_6X6_250 (1, 2, 3, 4)'
+    for flipped in frame[:, ::-1], frame[::-1]:
+        assert hint(np.ascontiguousarray(flipped), seen=seen) == (
+            ids + ' are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
+            'flips the image, turn off this mirroring.')
+    assert hint(255 - frame, seen=seen) == (
+        ids + ' are white on black, but the node looks for black tags on white. Give inverted:=true.')
+    assert hint(wide([1, 2, 3, 4]), seen=seen) == (
+        ids + ' have a black border of two cells, but the node looks for one of one cell. Give border:=2.')
+
+
+def test_false_tags_that_come_and_go_do_not_end_the_search_for_others():
+    others, frame = OtherTags('DICT_4X4_1000', ()), frame_with('DICT_APRILTAG_36h11', [1, 2, 3, 4])
+    for number in range(200):
+        show(others, frame, [number / 10], seen=[number, number + 1] if number % 3 == 0 else [])
+    assert others.hint.startswith('4 tags of DICT_APRILTAG_36h11 (1, 2, 3, 4) are in sight, but')

@@ -142,10 +142,14 @@ class NodeDiagnostics(NodeTest):
     def test_a_long_time_without_tags_and_then_without_frames_is_reported(self):
         self.start_before_camera('exercise5_3')
         self.answer_to(scene())
-        frames = rospy.Timer(rospy.Duration(0.5), lambda event: self.show(np.zeros_like(BLANK)))
+        shown = [BLANK]
+        frames = rospy.Timer(rospy.Duration(0.5), lambda event: self.show(shown[0]))
         self.addCleanup(frames.shutdown)
         values = self.diagnostics.wait('exercise5_3', 'No tag has been in sight for 1', level=WARN)
+        self.node.wait_for('No tag has been in sight for 10 s.')
         self.assertEqual((values['tags in sight'], values['area last seen (s ago)']), ('0', 'none seen'))
+        shown[0] = np.zeros_like(BLANK)
+        self.diagnostics.wait('exercise5_3', 'The image is almost black', 'raise the exposure', level=WARN)
         self.answer_to(scene())
         self.diagnostics.wait('exercise5_3', 'frames a second')
         frames.shutdown()
