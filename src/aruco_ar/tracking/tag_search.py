@@ -6,7 +6,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners, undistort_corners
 from aruco_ar.tags.detector import Detector
@@ -19,6 +19,7 @@ from .motion import AreaMotion
 MAX_SUBSTITUTES = 8       # if one of the four tags is missing, at most this many other tags are fitted
 MIN_SIDE_PX = 8           # a tag that is expected to be smaller is not searched for
 EXPECTED_LIKENESS = 0.6   # a tag in its expected place must have more than this likeness (see fit_tags)
+EXPECTED_OUTSIDE_PX = 2.0  # a tag that is expected to be this far out of the frame may be in it
 NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
 NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
 SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
@@ -107,7 +108,7 @@ class TagSearch:
         if not ids:
             return {}
         quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
-        found &= likeness > EXPECTED_LIKENESS
+        found &= (likeness > EXPECTED_LIKENESS) & _within(quads, frame, 0)
         tags = self._undistorted([Tag(ids[number], quads[number], float(likeness[number]))
                                   for number in np.flatnonzero(found)])
         return {tag.id: tag for tag in tags}
@@ -116,8 +117,7 @@ class TagSearch:
         """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
         ids = list(layout.places)
         quads = self._distorted(motion.project(layout.quads(ids)))
-        inside = (quads >= 0) & (quads <= np.array(frame.shape[1::-1]) - 1)
-        inside = inside.all(axis=(1, 2)) & (side_of(quads) > MIN_SIDE_PX)
+        inside = _within(quads, frame, EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
         return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
 
     def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
@@ -138,6 +138,12 @@ class TagSearch:
         quads = undistort_corners(self.lens, [tag.corners for tag in tags])
         return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
                 if np.isfinite(quad).all()]
+
+
+def _within(quads: Floats, frame: Image, px: float) -> Booleans:
+    """(n,): which quadrilaterals, (n, 4, 2), are in the frame, or at most so many pixels out of it."""
+    inside = (quads >= -px) & (quads <= np.array(frame.shape[1::-1]) - 1 + px)
+    return np.asarray(inside.all(axis=(1, 2)))
 
 
 def expected_places(layout: Layout, motion: AreaMotion | None) -> dict[int, Floats]:
