@@ -45,7 +45,7 @@ class Progress:
         Returns a search for other tags, or None: see OtherTags.
         """
         self._refused = self.collection.offer(view)
-        return self._others.update(frame, stamp, bool(view.points))
+        return self._others.update(frame, stamp, set(), bool(view.points))
 
     def begin_anew(self) -> None:
         """Forget what is true only of the last frames."""

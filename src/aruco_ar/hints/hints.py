@@ -10,7 +10,7 @@ from aruco_ar.tracking.area import Area
 from .area_hints import AreaHints
 from .light import Light
 from .missed_tags import MissedTags
-from .other_tags import OtherTags
+from .other_tags import USUAL_BORDER, OtherTags
 from .same_ids import SameIds
 
 
@@ -24,7 +24,7 @@ class Hints:
     def __init__(self, detection: Mapping[str, Any], upright: str | None) -> None:
         """``detection``: the arguments of the Detector. ``upright``: see Tracker; None without one."""
         ids = detection['ids']
-        self._other_tags = OtherTags(detection['dictionary'], ids)
+        self._other_tags = OtherTags(detection['dictionary'], ids, detection.get('border', USUAL_BORDER))
         self._missed_tags = MissedTags(detection)
         self._same_ids, self._light = SameIds(), Light()
         self._area_hints = AreaHints(ids, upright)

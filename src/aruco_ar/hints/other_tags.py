@@ -1,10 +1,9 @@
-"""Tags in sight that nobody looks for: of another dictionary, with other ids, mirrored, or of other colors."""
+"""Tags in sight that nobody looks for: of another dictionary or border, with other ids, or mirrored."""
 from __future__ import annotations
 
 from functools import partial
 from typing import AbstractSet, Callable, Iterable, Sequence
 
-import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Image
@@ -23,16 +22,14 @@ SURE = 10        # number of frames with wanted tags after which the dictionary 
 # same when they are mirrored. So wanted tags are believed if FOUR are in STEADY frames in a row, or if they
 # show an area. After fewer, it takes FOUR tags of another kind, and twice as many.
 STEADY, FOUR = 5, 4
-BORDER = 2           # cells of a wide black border, as some print it
-MAX_BORDER = 0.2     # at most this share of the cells of such a border may be light
 
 # How the tags of a dictionary are looked for.
-PLAIN, MIRRORED, INVERTED, WIDE = 'plain', 'mirrored', 'inverted', 'wide border'
+PLAIN, MIRRORED, BORDER = 'plain', 'mirrored', 'border'
+USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
 SENTENCES = {
     MIRRORED: '%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
               'flips the image, turn off this mirroring.',
-    INVERTED: '%s are white on black, but the node looks for black tags on white. Give inverted:=true.',
-    WIDE: '%s have a black border of two cells, but the node looks for one of one cell. Give border:=2.'}
+    BORDER: '%s have a black border {0} wide, but the node looks for one {1} wide. Give border:={2}.'}
 
 
 class OtherTags:
@@ -42,16 +39,17 @@ class OtherTags:
     ``has_looked``: whether all kinds of tags have been looked for, or need not be.
     """
 
-    def __init__(self, dictionary: str, ids: Iterable[int]) -> None:
-        """``dictionary``, ``ids``: those of the Detector for the tags that are wanted."""
-        self._dictionary, self._ids = dictionary, tuple(ids)
+    def __init__(self, dictionary: str, ids: Iterable[int], border: float = USUAL_BORDER) -> None:
+        """The arguments are those of the Detector for the tags that are wanted."""
+        self._dictionary, self._ids, self._border = dictionary, tuple(ids), int(border)
+        self._other_border = WIDE_BORDER if self._border == USUAL_BORDER else USUAL_BORDER
         families = _families()
         own = [family for family in families if DICTIONARIES[dictionary] in map(DICTIONARIES.get, family)]
         plain = [(PLAIN, family) for family in families if family not in own]
         # The wanted tags themselves first. Without ids, a larger dictionary of the family may have them.
         plain = [(PLAIN, own[0]), *plain] if self._ids else [*plain, (PLAIN, own[0])]
         self._kinds = [*((way, [dictionary]) for way in SENTENCES), *plain]
-        self._detectors: dict[str, Detector] = {}
+        self._detectors: dict[tuple[str, int], Detector] = {}
         self._searches = Searches(PAUSE_S)
         self.has_looked = False
         self._wanted_frames = 0
@@ -112,15 +110,12 @@ class OtherTags:
 
     def _read(self, frame: Image, way: str, dictionary: str) -> list[int]:
         """The ids of the tags of a dictionary that are found in one way."""
-        if way == WIDE:
-            return _with_wide_border(frame, dictionary)
         if way == MIRRORED:
             frame = np.ascontiguousarray(frame[:, ::-1])
-        elif way == INVERTED:
-            frame = 255 - frame
-        if dictionary not in self._detectors:
-            self._detectors[dictionary] = Detector(dictionary, correction=0.5)
-        return [tag.id for tag in self._detectors[dictionary].detect(frame)]
+        kind = dictionary, self._other_border if way == BORDER else self._border
+        if kind not in self._detectors:
+            self._detectors[kind] = Detector(dictionary, correction=0.5, border=kind[1])
+        return [tag.id for tag in self._detectors[kind].detect(frame)]
 
     def _judge(self, ids: Found, stamp: float) -> None:
         """Draw conclusions from the ids of the kind of tags that was searched for."""
@@ -140,7 +135,8 @@ class OtherTags:
 
     def _sentence(self, way: str, family: Sequence[str], ids: Found) -> str | None:
         if way != PLAIN:
-            return SENTENCES[way] % _described(family[-1], ids)
+            return SENTENCES[way].format(_cells(self._other_border), _cells(self._border), self._other_border) \
+                % _described(family[-1], ids)
         smallest = next(name for name in family if max(ids) < len(get_dictionary(name).bytesList))
         count = len(get_dictionary(self._dictionary).bytesList)
         is_family = DICTIONARIES[self._dictionary] in map(DICTIONARIES.get, family)
@@ -158,13 +154,8 @@ def _described(dictionary: str, ids: Found) -> str:
     return '%d tags of %s (%s)' % (len(ids), dictionary, ', '.join(map(str, sorted(ids)[:8])))
 
 
-def _with_wide_border(frame: Image, dictionary: str) -> list[int]:
-    """The ids of the tags in a frame that have a black border of BORDER cells."""
-    parameters = cv2.aruco.DetectorParameters()
-    parameters.markerBorderBits, parameters.maxErroneousBitsInBorderRate = BORDER, MAX_BORDER
-    parameters.errorCorrectionRate = 0.5
-    _, ids, _ = cv2.aruco.ArucoDetector(get_dictionary(dictionary), parameters).detectMarkers(frame)
-    return [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
+def _cells(count: int) -> str:
+    return '1 cell' if count == 1 else '%d cells' % count
 
 
 def _families() -> list[list[str]]:

@@ -3,7 +3,7 @@ import pytest
 from aruco_node.health.diagnostics import ERROR, OK, WARN
 from aruco_node.messages.images import ENCODING
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from page_server.advice import sentence_of
+from page_server.advice import MAX_TEXT, sentence_of
 
 NOW = 'area in the last frame'
 WHY = 'Four tags have not been seen together.'
@@ -38,7 +38,7 @@ HANGS = 'The picture hangs upside down.'
     (OK, '', {**NONE, 'area last seen (s ago)': 'x'}, ('', False)),
     (OK, '', {**NONE, 'area last seen (s ago)': 'nan'}, ('', False)),
     (OK, '', {NOW: 'no', 'area last seen (s ago)': 'none seen'}, ('', False)),
-    (ERROR, 'x' * 10000, {}, ('x' * 400, True)),
+    (ERROR, 'x' * 10000, {}, ('x' * MAX_TEXT, True)),
 ])
 def test_it_says_why_there_is_no_picture_and_what_to_do(level, message, values, expected):
     status = DiagnosticStatus(level=level, message=message,

@@ -29,8 +29,8 @@ def show(others, frame, times, found=False, seen=()):
             work()
 
 
-def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=20, found=False, seen=()):
-    others = OtherTags(dictionary, ids)
+def hint(frame, dictionary='DICT_6X6_250', ids=(), seconds=20, found=False, seen=(), border=1):
+    others = OtherTags(dictionary, ids, border)
     show(others, frame, np.arange(0, seconds, 1 / FRAMES_PER_S), found, seen)
     return others.hint
 
@@ -125,16 +125,16 @@ def wide(ids):
 
 
 @pytest.mark.parametrize('seen', [(), (17,)], ids=['nothing found', 'a false tag now and then'])
-def test_tags_that_are_mirrored_negated_or_of_a_wider_border_are_named_with_the_remedy(seen):
+def test_tags_that_are_mirrored_or_of_another_border_are_named_with_the_remedy(seen):
     frame, ids = frame_with('DICT_6X6_250', [1, 2, 3, 4]), '4 tags of DICT_6X6_250 (1, 2, 3, 4)'
     for flipped in frame[:, ::-1], frame[::-1]:
         assert hint(np.ascontiguousarray(flipped), seen=seen) == (
             ids + ' are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
             'flips the image, turn off this mirroring.')
-    assert hint(255 - frame, seen=seen) == (
-        ids + ' are white on black, but the node looks for black tags on white. Give inverted:=true.')
     assert hint(wide([1, 2, 3, 4]), seen=seen) == (
-        ids + ' have a black border of two cells, but the node looks for one of one cell. Give border:=2.')
+        ids + ' have a black border 2 cells wide, but the node looks for one 1 cell wide. Give border:=2.')
+    assert hint(frame, seen=seen, border=2) == (
+        ids + ' have a black border 1 cell wide, but the node looks for one 2 cells wide. Give border:=1.')
 
 
 def test_false_tags_that_come_and_go_do_not_end_the_search_for_others():
