@@ -62,9 +62,9 @@ def parse(argv):
     option('--quiet', type=int, help='width of the white margin around the tag in cells '
                                      '(default: 0; 1 on a sheet)')
     option('--format', choices=['jpg', 'png', 'svg'],
-           help='file format of the tags; an svg has its size in millimeters (default: jpg)')
+           help='file format of the tags, but for a sheet; an svg has its size in millimeters (default: jpg)')
     option('--output', metavar='FOLDER',
-           help="folder to write to (default: the package's Tags/, or ./Tags)")
+           help="folder to write to, but for a sheet (default: the package's Tags/, or ./Tags)")
     option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
     option('--page', choices=list(PAGES), help='paper for the sheet (default: A4)')
     option('--side', type=float, metavar='MM',
@@ -91,9 +91,7 @@ def refuse_unused(parser, args):
     for name, is_used, where in (
             ('size', not (args.sheet or is_svg), 'a jpg or png; the side on a sheet or in an svg is --side MM'),
             ('side', args.sheet or is_svg, 'a sheet or an svg; the side in a jpg or png is --size PIXELS'),
-            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf'),
-            ('format', not args.sheet, 'pictures; a sheet is a pdf'),
-            ('output', not args.sheet, 'pictures; a sheet is written to the path that --sheet gives')):
+            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf')):
         if getattr(args, name) is not None and not is_used:
             parser.error('--%s is for %s' % (name, where))
 

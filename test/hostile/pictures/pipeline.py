@@ -233,8 +233,9 @@ def _faults_of_pose(pose, name):
 def _faults_of_messages(tags, poses, camera, on_wall, lens):
     messages = [tags_from_pixels([(tag.id, tag.corners) for tag in tags], _header()),
                 pose_messages.tag_poses(poses, lens, _header()),
-                pose_messages.area_pose(on_wall, lens, _header()),
                 pose_messages.markers(poses, on_wall, _header())]
+    if on_wall is not None:
+        messages.append(pose_messages.area_pose(on_wall, lens, _header()))
     messages += [pose_messages.transform(pose, Time(1), 'camera', 'tag') for pose in poses]
     if camera is not None:
         messages.append(pose_messages.stamped(camera, Time(1), 'wall'))

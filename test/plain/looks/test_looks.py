@@ -24,7 +24,7 @@ STRAIGHT = Camera()
 def stage(color=GREEN, foreground='paint', light='full', grain='clean', tags='show', settle=30.0):
     settings = SimpleNamespace(
         dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0, likeness=0.8, min_side=0.0,
-        hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light,
+        border=1.0, hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light,
         grain=grain, tags=tags, settle=settle)
     picture = np.full((60, 90, len(color)), color, np.uint8) if isinstance(color, tuple) else color
     return Stage([TRACKER, PICTURE], settings, lambda _: Still(picture))

@@ -154,8 +154,6 @@ def test_one_page_is_a_wall_of_its_own(generate, tmp_path, page):
     (['--side', '75'], 'in a jpg or png is --size PIXELS'),
     (['--side', '0', '--format', 'svg'], 'from 1 to 1000'),
     (['--page', 'A3'], '--sheet tags.pdf'),
-    (['--sheet', 'sheet.pdf', '--format', 'png'], '--format is for pictures'),
-    (['--sheet', 'sheet.pdf', '--output', '.'], '--output is for pictures'),
     (['--ids', '1-4,9-7'], '"9-7" contains no id; write the smaller number first'),
     (['--ids', '1,99999'], 'there is no tag 99999'),
     (['--size', '70000'], 'from 8 to 10000'),

@@ -47,7 +47,8 @@ class ReplayTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        suffix, kind, to_frame = TRANSPORTS[cls.transport]
+        suffix, kind, decoder = TRANSPORTS[cls.transport]
+        to_frame = decoder()
         topics = {FRAMES + suffix: kind, TAGS: TagArray, AREA: PolygonStamped}
         topics.update(dict.fromkeys(cls.results, Image))
         cls.moments = [Moment(parts, parts[FRAMES + suffix], cls.results, to_frame)
