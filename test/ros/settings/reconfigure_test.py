@@ -144,7 +144,7 @@ class DynamicReconfigure(NodeTest):
 
     def test_tag_size_and_tag_sizes_scale_the_poses(self):
         self.publish_camera_info()
-        self.start_before_camera('tag_poses', poses=TagPoseArray, area=AreaPose)
+        self.start_before_camera('tag_poses', poses=TagPoseArray)
 
         def distances():
             """{id: distance of the tag}."""
@@ -160,6 +160,12 @@ class DynamicReconfigure(NodeTest):
             after = distances()
             ratios = [after[tag_id] / before[tag_id] for tag_id in sorted(before)]
             np.testing.assert_allclose(ratios, factors, rtol=0.01)
+        self._inboxes['area'] = areas = self.listen('/tag_poses/area', AreaPose)
+
+        def is_heard():
+            self.show(scene())
+            return not areas.empty()
+        until(is_heard)
         for _ in range(9):  # until the wall is known well enough to locate the area by one tag
             whole, = self.answer_to(scene(), 'area')
         self.assertEqual(len(whole.corners), 4)
