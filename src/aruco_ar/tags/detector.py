@@ -57,7 +57,7 @@ MAX_ENLARGED = 3
 MIN_LIKENESS = 0.76
 # All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
 # so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.
-MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.7
+MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.65
 # Cells that are reread are sharpened by this kernel, since the cells of a far tag
 # are blurred into each other.
 SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32)
