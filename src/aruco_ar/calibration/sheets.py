@@ -41,20 +41,16 @@ class TagSheet:
     def __init__(self, dictionary: str) -> None:
         """Raises InputError if there is no such dictionary."""
         self.dictionary = dictionary
-        self._detector, self._negated = Detector(dictionary), False
+        self._detector = Detector(dictionary)
         self.needs = 'two tags of %s, each at least %.0f px wide' % (dictionary, MIN_SIDE_PX)
 
     def view(self, frame: Image) -> View:
         """The View of the sheet in a frame, (h, w, 3) BGR uint8. It may be printed white on black."""
-        for negated in self._negated, not self._negated:
-            tags = [tag for tag in self._detector.detect(cv2.bitwise_not(frame) if negated else frame)
-                    if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
-            ids = [tag.id for tag in tags]
-            view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
-            if 4 * len(view.points) >= MIN_POINTS:
-                self._negated = negated  # the next frame shows the same sheet
-                return view
-        return View({})
+        tags = [tag for tag in self._detector.detect(frame)
+                if np.linalg.norm(tag.corners[1] - tag.corners[0]) >= MIN_SIDE_PX]
+        ids = [tag.id for tag in tags]
+        view = View({tag.id: np.asarray(tag.corners, np.float64) for tag in tags if ids.count(tag.id) == 1})
+        return view if 4 * len(view.points) >= MIN_POINTS else View({})
 
 
 class CharucoBoard:

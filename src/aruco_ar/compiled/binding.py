@@ -33,7 +33,7 @@ class _Frame(ctypes.Structure):
 _ARRAY, _INT, _LONG, _FLOAT = ctypes.c_void_p, ctypes.c_int, ctypes.c_int64, ctypes.c_float
 _ARGUMENTS: dict[str, list[Any]] = {
     'fit_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, *[_ARRAY] * 4],
-    'compare_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _ARRAY, _INT, _INT, _ARRAY],
+    'compare_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _ARRAY, _INT, _ARRAY],
     'draw_mask': [_ARRAY, *[_INT] * 3, _ARRAY, _ARRAY, _LONG],
     'warp': [_ARRAY, _ARRAY, *[_INT] * 3, _ARRAY, _INT, _ARRAY, _ARRAY, _LONG],
     'refine_pairs': [_LONG, _INT, _INT, *[_ARRAY] * 9],
@@ -79,7 +79,7 @@ def compare_tags(frame: Image, quads: Numbers, cells: Image, samples: int) -> Fl
     likeness = np.empty(len(quads), np.float32)
     _compare_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
                   1 if frame.ndim == 2 else frame.shape[2], len(quads), quads.ctypes.data, cells.shape[1],
-                  cells.ctypes.data, 0, samples, likeness.ctypes.data)
+                  cells.ctypes.data, samples, likeness.ctypes.data)
     return likeness
 
 

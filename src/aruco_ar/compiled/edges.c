@@ -251,12 +251,12 @@ static float correlation(const Frame *frame, const Point quad[4], int cells, con
 
 /* See compare_tags in edges.py. */
 EXPORT void unit5_compare_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                  const float *quads, int cells, const uint8_t *wanted, int margin, int samples, float *found)
+                  const float *quads, int cells, const uint8_t *wanted, int samples, float *found)
 {
     Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++)
-        found[tag] = correlation(&frame, (const Point *)quads + 4 * tag, cells, wanted + tag * cells * cells,
-                                 margin, samples);
+        found[tag] = correlation(&frame, (const Point *)quads + 4 * tag, cells, wanted + tag * cells * cells, 0,
+                                 samples);
 }
 
 /* Fit a quadrilateral to the edges between a tag's cells, and, ``at_rim``, where the tag is at the frame's rim,

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -74,14 +75,21 @@ def get_dictionary(name: str) -> cv2.aruco.Dictionary:
                          % (name, ', '.join(DICTIONARY_NAMES)))
     dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
     dictionary.maxCorrectionBits = CORRECTED.get(name.upper(), dictionary.maxCorrectionBits)
-    official = OFFICIAL.get(name.upper())
-    if official is not None:
-        bits = cv2.aruco.Dictionary.getBitsFromByteList(dictionary.bytesList[:1], dictionary.markerSize)
-        if ''.join(map(str, bits.ravel())) != official:
-            # Of each tag it has the bytes of all four quarter turns, one turn after the other.
-            turns = dictionary.bytesList.reshape(len(dictionary.bytesList), 4, -1)
-            dictionary.bytesList = np.roll(turns, 2, axis=1).reshape(dictionary.bytesList.shape)
+    if name.upper() in OFFICIAL:
+        dictionary.bytesList = _official_bytes(name.upper())
     return dictionary
+
+
+@lru_cache(maxsize=None)  # some nodes make a Detector for each frame
+def _official_bytes(name: str) -> Image:
+    """The bytes of a dictionary in OFFICIAL, as OpenCV keeps them, but upright."""
+    dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[name])
+    bits = cv2.aruco.Dictionary.getBitsFromByteList(dictionary.bytesList[:1], dictionary.markerSize)
+    if ''.join(map(str, bits.ravel())) == OFFICIAL[name]:
+        return dictionary.bytesList
+    # Of each tag it has the bytes of all four quarter turns, one turn after the other.
+    turns = dictionary.bytesList.reshape(len(dictionary.bytesList), 4, -1)
+    return np.roll(turns, 2, axis=1).reshape(dictionary.bytesList.shape)
 
 
 def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:

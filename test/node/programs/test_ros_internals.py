@@ -281,23 +281,6 @@ def test_only_dynparam_sees_a_refusal_as_a_failure(warnings):
     assert_warned_once(warnings, 'rospy', 'does not print why')
 
 
-def test_a_request_does_not_hide_the_refusal_of_another_at_the_same_time():
-    with checked_server() as server, mock.patch('rospy.logerr'):
-        refused = Reconfigure._request_class(Config(doubles=[DoubleParameter('noise', -1.0)]))
-        refused._connection_header = {'callerid': '/dynparam_1'}
-
-        def refuse_negative(wanted):
-            if wanted.get('noise', 0) < 0:
-                server.refuse(InputError('No.'))
-                other = threading.Thread(target=server._set_callback, args=[Reconfigure._request_class()])
-                other.start()
-                other.join(WAIT_S)
-            return wanted
-        server.update_configuration = refuse_negative
-        with pytest.raises(rospy.ServiceException, match='No. Nothing is changed.'):
-            server._set_callback(refused)
-
-
 @pytest.fixture
 def bag(tmp_path):
     """The path of a bag with 100 messages per topic, one per second, in many chunks."""

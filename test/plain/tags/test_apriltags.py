@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, draw_tag
-from aruco_ar.tags.tag import tag_cells
+from aruco_ar.tags.tag import _official_bytes, tag_cells
 from benchmark.simulated.search import PHOTOS
 
 # The code of the official tag with id 1 in AprilTag 2: its cells row by row from the top, 1 is white.
@@ -34,6 +34,8 @@ def opencv(request, monkeypatch):
             for row in table.bytesList]
         return cv2.aruco.Dictionary(np.array(upside_down), table.markerSize, table.maxCorrectionBits)
     monkeypatch.setattr(cv2.aruco, 'getPredefinedDictionary', turned)
+    _official_bytes.cache_clear()
+    request.addfinalizer(_official_bytes.cache_clear)
 
 
 @pytest.mark.parametrize('dictionary', sorted(CODES))
