@@ -11,27 +11,29 @@ export function choices(send, say) {
 
   function show({ pictures, picture, sliders, fields, switches }, failed = false) {
     if (failed) changes.clear();
-    if (pictures.join('/') !== shownNames) {
+    if (pictures.join('/') !== shownNames && !group.matches(':active')) {
       shownNames = pictures.join('/');
       group.replaceChildren(...pictures.map(choice));
     }
-    for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
+    if (!isUnanswered(group, group.querySelector('input:checked')?.value === picture)) {
+      for (const input of group.querySelectorAll('input')) input.checked = input.value === picture;
+    }
     for (const label of document.querySelectorAll('[data-switch]')) {
       label.hidden = !(label.dataset.switch in switches);
       const on = switches[label.dataset.switch];
-      if (!isUnanswered(label, on)) label.querySelector('input').checked = on;
+      if (!isUnanswered(label, has(label, on))) label.querySelector('input').checked = on;
     }
     for (const label of document.querySelectorAll('[data-slider]')) {
       const value = sliders[label.dataset.slider];
       label.hidden = value === undefined;
-      if (value !== undefined && !isUnanswered(label, value)) label.querySelector('input').value = value;
+      if (value !== undefined && !isUnanswered(label, has(label, value))) label.querySelector('input').value = value;
       writeValue(label);
     }
     for (const label of document.querySelectorAll('[data-field]')) {
       const value = fields[label.dataset.field];
       label.hidden = value === undefined;
       const input = label.querySelector('input, select');
-      if (value !== undefined && document.activeElement !== input && !isUnanswered(label, value)) input.value = value;
+      if (value !== undefined && document.activeElement !== input && !isUnanswered(label, has(label, value))) input.value = value;
     }
     for (const part of sections) {
       part.hidden = !part.querySelector('[data-slider]:not([hidden]), [data-field]:not([hidden]), [data-switch]:not([hidden])');
@@ -43,7 +45,10 @@ export function choices(send, say) {
     const input = Object.assign(document.createElement('input'), { type: 'radio', name: 'picture', value: name });
     const image = Object.assign(document.createElement('img'), { src: `/picture?name=${encodeURIComponent(name)}`, alt: '' });
     label.append(input, image, name.replace(/\.[^.]*$/, '').replaceAll('_', ' '));
-    input.addEventListener('change', () => send({ picture: name }));
+    input.addEventListener('change', () => {
+      changes.set(group, performance.now());
+      send({ picture: name });
+    });
     return label;
   }
 
@@ -96,13 +101,14 @@ export function choices(send, say) {
   }
 
   // Between a change of a control and the answer, older values arrive. They would change it back.
-  const changes = new Map();  // label -> the time of its last change that is unanswered
-  function isUnanswered(label, value) {
+  const changes = new Map();  // control -> the time of its last change that is unanswered
+  function isUnanswered(control, answered) {
+    if (answered) changes.delete(control);
+    return control.matches(':active') || performance.now() - changes.get(control) < ANSWER_MS;
+  }
+  function has(label, value) {
     const input = label.querySelector('input, select');
-    if (value === (input.type === 'checkbox' ? input.checked : typeof value === 'number' ? Number(input.value) : input.value)) {
-      changes.delete(label);
-    }
-    return label.matches(':active') || performance.now() - changes.get(label) < ANSWER_MS;
+    return value === (input.type === 'checkbox' ? input.checked : typeof value === 'number' ? Number(input.value) : input.value);
   }
 
   for (const label of document.querySelectorAll('[data-slider]')) {

@@ -118,6 +118,7 @@ class Choices:
         self._dropped = rospy.Publisher('~picture', Image, queue_size=1, latch=True)
         self._thumbnails = {}
         self._drops = 0  # number of pictures that were dropped; only the last one can be chosen again
+        self._choice = 0  # number of the last choice of a picture
 
     def state(self):
         """The part of the page's state with what can be chosen, and what is chosen."""
@@ -156,8 +157,15 @@ class Choices:
             self._on_change()
 
     async def choose(self, name):
-        """Have the picture of that name painted. Raises InputError if there is none."""
+        """Have the picture of that name painted, unless another one is chosen meanwhile.
+
+        Raises InputError if there is none.
+        """
+        self._choice += 1
+        choice = self._choice
         await self._check(name)
+        if choice != self._choice:
+            return
         await self._set(PAINTER, picture=self._drop_topic() if self._is_dropped(name) else
                         '%s/%s' % (FOLDER, name))
 
@@ -169,6 +177,7 @@ class Choices:
         picture = await _in(self._worker, self._publish, parts)
         self._thumbnails.pop(self._drop_name(), None)
         self._drops += 1
+        self._choice += 1
         self._thumbnails[self._drop_name()] = _in(self._worker, _shrink, picture)
         await self._set(PAINTER, picture=self._drop_topic())
 

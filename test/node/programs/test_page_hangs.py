@@ -2,6 +2,8 @@
 import asyncio
 import threading
 
+import cv2
+import numpy as np
 import pytest
 from aruco_ar import InputError
 from page_server import choices, driving
@@ -83,3 +85,23 @@ def test_a_file_system_that_hangs_does_not_stop_the_page(published, monkeypatch)
     answers.set()
     assert changed.wait(WAIT_S)  # the browsers are told
     assert there.state()['pictures'] == ['late.png']
+
+
+def test_of_two_choices_the_later_one_counts_though_the_file_system_is_slow(published, monkeypatch):
+    answers, painted = threading.Event(), []
+
+    async def paint(node, picture):
+        painted.append(picture)
+    monkeypatch.setattr(choices, 'files_in', lambda folder: answers.wait(WAIT_S) and ['slow.png'])
+    monkeypatch.setattr(choices.RemoteParameters, 'set', paint)
+    monkeypatch.setattr(choices.rospy.Time, 'now', choices.rospy.Time)
+    there = choices.Choices(lambda: None)
+
+    async def choose_both():
+        first = asyncio.ensure_future(there.choose('slow.png'))
+        await asyncio.sleep(0)
+        await there.drop([cv2.imencode('.png', np.zeros((2, 3, 3), np.uint8))[1].tobytes()])
+        answers.set()
+        await first
+    asyncio.run(choose_both())
+    assert painted == ['topic:/page/picture']

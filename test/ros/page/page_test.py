@@ -135,6 +135,28 @@ class Page(BrowserTest):
         self.page.get_by_text('earth', exact=True).click()
         self.wait_for_chosen('earth.jpg')
 
+    def test_a_state_from_before_a_choice_does_not_take_it_back(self):
+        self.page.add_init_script(
+            '''window.WebSocket = class extends WebSocket {
+                 constructor(...args) {
+                   super(...args);
+                   window.socket = this;
+                   this.addEventListener('message', ({ data }) => {
+                     const isState = typeof data === 'string' && data.includes('"picture": "earth.jpg"');
+                     if (isState) window.before = data;
+                   });
+                 }
+               };''')
+        self.page.reload()
+        self.page.get_by_text('turning earth').click()
+        until(lambda: rospy.get_param('/exercise5_6/picture') == 'images/turning_earth.mp4')
+        self.page.get_by_text('earth', exact=True).click()
+        self.page.wait_for_function('() => window.before')
+        self.page.get_by_text('turning earth').click()
+        self.page.evaluate('() => window.socket.onmessage({ data: window.before })')
+        self.assertTrue(self.page.get_by_role('radio', name='turning earth').is_checked())
+        until(lambda: rospy.get_param('/exercise5_6/picture') == 'images/turning_earth.mp4')
+
     def test_switches_change_how_the_picture_looks(self):
         for label, name, off, on in (('People stay in front', 'exercise5_6/foreground', 'paint', 'keep'),
                                      ("It takes the wall's light", 'exercise5_6/light', 'full', 'match'),
