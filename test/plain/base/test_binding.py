@@ -367,6 +367,7 @@ binding._draw_mask(mask.ctypes.data, 61, 47, 1, corners.ctypes.data, None, 0)
 '''
 
 
+@pytest.mark.long
 @pytest.mark.skipif(CHECKED in os.environ, reason='this is that run')
 def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
     if sanitizer() is None:

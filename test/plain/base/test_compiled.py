@@ -33,6 +33,7 @@ void unit5_learn(void) { abort(); }
 '''
 WITHOUT_VERSION = 'void unit5_fit_tags(void) {}'
 
+pytestmark = pytest.mark.long
 needs_compiler = pytest.mark.skipif(shutil.which('cc') is None, reason='no C compiler')
 
 
