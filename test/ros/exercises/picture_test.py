@@ -3,6 +3,7 @@
 import os
 import tempfile
 import unittest
+from itertools import count
 from pathlib import Path
 
 import cv2
@@ -13,7 +14,7 @@ from aruco_node.messages.images import frame_from_image, image_from_frame
 from dynamic_reconfigure.client import Client
 from hostile.files.png import png
 from rig.nodes.case import GRAY, scene
-from rig.nodes.topics import Connections, Inbox
+from rig.nodes.topics import Connections, Inbox, until
 from rig.processes import started
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CompressedImage, Image
@@ -87,7 +88,7 @@ class Picture(unittest.TestCase):
 
     def test_an_image_topic_is_painted_and_may_stall_resize_or_break(self):
         self.start('_picture:=topic:/other/camera')
-        frame, middle, seconds = areas_at(220), (320, 220), iter(np.arange(1, 100, 0.1))
+        frame, middle, seconds = areas_at(220), (320, 220), (number / 10 for number in count(10))
 
         def color():
             return self.colors_of(frame, next(seconds), middle)
@@ -99,10 +100,7 @@ class Picture(unittest.TestCase):
         watched.wait(1)
 
         def wait_for_painted(expected):
-            for _ in range(100):
-                if np.abs(np.subtract(color(), expected)).max() < 8:
-                    return
-            self.fail('the color %s was never painted' % (expected,))
+            until(lambda: np.abs(np.subtract(color(), expected)).max() < 8)
         screen.publish(image_from_frame(plain(RED), Header()))
         wait_for_painted(RED)
         screen.publish(image_from_frame(plain(BLUE, 641, 479), Header()))
@@ -129,12 +127,9 @@ class Picture(unittest.TestCase):
         screen.publish(CompressedImage(data=cv2.imencode('.png', plain(BLUE))[1].tobytes()))
         self.start('_picture:=topic:/other/camera/compressed')
         watched.wait(1)
-        stamps = iter(range(1, 100))
-        for _ in range(100):
-            if np.abs(np.subtract(self.colors_of(areas_at(220), next(stamps), (320, 220)), BLUE)).max() < 8:
-                break
-        else:
-            self.fail('the topic was never painted')
+        stamps = count(1)
+        until(lambda: np.abs(np.subtract(self.colors_of(areas_at(220), next(stamps), (320, 220)),
+                                         BLUE)).max() < 8)
         self.answers.subscriber.unregister()
         watched.wait(0)
 

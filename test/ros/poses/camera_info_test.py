@@ -58,11 +58,8 @@ class CameraInfos(NodeTest):
     def show_until_posed(self, frame, info):
         """Publish a camera_info, and frames until poses arrive; returns the poses."""
         self.infos.publish(info)
-        for _ in range(100):
-            self.assertEqual(self.count_tags(frame), 4)
-            if not self.seen['poses'].empty():
-                return self.seen['poses'].next().tags
-        raise AssertionError('no poses after 100 frames')
+        until(lambda: self.assertEqual(self.count_tags(frame), 4) or not self.seen['poses'].empty())
+        return self.seen['poses'].next().tags
 
     def assert_poses_are_right(self, tags):
         rotation, translation = VIEW
