@@ -18,7 +18,6 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from rig.accuracy.sheets import frames_of
 from rig.nodes.case import NodeTest
 from rig.nodes.topics import Diagnostics, until
-from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
@@ -50,10 +49,8 @@ class CameraInfos(NodeTest):
 
     def show_until_logged(self, frame, words, frame_id='eye'):
         """Publish frames until the node has logged these words; meanwhile it must find the tags."""
-        until = rospy.Time.now() + rospy.Duration(WAIT_S)
-        while not any(words in line for line in self.node.lines):
-            self.assertEqual(self.count_tags(frame, frame_id), 4)
-            self.assertLess(rospy.Time.now(), until, words)
+        until(lambda: self.assertEqual(self.count_tags(frame, frame_id), 4) or
+              any(words in line for line in self.node.lines))
 
     def show_until_posed(self, frame, info):
         """Publish a camera_info, and frames until poses arrive; returns the poses."""
@@ -189,10 +186,7 @@ class CameraInfos(NodeTest):
         self.seen['camera'] = self.listen('/tag_poses/camera_pose', PoseWithCovarianceStamped)
         frame = WallRenderer(WALL, Camera()).render(*VIEW)
         self.show_until_posed(frame, camera_info(Camera(), None))
-        until = rospy.Time.now() + rospy.Duration(WAIT_S)
-        while self.seen['camera'].empty():
-            self.count_tags(frame)
-            self.assertLess(rospy.Time.now(), until)
+        until(lambda: self.count_tags(frame) and not self.seen['camera'].empty())
         message = self.seen['camera'].next()
         self.assertEqual(message.header.frame_id, frame_id)
         found = message.pose.pose.position
