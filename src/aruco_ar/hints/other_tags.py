@@ -21,6 +21,8 @@ SURE = 10        # number of frames with wanted tags after which the dictionary 
 # same when they are mirrored. So wanted tags are believed if FOUR are in STEADY frames in a row, or if they
 # show an area. After fewer, it takes FOUR tags of another kind, and twice as many.
 STEADY, FOUR = 5, 4
+# Of two kinds with as many tags, the latter. Some tags of any kind are also tags of a dictionary, by chance.
+CERTAIN = PLAIN, MIRRORED, UNKNOWN
 
 USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
 MIRRORED_TAGS = ('%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
@@ -126,7 +128,7 @@ class OtherTags:
         for (kind, tag_id), count in Counter(tag for tags in self._last for tag in tags).items():
             if count >= HITS:
                 steady.setdefault(kind, set()).add(tag_id)
-        kind = max(steady, key=lambda each: (len(steady[each]), each.way == MIRRORED), default=None)
+        kind = max(steady, key=lambda each: (len(steady[each]), CERTAIN.index(each.way)), default=None)
         if kind is not None and len(steady[kind]) >= least:
             self._hinted = stamp
             if kind != self._kind:  # later searches only confirm it, so that the sentence stays the same

@@ -11,26 +11,26 @@ from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.geometry.homography import homography_to
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.tags.detector import MIN_CONTRAST, MIN_WHOLE, MIN_WHOLE_WIDE, WHOLE_OF_PX
-from aruco_ar.tags.edges import compare_tags, fit_tags, sample_cells, side_of
+from aruco_ar.tags.edges import across_sides, compare_tags, fit_tags, sample_cells, side_of
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
 WINDOWS, OFFSET = (7, 21), 7    # of adaptive thresholds: pixels, and gray levels below the mean around
 MIN_RIM_PX, OFF_RIM = 32, 0.03  # the shortest rim of a square, and how far it may be off four straight lines
 MAX_SQUARES = 600    # only so many are read, the largest
-FITTED_CELLS = 8     # squares are fitted to their edges as if they were so wide
+FITTED_CELLS = 8     # squares are fitted to their edges as if they were so many cells wide
 SAME = 0.08          # two squares are the same one if they are less apart than this share of the side
 MAX_WRONG = 0.15     # at most this share of a border's cells may be of the wrong color
 CORRECTION = 0.5     # of the wrong cells that a dictionary can correct
 NEAR = 0.1           # a grid may fit a square by so much less than the one that fits best
 
-# Anything may have a black border. So a tag of no known dictionary must be seen clearly, and be like a tag.
-UNKNOWN_SIZES = 3, 4, 5, 6, 7, 8  # cells within the border
-SMALLEST, AROUND = 3, 2      # so small ones are AprilTag's, with so many more rings of cells around the border
-MIN_CELL_PX = 3.0            # the width of a cell
-MIN_UNKNOWN = 0.85           # the correlation of all that is seen with the cells
-LIGHT_SHARE = 0.2, 0.8       # of the cells
-MIN_CHANGES = 0.3            # the share of neighbors that differ
-MIN_UNLIKE = 2               # the number of cells that change when the tag is turned or mirrored
+# Anything may have a border. So a tag of no known dictionary must be seen clearly, and be like a tag.
+UNKNOWN_SIZES = 4, 5, 6, 7, 8  # cells within a black border
+WHITE_SIZES, AROUND = (3, 4), 2  # within a white one: AprilTag's newer families, with so many more rings around
+MIN_CELL_PX = 3.0              # the width of a cell
+MIN_UNKNOWN = 0.85             # the correlation of all that is seen with the cells
+LIGHT_SHARE = 0.2, 0.8         # of the cells
+MIN_CHANGES = 0.3              # the share of neighbors that differ
+MIN_UNLIKE = 2                 # the number of cells that change when the tag is turned or mirrored
 
 PLAIN, MIRRORED, UNKNOWN = 'plain', 'mirrored', 'unknown'  # how a tag is seen
 
@@ -76,11 +76,6 @@ class _Grid(NamedTuple):
     whole: Floats
 
 
-class _Square(NamedTuple):
-    whole: float
-    meanings: Meanings
-
-
 def read_squares(frame: Image, borders: Sequence[int]) -> list[Meanings]:
     """All that may be tags in a frame, (h, w, 3) BGR uint8: for each, what it may be.
 
@@ -93,7 +88,7 @@ def read_squares(frame: Image, borders: Sequence[int]) -> list[Meanings]:
         return []
     sides, best = side_of(quads), np.zeros(len(quads))
     counts = {size + 2 * border for size in _known_sizes() for border in borders}
-    grids = [_grid(gray, quads, count) for count in sorted(counts | {size + 2 for size in UNKNOWN_SIZES})]
+    grids = [_grid(gray, quads, count) for count in sorted(counts | {size + 2 for size in (*WHITE_SIZES, *UNKNOWN_SIZES)})]
     for grid in grids:
         np.maximum.at(best, grid.numbers, grid.whole)
     known: list[tuple[float, int, Meanings]] = []
@@ -137,11 +132,16 @@ def _squares(gray: Image) -> Floats:
                 if len(rim) == 4 and cv2.isContourConvex(rim):
                     found.append(rim[:, 0])
     quads = np.array(found, np.float32).reshape(-1, 4, 2)
+    if not len(quads):
+        return quads
     along = quads[:, 1:3] - quads[:, :2]
     turned = along[:, 0, 0] * along[:, 1, 1] < along[:, 0, 1] * along[:, 1, 0]
     quads[turned] = quads[turned, ::-1]
     quads = quads[np.argsort(-side_of(quads), kind='stable')[:MAX_SQUARES]]
-    quads, _, _ = fit_tags(gray, quads, np.zeros((len(quads), FITTED_CELLS, FITTED_CELLS), np.uint8))
+    inside, outside = across_sides(gray, quads, FITTED_CELLS)
+    border = np.where((inside > outside).sum(axis=1) > 2, 255, 0).astype(np.uint8)
+    cells = np.broadcast_to(border[:, None, None], (len(quads), FITTED_CELLS, FITTED_CELLS))
+    quads, _, _ = fit_tags(gray, quads, np.ascontiguousarray(cells))
     quads = quads[is_quadrilateral(quads)]
     centers, sides = quads.mean(axis=1), side_of(quads)
     apart = np.abs(centers[:, None] - centers).max(axis=2) + np.abs(sides[:, None] - sides)
@@ -217,24 +217,23 @@ def _meanings(light: Booleans, borders: Sequence[int]) -> list[Meanings]:
 
 def _unknown_id(gray: Image, quad: Floats, grid: _Grid, index: int) -> int | None:
     """A number that stands for the cells of a square, however it is turned; None if it is not like a tag."""
-    cells = grid.light[index]
-    own, inner = cells[1:-1, 1:-1], cells[2:-2, 2:-2]
-    if grid.white[index] or _ring(own[None], 0).any() or not _ring(cells[None], 0).all():
+    cells, count, is_white = grid.light[index], grid.count, bool(grid.white[index])
+    own, code = cells[1:-1, 1:-1], cells[2:-2, 2:-2]
+    sizes = WHITE_SIZES if is_white else UNKNOWN_SIZES
+    if count - 2 not in sizes or _ring(own[None], 0).any() or not _ring(cells[None], 0).all():
         return None
-    changes = np.mean(np.concatenate([(inner[1:] != inner[:-1]).ravel(), (inner[:, 1:] != inner[:, :-1]).ravel()]))
-    if not LIGHT_SHARE[0] <= inner.mean() <= LIGHT_SHARE[1] or changes < MIN_CHANGES:
-        return None
-    code = inner
-    if len(inner) == SMALLEST:
-        seen = sample_cells(gray, quad[None], grid.count, -AROUND).reshape(grid.count + 2 * AROUND, -1)
-        middle = seen[AROUND:-AROUND, AROUND:-AROUND]
-        code = seen > (middle[own].mean() + middle[~own].mean()) / 2
-        beyond = AROUND / grid.count
-        corners = np.array([[-beyond, -beyond], [1 + beyond, -beyond], [1 + beyond, 1 + beyond], [-beyond, 1 + beyond]])
-        larger = cv2.perspectiveTransform(corners[None], homography_to(quad)).astype(np.float32)
-        if compare_tags(gray, larger, code[None] * np.uint8(255))[0] < MIN_UNKNOWN or _ring(code[None], 0).all():
+    if is_white:
+        seen = 255 - sample_cells(gray, quad[None], count, -AROUND).reshape(count + 2 * AROUND, -1)
+        tag = seen[AROUND:-AROUND, AROUND:-AROUND]
+        code = seen > (tag[own].mean() + tag[~own].mean()) / 2
+        first, last = -AROUND / count, 1 + AROUND / count
+        corners = np.array([[[first, first], [last, first], [last, last], [first, last]]])
+        larger = cv2.perspectiveTransform(corners, homography_to(quad)).astype(np.float32)
+        if compare_tags(gray, larger, ~code[None] * np.uint8(255))[0] < MIN_UNKNOWN:
             return None
+    changes = np.concatenate([(code[1:] != code[:-1]).ravel(), (code[:, 1:] != code[:, :-1]).ravel()]).mean()
     turned = [np.rot90(each, turns) for turns in range(4) for each in (code, code[:, ::-1])]
-    if min(np.sum(each != code) for each in turned[1:]) < MIN_UNLIKE:
+    if not LIGHT_SHARE[0] <= code.mean() <= LIGHT_SHARE[1] or changes < MIN_CHANGES \
+            or min(np.sum(each != code) for each in turned[1:]) < MIN_UNLIKE:
         return None
     return min(int(''.join('01'[int(cell)] for cell in each.ravel()), 2) for each in turned[::2])
