@@ -1,9 +1,9 @@
-"""Tags in sight that nobody looks for: of another dictionary or border, with other ids, or mirrored."""
+"""Tags in sight that nobody looks for: of another dictionary or border, of none, of other ids, or mirrored."""
 from __future__ import annotations
 
 from collections import Counter, deque
 from functools import partial
-from typing import AbstractSet, Callable, Deque, FrozenSet, Iterable, Sequence, Tuple
+from typing import AbstractSet, Callable, FrozenSet, Iterable, Sequence, Tuple
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.tag import DICTIONARIES, get_dictionary
@@ -28,8 +28,8 @@ USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
 MIRRORED_TAGS = ('%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
                  'flips the image, turn off this mirroring.')
 OTHER_BORDER = '%s have a black border %s wide, but the node looks for one %s wide. Give border:=%d.'
-UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that the node knows, so it cannot read them. Among '
-                "these are AprilTag's newer families, such as tagStandard41h12. Print other tags: rosrun unit5 "
+UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that the node knows, so it cannot read them. '
+                "They may be AprilTag's newer ones, such as tagStandard41h12. Print others: rosrun unit5 "
                 'artag_generator.py.')
 
 Found = FrozenSet[Tuple[Kind, int]]  # tags
@@ -56,8 +56,9 @@ class OtherTags:
     def reset(self) -> None:
         """Forget the other tags that were seen, but not that wanted ones were."""
         self.hint: str | None = None
-        self._hinted, self._kind = 0.0, None  # when the hint was last confirmed, and of which Kind it is
-        self._last: Deque[Found] = deque(maxlen=LAST)
+        self._hinted = 0.0  # when the hint was last confirmed
+        self._kind: Kind | None = None  # which it is about
+        self._last: deque[Found] = deque(maxlen=LAST)
         self._since: float | None = None  # time when wanted tags were last seen, or of the first frame
         self._streaks: dict[int, int] = {}  # for each wanted id, in how many frames in a row it is
         # When wanted tags were last found that may be false, and how many others then count.

@@ -25,13 +25,13 @@ class Searches(Generic[Item]):
         self._began = float('-inf')
         self._running = False
         self._begun_anew = 0  # how often: a search that began before that is of no use
-        self._result: tuple[int, FrozenSet[Item]] | None = None
+        self._result: tuple[int, frozenset[Item]] | None = None
 
     def begin_anew(self) -> None:
         """Forget what was found, and what is being found."""
         self._begun_anew += 1
 
-    def take(self) -> FrozenSet[Item] | None:
+    def take(self) -> frozenset[Item] | None:
         """What the last search found, once; None if there is nothing new."""
         result = self._result
         if result is None:
@@ -48,12 +48,12 @@ class Searches(Generic[Item]):
         """Whether to search in a frame at a time, once what the last search found is taken."""
         return not (self._running or 0 <= stamp - self._began < factor * self._wait)
 
-    def start(self, stamp: float, find: Callable[[], FrozenSet[Item]]) -> Callable[[], None]:
+    def start(self, stamp: float, find: Callable[[], frozenset[Item]]) -> Callable[[], None]:
         """The work of a search in a frame at a time, seconds, for another thread: it calls ``find``."""
         self._began, self._running = stamp, True
         return partial(self._search, self._begun_anew, find)
 
-    def _search(self, begun_anew: int, find: Callable[[], FrozenSet[Item]]) -> None:
+    def _search(self, begun_anew: int, find: Callable[[], frozenset[Item]]) -> None:
         began = time.thread_time()
         try:
             self._result = begun_anew, find()

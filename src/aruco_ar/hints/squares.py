@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Dict, NamedTuple, Sequence, Tuple
+from typing import Dict, NamedTuple, Sequence
 
 import cv2
 import numpy as np
@@ -43,7 +43,7 @@ class Kind(NamedTuple):
 
     way: str
     border: int
-    family: Tuple[str, ...]
+    family: tuple[str, ...]
 
 
 Meanings = Dict[Kind, int]  # all that one square may be: for each Kind, the id
@@ -53,8 +53,8 @@ UNKNOWN_TAG = Kind(UNKNOWN, 1, ())
 class _Codes(NamedTuple):
     """All known tags with n * n cells.
 
-    ``cells``: (n * n, k) float32, -1 or 1. ``tags``: their families and ids. ``least``: (k,) the dot product
-    that is needed, since each wrong cell takes 2 from it.
+    ``cells``: (n * n, k) float32, -1 or 1. ``tags``: k pairs of a family and an id. ``least``: (k,), the dot
+    product that is needed; each wrong cell takes 2 from it.
     """
 
     cells: Floats
@@ -63,13 +63,13 @@ class _Codes(NamedTuple):
 
 
 class _Grid(NamedTuple):
-    """Squares read as if they were ``count`` cells wide.
+    """Squares read as if they were ``wide`` cells wide.
 
-    ``numbers``: (k,), which squares. ``light``: (k, count + 2, count + 2) bool, the cells and those around; of the
-    negative where the border is white. ``white``: (k,) bool, where it is. ``whole``: (k,), see compare_tags.
+    ``numbers``: (k,), which squares. ``light``: (k, wide + 2, wide + 2) bool, the cells and those around; of
+    the negative if the border is white. ``white``: (k,) bool, whether it is. ``whole``: (k,), see compare_tags.
     """
 
-    count: int
+    wide: int
     numbers: Integers
     light: Booleans
     white: Booleans
@@ -79,36 +79,35 @@ class _Grid(NamedTuple):
 def read_squares(frame: Image, borders: Sequence[int]) -> list[Meanings]:
     """All that may be tags in a frame, (h, w, 3) BGR uint8: for each, what it may be.
 
-    ``borders``: the widths of the black borders of known tags, cells. The id of a tag of no known dictionary is a
-    number made of its cells.
+    ``borders``: the widths of the black borders of known tags, cells. The id of a tag of no known dictionary is
+    a number made of its cells.
     """
     gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     quads = _squares(gray)
-    if not len(quads):
-        return []
-    sides, best = side_of(quads), np.zeros(len(quads))
-    counts = {size + 2 * border for size in _known_sizes() for border in borders}
-    grids = [_grid(gray, quads, count) for count in sorted(counts | {size + 2 for size in (*WHITE_SIZES, *UNKNOWN_SIZES)})]
+    widths = {size + 2 * border for size in _known_sizes() for border in borders}
+    widths |= {size + 2 for size in (*WHITE_SIZES, *UNKNOWN_SIZES)}
+    grids = [_grid(gray, quads, wide) for wide in sorted(widths)] if len(quads) else []
+    best = np.zeros(len(quads))
     for grid in grids:
         np.maximum.at(best, grid.numbers, grid.whole)
-    known: list[tuple[float, int, Meanings]] = []
-    unknown: list[tuple[float, int, Meanings]] = []
+    read: list[tuple[bool, float, int, Meanings]] = []  # first by whether it is no known tag
     for grid in grids:
         near = np.flatnonzero(grid.whole >= best[grid.numbers] - NEAR)
-        for index, found in zip(near, _meanings(grid.light[near], borders)):
+        for index, meanings in zip(near, _meanings(grid.light[near], borders)):
             whole, number = float(grid.whole[index]), int(grid.numbers[index])
-            if found:
-                known.append((whole, number, found))
-            elif whole == best[number] and whole >= MIN_UNKNOWN and sides[number] >= MIN_CELL_PX * grid.count:
+            if meanings:
+                read.append((False, -whole, number, meanings))
+            elif whole == best[number]:
                 tag_id = _unknown_id(gray, quads[number], grid, index)
                 if tag_id is not None:
-                    unknown.append((whole, number, {UNKNOWN_TAG: tag_id}))
-    centers, taken, read = quads.mean(axis=1), np.zeros(len(quads), bool), []
-    for _, number, meanings in sorted(known, key=lambda each: -each[0]) + sorted(unknown, key=lambda each: -each[0]):
+                    read.append((True, -whole, number, {UNKNOWN_TAG: tag_id}))
+    # One square in each place: a known tag if there is one, and else the one that is read best.
+    centers, sides, taken, found = quads.mean(axis=1), side_of(quads), np.zeros(len(quads), bool), []
+    for _, _, number, meanings in sorted(read, key=lambda each: each[:3]):
         if not taken[number]:
-            read.append(meanings)
+            found.append(meanings)
             taken |= np.abs(centers - centers[number]).max(axis=1) < np.maximum(sides, sides[number]) / 2
-    return read
+    return found
 
 
 def families() -> list[tuple[str, ...]]:
@@ -125,7 +124,9 @@ def _squares(gray: Image) -> Floats:
     """(n, 4, 2) float32: the corners of what may be squares in perspective, clockwise, the largest first."""
     found: list[Image] = []
     for window in WINDOWS:
-        dark = cv2.adaptiveThreshold(gray, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window, OFFSET)
+        dark = cv2.adaptiveThreshold(gray, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window,
+                                     OFFSET)
+        # RETR_LIST, since a white square is a hole in what is dark.
         for contour in cv2.findContours(dark, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)[0]:
             if len(contour) >= MIN_RIM_PX:
                 rim = cv2.approxPolyDP(contour, OFF_RIM * len(contour), True)
@@ -139,21 +140,22 @@ def _squares(gray: Image) -> Floats:
     quads[turned] = quads[turned, ::-1]
     quads = quads[np.argsort(-side_of(quads), kind='stable')[:MAX_SQUARES]]
     inside, outside = across_sides(gray, quads, FITTED_CELLS)
-    border = np.where((inside > outside).sum(axis=1) > 2, 255, 0).astype(np.uint8)
-    cells = np.broadcast_to(border[:, None, None], (len(quads), FITTED_CELLS, FITTED_CELLS))
-    quads, _, _ = fit_tags(gray, quads, np.ascontiguousarray(cells))
+    white = (inside > outside).sum(axis=1) > 2
+    cells = np.zeros((len(quads), FITTED_CELLS, FITTED_CELLS), np.uint8)
+    cells[white] = 255
+    quads, _, _ = fit_tags(gray, quads, cells)
     quads = quads[is_quadrilateral(quads)]
     centers, sides = quads.mean(axis=1), side_of(quads)
     apart = np.abs(centers[:, None] - centers).max(axis=2) + np.abs(sides[:, None] - sides)
     return quads[~np.triu(apart < SAME * sides, 1).any(axis=0)]
 
 
-def _grid(gray: Image, quads: Floats, count: int) -> _Grid:
-    """The squares that may be ``count`` cells wide."""
-    seen = sample_cells(gray, quads, count, -1).reshape(-1, count + 2, count + 2)
+def _grid(gray: Image, quads: Floats, wide: int) -> _Grid:
+    """The squares that may be tags ``wide`` cells wide, border included."""
+    seen = sample_cells(gray, quads, wide, -1).reshape(-1, wide + 2, wide + 2)
     own = seen[:, 1:-1, 1:-1].reshape(len(seen), -1)
     middle = own.mean(axis=1, keepdims=True)
-    for _ in range(3):  # the threshold halfway between the means of the dark and of the light cells
+    for _ in range(3):  # the threshold comes to be halfway between the means of the dark and the light cells
         is_light = own > middle
         light = (own * is_light).sum(axis=1) / np.maximum(is_light.sum(axis=1), 1)
         dark = (own * ~is_light).sum(axis=1) / np.maximum((~is_light).sum(axis=1), 1)
@@ -161,10 +163,9 @@ def _grid(gray: Image, quads: Floats, count: int) -> _Grid:
     share = _ring(seen > middle[..., None], 1).mean(axis=1)
     good = np.flatnonzero((np.minimum(share, 1 - share) <= MAX_WRONG) & (light >= dark + MIN_CONTRAST))
     cells, white = seen[good] > middle[good, :, None], share[good] > 0.5
-    whole = compare_tags(gray, quads[good], cells[:, 1:-1, 1:-1] * np.uint8(255)) if len(good) else np.zeros(0)
-    least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * side_of(quads[good]) / count, MIN_WHOLE_WIDE)
-    fits = whole > least
-    return _Grid(count, good[fits], (cells ^ white[:, None, None])[fits], white[fits], whole[fits])
+    whole = compare_tags(gray, quads[good], cells[:, 1:-1, 1:-1] * np.uint8(255))
+    fits = whole > np.minimum(MIN_WHOLE + WHOLE_OF_PX * side_of(quads[good]) / wide, MIN_WHOLE_WIDE)
+    return _Grid(wide, good[fits], (cells ^ white[:, None, None])[fits], white[fits], whole[fits])
 
 
 def _ring(cells: Booleans, depth: int) -> Booleans:
@@ -194,11 +195,10 @@ def _codes(size: int) -> _Codes:
 
 
 def _meanings(light: Booleans, borders: Sequence[int]) -> list[Meanings]:
-    """For each square, the known tags that it may be. ``light``: as in _Grid."""
+    """For each square, the known tags that it may be. ``light``: see _Grid."""
     found: list[Meanings] = [{} for _ in light]
     for border in borders:
-        count = light.shape[1] - 2
-        size = count - 2 * border
+        size = light.shape[1] - 2 - 2 * border
         if size not in _known_sizes():
             continue
         rim = np.concatenate([_ring(light, 1 + depth) for depth in range(border)], axis=1)
@@ -217,19 +217,20 @@ def _meanings(light: Booleans, borders: Sequence[int]) -> list[Meanings]:
 
 def _unknown_id(gray: Image, quad: Floats, grid: _Grid, index: int) -> int | None:
     """A number that stands for the cells of a square, however it is turned; None if it is not like a tag."""
-    cells, count, is_white = grid.light[index], grid.count, bool(grid.white[index])
+    cells, wide, is_white = grid.light[index], grid.wide, bool(grid.white[index])
     own, code = cells[1:-1, 1:-1], cells[2:-2, 2:-2]
-    sizes = WHITE_SIZES if is_white else UNKNOWN_SIZES
-    if count - 2 not in sizes or _ring(own[None], 0).any() or not _ring(cells[None], 0).all():
+    is_clear = grid.whole[index] >= MIN_UNKNOWN and side_of(quad[None])[0] >= MIN_CELL_PX * wide
+    if not is_clear or wide - 2 not in (WHITE_SIZES if is_white else UNKNOWN_SIZES) \
+            or _ring(own[None], 0).any() or not _ring(cells[None], 0).all():
         return None
     if is_white:
-        seen = 255 - sample_cells(gray, quad[None], count, -AROUND).reshape(count + 2 * AROUND, -1)
-        tag = seen[AROUND:-AROUND, AROUND:-AROUND]
-        code = seen > (tag[own].mean() + tag[~own].mean()) / 2
-        first, last = -AROUND / count, 1 + AROUND / count
+        seen = 255 - sample_cells(gray, quad[None], wide, -AROUND).reshape(wide + 2 * AROUND, -1)
+        middle = seen[AROUND:-AROUND, AROUND:-AROUND]
+        code = seen > (middle[own].mean() + middle[~own].mean()) / 2
+        first, last = -AROUND / wide, 1 + AROUND / wide
         corners = np.array([[[first, first], [last, first], [last, last], [first, last]]])
-        larger = cv2.perspectiveTransform(corners, homography_to(quad)).astype(np.float32)
-        if compare_tags(gray, larger, ~code[None] * np.uint8(255))[0] < MIN_UNKNOWN:
+        whole = cv2.perspectiveTransform(corners, homography_to(quad)).astype(np.float32)
+        if compare_tags(gray, whole, ~code[None] * np.uint8(255))[0] < MIN_UNKNOWN:
             return None
     changes = np.concatenate([(code[1:] != code[:-1]).ravel(), (code[:, 1:] != code[:, :-1]).ravel()]).mean()
     turned = [np.rot90(each, turns) for turns in range(4) for each in (code, code[:, ::-1])]

@@ -6,13 +6,11 @@ from aruco_ar import Detector
 from aruco_ar.hints.other_tags import OtherTags
 
 FRAMES_PER_S = 10
-# A tag of AprilTag's tagStandard41h12 in each line, and its rows; a bit is a cell, 1 for white.
-STANDARD_41H12 = """1bc 0 17c 7d 4c 55 17c 0 1a4
-                    1bd 0 17c 7c 15d 16c 7c 101 b9
-                    1bd 101 17d 75 65 15d 7d 1 a8
-                    1be 101 17d 45 174 7d 7c 100 1b1"""
-MIRRORING = ('are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or flips the '
-             'image, turn off this mirroring.')
+# The rows of the first tags of AprilTag's tagStandard41h12; a bit is a cell, 1 for white.
+STANDARD_41H12 = ('1bc 0 17c 7d 4c 55 17c 0 1a4', '1bd 0 17c 7c 15d 16c 7c 101 b9',
+                  '1bd 101 17d 75 65 15d 7d 1 a8', '1be 101 17d 45 174 7d 7c 100 1b1')
+MIRRORING = ('are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or flips '
+             'the image, turn off this mirroring.')
 
 
 @pytest.fixture(autouse=True)
@@ -116,12 +114,13 @@ def on_wall(tags, side=60):
     for number, tag in enumerate(tags):
         x, y = 60 + 210 * (number % 2), 40 + 160 * (number // 2)
         frame[y - 12:y + side + 12, x - 12:x + side + 12] = 235
-        frame[y:y + side, x:x + side] = cv2.resize(tag, (side, side), interpolation=cv2.INTER_NEAREST)[..., None]
+        frame[y:y + side, x:x + side, 0] = cv2.resize(tag, (side, side), interpolation=cv2.INTER_NEAREST)
+        frame[..., 1:] = frame[..., :1]
     return cv2.GaussianBlur(frame, (0, 0), 0.8)
 
 
 def of_41h12():
-    rows = [[int(row, 16) for row in line.split()] for line in STANDARD_41H12.splitlines()]
+    rows = [[int(row, 16) for row in tag.split()] for tag in STANDARD_41H12]
     return [np.array([[row >> bit & 1 for bit in range(8, -1, -1)] for row in tag], np.uint8) * 255
             for tag in rows]
 
@@ -134,8 +133,8 @@ def of_own_dictionary():
 @pytest.mark.parametrize('tags, side', [(of_41h12(), 63), (of_own_dictionary(), 64)], ids=['41h12', 'own'])
 def test_tags_of_no_known_dictionary_are_counted_and_others_advised(tags, side):
     assert hint(on_wall(tags, side)) == (
-        "4 square tags in sight are of no dictionary that the node knows, so it cannot read them. Among these are "
-        "AprilTag's newer families, such as tagStandard41h12. Print other tags: rosrun unit5 artag_generator.py.")
+        '4 square tags in sight are of no dictionary that the node knows, so it cannot read them. They may be '
+        "AprilTag's newer ones, such as tagStandard41h12. Print others: rosrun unit5 artag_generator.py.")
     assert hint(on_wall(tags, side), seen=(17,)) is not None
     assert hint(on_wall(tags[:1], side)) is None
 
