@@ -5,6 +5,8 @@ from collections import Counter, deque
 from functools import partial
 from typing import AbstractSet, Callable, FrozenSet, Iterable, Sequence, Tuple
 
+import cv2
+
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.tag import DICTIONARIES, get_dictionary
 
@@ -15,6 +17,7 @@ WAIT_S = 2.0     # no tag must be in sight for this time before others are looke
 PAUSE_S = 0.25   # time between two searches, at least
 ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything
 HITS, LAST = 3, 5  # each of them must be found in so many of so many last searches
+SOONER = 0.5     # the pause between the first so many searches, as a share of the usual one
 FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
 SURE = 10        # number of frames with wanted tags after which the dictionary and the ids are right
 # Some dictionaries find a tag in anything, but rarely the same ones in the next frames; and a few tags are the
@@ -89,18 +92,23 @@ class OtherTags:
         found = self._searches.take()
         if found is not None:
             self._judge(found, stamp)
-        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp):
+        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp, self._sooner):
             return None
         return self._searches.start(stamp, partial(self._find, frame))
 
     def may_search(self, stamp: float) -> bool:
         """Whether ``update`` may return a search of a frame at that time, seconds."""
         return (self._since is not None and stamp - self._since >= WAIT_S and self._wanted_frames < SURE
-                and self._searches.may_be_due(stamp))
+                and self._searches.may_be_due(stamp, self._sooner))
+
+    @property
+    def _sooner(self) -> float:
+        return SOONER if len(self._last) < LAST else 1.0
 
     def _find(self, frame: Image) -> Found:
         """The tags that are in sight exactly once."""
-        squares = read_squares(shrunk(frame)[0], self._borders)
+        gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+        squares = read_squares(shrunk(gray)[0], self._borders)
         times = Counter(tag for meanings in self._in_one_way(squares) for tag in meanings.items())
         return frozenset(tag for tag, count in times.items() if count == 1)
 

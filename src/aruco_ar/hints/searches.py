@@ -10,7 +10,7 @@ import cv2
 from aruco_ar.base.arrays import Image
 
 LARGE_PX = 1000  # larger frames are shrunk: their longer side is then so long
-SHARE = 0.05     # of the time: the searches take no more
+SHARE = 0.05     # of the time: the searches take no more, unless they are sooner
 
 Found = FrozenSet[int]  # ids of tags
 Item = TypeVar('Item')
@@ -63,7 +63,7 @@ class Searches(Generic[Item]):
 
 
 def shrunk(frame: Image) -> tuple[Image, float]:
-    """A frame, (h, w, 3) BGR uint8, at most LARGE_PX wide and high, and by which factor it was resized."""
+    """A frame, uint8, BGR or gray, at most LARGE_PX wide and high, and by which factor it was resized."""
     scale = max(min(1.0, LARGE_PX / max(frame.shape[:2])), 1 / min(frame.shape[:2]))  # a pixel must be left
     if scale == 1:
         return frame, 1.0

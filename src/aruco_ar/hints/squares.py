@@ -76,13 +76,12 @@ class _Grid(NamedTuple):
     whole: Floats
 
 
-def read_squares(frame: Image, borders: Sequence[int]) -> list[Meanings]:
-    """All that may be tags in a frame, (h, w, 3) BGR uint8: for each, what it may be.
+def read_squares(gray: Image, borders: Sequence[int]) -> list[Meanings]:
+    """All that may be tags in a frame, (h, w) uint8: for each, what it may be.
 
     ``borders``: the widths of the black borders of known tags, cells. The id of a tag of no known dictionary is
     a number made of its cells.
     """
-    gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     quads = _squares(gray)
     widths = {size + 2 * border for size in _known_sizes() for border in borders}
     widths |= {size + 2 for size in (*WHITE_SIZES, *UNKNOWN_SIZES)}
@@ -187,11 +186,14 @@ def _codes(size: int) -> _Codes:
     for family in families():
         marker = get_dictionary(family[-1])
         if marker.markerSize == size:
-            for tag_id in range(len(marker.bytesList)):
-                cells.append(marker.getBitsFromByteList(marker.bytesList[tag_id:tag_id + 1], size).ravel())
-                tags.append((family, tag_id))
-                least.append(size * size - 2 * int(CORRECTION * marker.maxCorrectionBits))
-    return _Codes(2 * np.array(cells, np.float32).T - 1, tags, np.array(least, np.float32))
+            count = len(marker.bytesList)
+            # Each tag has its bytes four times, once for each turn. The last one may be filled only in part.
+            rows = np.unpackbits(np.asarray(marker.bytesList, np.uint8).reshape(count, 4, -1)[:, 0], axis=1)
+            whole, rest = size * size // 8 * 8, size * size % 8
+            cells.append(np.concatenate([rows[:, :whole], rows[:, rows.shape[1] - rest:]], axis=1))
+            tags += [(family, tag_id) for tag_id in range(count)]
+            least += [size * size - 2 * int(CORRECTION * marker.maxCorrectionBits)] * count
+    return _Codes(2 * np.concatenate(cells).T - np.float32(1), tags, np.array(least, np.float32))
 
 
 def _meanings(light: Booleans, borders: Sequence[int]) -> list[Meanings]:
