@@ -115,16 +115,19 @@ class OtherTags:
     def _in_one_way(self, squares: Sequence[Meanings]) -> Sequence[Meanings]:
         """The squares, none of which is both a tag of a dictionary and a mirrored one of the same.
 
-        A frame is mirrored or it is not. So what most of the tags are is true of all, or what most wanted ones
-        are. All of the tags of DICT_ARUCO_ORIGINAL are others when they are mirrored: then only ids can tell.
+        A frame is mirrored or it is not. So all tags are seen in the way in which more wanted ones can be seen,
+        or more tags at all. Those of DICT_ARUCO_ORIGINAL are others when they are mirrored: only ids can tell.
         """
-        times = Counter((kind, kind.family != self._family or tag_id in (self._ids or range(self._count)))
-                        for meanings in squares for kind, tag_id in meanings.items())
+        tags = [tag for meanings in squares for tag in meanings.items()]
+        times = Counter(kind for kind, _ in tags)
+        wanted = Counter(kind for kind, tag_id in tags if kind.family == self._family and tag_id in self._ids)
 
         def is_kept(kind: Kind, meanings: Meanings) -> bool:
             other = kind._replace(way=MIRRORED if kind.way == PLAIN else PLAIN)
-            more = [times[kind, is_wanted] - times[other, is_wanted] for is_wanted in (True, False)]
-            return other not in meanings or (more[0] or more[1] or (kind.way == PLAIN) - 0.5) > 0
+            more = wanted[kind] - wanted[other]
+            if abs(more) < ENOUGH:
+                more = times[kind] - times[other]
+            return other not in meanings or more > 0 or more == 0 and kind.way == PLAIN
         return [{kind: tag_id for kind, tag_id in meanings.items() if is_kept(kind, meanings)}
                 for meanings in squares]
 

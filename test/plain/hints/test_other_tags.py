@@ -156,7 +156,8 @@ def test_mirrored_tags_that_are_others_of_the_dictionary_are_told_by_the_wanted_
     assert hint(frame, 'DICT_ARUCO_ORIGINAL', (5, 6, 7, 8)) == \
         '6 tags of DICT_ARUCO_ORIGINAL (5, 6, 7, 8, 9, 10) ' + MIRRORING
     assert hint(frame, 'DICT_ARUCO_ORIGINAL') is None  # these might be meant
-    assert hint(frame, 'DICT_ARUCO_ORIGINAL', (1, 2, 3, 4)).endswith('or ids:=any.')
+    for ids in (1, 2, 3, 4), (1, 2, 3, 5):  # one of them may be so by chance
+        assert hint(frame, 'DICT_ARUCO_ORIGINAL', ids).endswith('or ids:=any.')
 
 
 def checkers():
