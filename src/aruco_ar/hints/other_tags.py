@@ -127,7 +127,7 @@ class OtherTags:
             more = wanted[kind] - wanted[other]
             if abs(more) < ENOUGH:
                 more = times[kind] - times[other]
-            return other not in meanings or more > 0 or more == 0 and kind.way == PLAIN
+            return other not in meanings or more > 0 or (more == 0 and kind.way == PLAIN)
         return [{kind: tag_id for kind, tag_id in meanings.items() if is_kept(kind, meanings)}
                 for meanings in squares]
 
