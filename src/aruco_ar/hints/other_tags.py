@@ -15,7 +15,8 @@ from .squares import MIRRORED, PLAIN, UNKNOWN, Kind, Meanings, families, read_sq
 
 WAIT_S = 2.0     # no tag must be in sight for this time before others are looked for
 PAUSE_S = 0.25   # time between two searches, at least
-ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything
+ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything;
+                 # FOUR, if they are of another dictionary and also mirrored or of another border
 HITS, LAST = 3, 5  # each of them must be found in so many of so many last searches
 SOONER = 0.5     # the pause between the first so many searches, as a share of the usual one
 FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
@@ -135,18 +136,23 @@ class OtherTags:
         """Draw conclusions from the tags that were found."""
         self._last.append(found)
         self.has_looked |= len(self._last) >= HITS
-        least = self._least if stamp - self._doubtful < FORGET_S else ENOUGH
         steady: dict[Kind, set[int]] = {}
         for (kind, tag_id), count in Counter(tag for tags in self._last for tag in tags).items():
             if count >= HITS:
                 steady.setdefault(kind, set()).add(tag_id)
-        kind = max(steady, key=lambda each: (len(steady[each]), CERTAIN.index(each.way)), default=None)
-        if kind is not None and len(steady[kind]) >= least:
+        kinds = [kind for kind, ids in steady.items() if len(ids) >= self._needed(kind, stamp)]
+        if kinds:
+            kind = max(kinds, key=lambda each: (len(steady[each]), CERTAIN.index(each.way)))
             self._hinted = stamp
             if kind != self._kind:  # later searches only confirm it, so that the sentence stays the same
                 self._kind, self.hint = kind, self._sentence(kind, steady[kind])
         elif stamp - self._hinted > FORGET_S:
             self._kind = self.hint = None
+
+    def _needed(self, kind: Kind, stamp: float) -> int:
+        """The number of tags of a kind that it takes."""
+        is_usual = kind.way == UNKNOWN or kind.family == self._family or kind[:2] == (PLAIN, self._border)
+        return max(ENOUGH if is_usual else FOUR, self._least if stamp - self._doubtful < FORGET_S else 0)
 
     def _sentence(self, kind: Kind, ids: AbstractSet[int]) -> str | None:
         if kind.way == UNKNOWN:

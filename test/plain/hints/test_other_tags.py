@@ -141,12 +141,17 @@ def test_tags_of_no_known_dictionary_are_counted_and_others_advised(tags, side):
 
 @pytest.mark.parametrize('frame, dictionary, border', [
     (on_wall(of_41h12(), 63), 'DICT_6X6_250', 1), (frame_with('DICT_5X5_50', [1, 2, 3]), 'DICT_4X4_50', 1),
-    (frame_with('DICT_APRILTAG_36h11', [1, 2, 3]), 'DICT_ARUCO_ORIGINAL', 2),
+    (frame_with('DICT_APRILTAG_36h11', [1, 2, 3, 4]), 'DICT_ARUCO_ORIGINAL', 2),
     (np.ascontiguousarray(frame_with('DICT_7X7_50', [1, 2, 3])[::-1]), 'DICT_7X7_50', 1)],
     ids=['unknown', 'other dictionary', 'other dictionary and border', 'mirrored'])
 def test_each_kind_is_told_within_ten_seconds_though_a_search_takes_long(frame, dictionary, border, costs):
     costs[0] = 0.15
     assert hint(frame, dictionary, seconds=10, border=border) is not None
+
+
+def test_it_takes_four_tags_that_differ_in_two_ways():
+    assert hint(frame_with('DICT_4X4_50', [0, 1, 2]), border=2) is None
+    assert hint(frame_with('DICT_4X4_50', [0, 1, 2, 3]), border=2).endswith('Give border:=1.')
 
 
 def test_mirrored_tags_that_are_others_of_the_dictionary_are_told_by_the_wanted_ids():
