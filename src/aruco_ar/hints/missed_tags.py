@@ -30,7 +30,7 @@ class MissedTags:
         self._min_side = detection.get('min_side', 0)  # in the whole frame
         self._detector = None if detection.get('search') == THOROUGH else \
             Detector(**{**detection, 'search': THOROUGH, 'min_side': 0})
-        self._searches = Searches(PAUSE_S)
+        self._searches: Searches[int] = Searches(PAUSE_S)
         self.reset()
 
     def reset(self) -> None:

@@ -1,71 +1,73 @@
-"""Tags in sight that nobody looks for: of another dictionary or border, with other ids, or mirrored."""
+"""Tags in sight that nobody looks for: of another dictionary or border, of none, of other ids, or mirrored."""
 from __future__ import annotations
 
+from collections import Counter, deque
 from functools import partial
-from typing import AbstractSet, Callable, Iterable, Sequence
+from typing import AbstractSet, Callable, FrozenSet, Iterable, Sequence, Tuple
 
-import numpy as np
+import cv2
 
 from aruco_ar.base.arrays import Image
-from aruco_ar.tags.detector import Detector
-from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, get_dictionary
+from aruco_ar.tags.tag import DICTIONARIES, get_dictionary
 
-from .searches import Found, Searches, shrunk
+from .searches import Searches, shrunk
+from .squares import MIRRORED, PLAIN, UNKNOWN, Kind, Meanings, families, read_squares
 
 WAIT_S = 2.0     # no tag must be in sight for this time before others are looked for
-PAUSE_S = 0.25   # time between two searches, at least; each is for the tags of one family of dictionaries
-ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything
-HITS = 3         # number of searches in a row that must find them
+PAUSE_S = 0.25   # time between two searches, at least
+ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything;
+                 # FOUR, if they are of another dictionary and also mirrored or of another border
+HITS, LAST = 3, 5  # each of them must be found in so many of so many last searches
+SOONER = 0.5     # the pause between the first so many searches, as a share of the usual one
 FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
 SURE = 10        # number of frames with wanted tags after which the dictionary and the ids are right
 # Some dictionaries find a tag in anything, but rarely the same ones in the next frames; and a few tags are the
 # same when they are mirrored. So wanted tags are believed if FOUR are in STEADY frames in a row, or if they
 # show an area. After fewer, it takes FOUR tags of another kind, and twice as many.
 STEADY, FOUR = 5, 4
+# Of two kinds with as many tags, the latter. Some tags of any kind are also tags of a dictionary, by chance.
+CERTAIN = PLAIN, MIRRORED, UNKNOWN
 
-# How the tags of a dictionary are looked for.
-PLAIN, MIRRORED, BORDER = 'plain', 'mirrored', 'border'
 USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
-SENTENCES = {
-    MIRRORED: '%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
-              'flips the image, turn off this mirroring.',
-    BORDER: '%s have a black border {0} wide, but the node looks for one {1} wide. Give border:={2}.'}
+MIRRORED_TAGS = ('%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
+                 'flips the image, turn off this mirroring.')
+OTHER_BORDER = '%s have a black border %s wide, but the node looks for one %s wide. Give border:=%d.'
+UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that the node knows, so it cannot read them. '
+                "They may be AprilTag's newer ones, such as tagStandard41h12. Print others: rosrun unit5 "
+                'artag_generator.py.')
+
+Found = FrozenSet[Tuple[Kind, int]]  # tags
 
 
 class OtherTags:
     """Looks for other tags, seldom and cheaply, until wanted tags have been in sight.
 
     ``hint``: a sentence about the tags that are in sight, with what to do; None without such tags.
-    ``has_looked``: whether all kinds of tags have been looked for, or need not be.
+    ``has_looked``: whether other tags have been looked for, or need not be.
     """
 
     def __init__(self, dictionary: str, ids: Iterable[int], border: float = USUAL_BORDER) -> None:
         """The arguments are those of the Detector for the tags that are wanted."""
         self._dictionary, self._ids, self._border = dictionary, tuple(ids), int(border)
-        self._other_border = WIDE_BORDER if self._border == USUAL_BORDER else USUAL_BORDER
-        families = _families()
-        own = [family for family in families if DICTIONARIES[dictionary] in map(DICTIONARIES.get, family)]
-        plain = [(PLAIN, family) for family in families if family not in own]
-        # The wanted tags themselves first. Without ids, a larger dictionary of the family may have them.
-        plain = [(PLAIN, own[0]), *plain] if self._ids else [*plain, (PLAIN, own[0])]
-        self._kinds = [*((way, [dictionary]) for way in SENTENCES), *plain]
-        self._detectors: dict[tuple[str, int], Detector] = {}
-        self._searches = Searches(PAUSE_S)
-        self.has_looked = False
+        self._count = len(get_dictionary(dictionary).bytesList)
+        self._family = next(family for family in families()
+                            if DICTIONARIES[dictionary] in map(DICTIONARIES.get, family))
+        self._borders = sorted({self._border, USUAL_BORDER, WIDE_BORDER})
+        self._searches: Searches[tuple[Kind, int]] = Searches(PAUSE_S)
         self._wanted_frames = 0
         self.reset()
 
     def reset(self) -> None:
         """Forget the other tags that were seen, but not that wanted ones were."""
         self.hint: str | None = None
-        self._next, self._hits = 0, 0
-        self._seen: Found = frozenset()
+        self._hinted = 0.0  # when the hint was last confirmed
+        self._kind: Kind | None = None  # which it is about
+        self._last: deque[Found] = deque(maxlen=LAST)
         self._since: float | None = None  # time when wanted tags were last seen, or of the first frame
         self._streaks: dict[int, int] = {}  # for each wanted id, in how many frames in a row it is
         # When wanted tags were last found that may be false, and how many others then count.
         self._doubtful, self._least = float('-inf'), FOUR
-        self.has_looked = self._wanted_frames >= SURE  # whether all kinds of tags have been searched for
-        self._hinted = 0.0
+        self.has_looked = self._wanted_frames >= SURE
         self._searches.begin_anew()
 
     def update(self, frame: Image, stamp: float, seen: AbstractSet[int],
@@ -91,77 +93,88 @@ class OtherTags:
         found = self._searches.take()
         if found is not None:
             self._judge(found, stamp)
-        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp):
+        if stamp - self._since < WAIT_S or not self._searches.is_due(stamp, self._sooner):
             return None
-        return self._searches.start(stamp, partial(self._find, frame, *self._kinds[self._next]))
+        return self._searches.start(stamp, partial(self._find, frame))
 
     def may_search(self, stamp: float) -> bool:
         """Whether ``update`` may return a search of a frame at that time, seconds."""
         return (self._since is not None and stamp - self._since >= WAIT_S and self._wanted_frames < SURE
-                and self._searches.may_be_due(stamp))
+                and self._searches.may_be_due(stamp, self._sooner))
 
-    def _find(self, frame: Image, way: str, family: Sequence[str]) -> Found:
-        """The ids that are in sight exactly once, but in one way only."""
-        small, dictionary = shrunk(frame)[0], family[-1]
-        ids = self._read(small, way, dictionary)
-        if way != PLAIN and len(ids) >= ENOUGH and 2 * len(self._read(small, PLAIN, dictionary)) > len(ids):
-            return frozenset()  # they are there as they should be
-        return frozenset(tag_id for tag_id in ids if ids.count(tag_id) == 1)
+    @property
+    def _sooner(self) -> float:
+        return SOONER if len(self._last) < LAST else 1.0
 
-    def _read(self, frame: Image, way: str, dictionary: str) -> list[int]:
-        """The ids of the tags of a dictionary that are found in one way."""
-        if way == MIRRORED:
-            frame = np.ascontiguousarray(frame[:, ::-1])
-        kind = dictionary, self._other_border if way == BORDER else self._border
-        if kind not in self._detectors:
-            self._detectors[kind] = Detector(dictionary, correction=0.5, border=kind[1])
-        return [tag.id for tag in self._detectors[kind].detect(frame)]
+    def _find(self, frame: Image) -> Found:
+        """The tags that are in sight exactly once."""
+        gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
+        squares = read_squares(shrunk(gray)[0], self._borders)
+        times = Counter(tag for meanings in self._in_one_way(squares) for tag in meanings.items())
+        return frozenset(tag for tag, count in times.items() if count == 1)
 
-    def _judge(self, ids: Found, stamp: float) -> None:
-        """Draw conclusions from the ids of the kind of tags that was searched for."""
-        again = ids & self._seen if self._hits else ids
-        if len(again) >= (self._least if stamp - self._doubtful < FORGET_S else ENOUGH):
-            self._hits += 1
-            if self._hits <= HITS:  # later searches only confirm it, so that the sentence stays the same
-                self._seen = again
-            if self._hits >= HITS:
-                self.hint, self._hinted = self._sentence(*self._kinds[self._next], self._seen), stamp
-            return
-        self._hits, self._seen = 0, frozenset()
-        self._next = (self._next + 1) % len(self._kinds)
-        self.has_looked |= self._next == 0
-        if stamp - self._hinted > FORGET_S:
-            self.hint = None
+    def _in_one_way(self, squares: Sequence[Meanings]) -> Sequence[Meanings]:
+        """The squares, none of which is both a tag of a dictionary and a mirrored one of the same.
 
-    def _sentence(self, way: str, family: Sequence[str], ids: Found) -> str | None:
-        if way != PLAIN:
-            return SENTENCES[way].format(_cells(self._other_border), _cells(self._border), self._other_border) \
-                % _described(family[-1], ids)
-        smallest = next(name for name in family if max(ids) < len(get_dictionary(name).bytesList))
-        count = len(get_dictionary(self._dictionary).bytesList)
-        is_family = DICTIONARIES[self._dictionary] in map(DICTIONARIES.get, family)
-        if is_family and not ids.isdisjoint(self._ids or range(count)):
+        A frame is mirrored or it is not. So all tags are seen in the way in which more wanted ones can be seen,
+        or more tags at all. Those of DICT_ARUCO_ORIGINAL are others when they are mirrored: only ids can tell.
+        """
+        tags = [tag for meanings in squares for tag in meanings.items()]
+        times = Counter(kind for kind, _ in tags)
+        wanted = Counter(kind for kind, tag_id in tags if kind.family == self._family and tag_id in self._ids)
+
+        def is_kept(kind: Kind, meanings: Meanings) -> bool:
+            other = kind._replace(way=MIRRORED if kind.way == PLAIN else PLAIN)
+            more = wanted[kind] - wanted[other]
+            if abs(more) < ENOUGH:
+                more = times[kind] - times[other]
+            return other not in meanings or more > 0 or (more == 0 and kind.way == PLAIN)
+        return [{kind: tag_id for kind, tag_id in meanings.items() if is_kept(kind, meanings)}
+                for meanings in squares]
+
+    def _judge(self, found: Found, stamp: float) -> None:
+        """Draw conclusions from the tags that were found."""
+        self._last.append(found)
+        self.has_looked |= len(self._last) >= HITS
+        steady: dict[Kind, set[int]] = {}
+        for (kind, tag_id), count in Counter(tag for tags in self._last for tag in tags).items():
+            if count >= HITS:
+                steady.setdefault(kind, set()).add(tag_id)
+        kinds = [kind for kind, ids in steady.items() if len(ids) >= self._needed(kind, stamp)]
+        if kinds:
+            kind = max(kinds, key=lambda each: (len(steady[each]), CERTAIN.index(each.way)))
+            self._hinted = stamp
+            if kind != self._kind:  # later searches only confirm it, so that the sentence stays the same
+                self._kind, self.hint = kind, self._sentence(kind, steady[kind])
+        elif stamp - self._hinted > FORGET_S:
+            self._kind = self.hint = None
+
+    def _needed(self, kind: Kind, stamp: float) -> int:
+        """The number of tags of a kind that it takes."""
+        is_usual = kind.way == UNKNOWN or kind.family == self._family or kind[:2] == (PLAIN, self._border)
+        return max(ENOUGH if is_usual else FOUR, self._least if stamp - self._doubtful < FORGET_S else 0)
+
+    def _sentence(self, kind: Kind, ids: AbstractSet[int]) -> str | None:
+        if kind.way == UNKNOWN:
+            return UNKNOWN_TAGS % len(ids)
+        smallest = next(name for name in kind.family if max(ids) < len(get_dictionary(name).bytesList))
+        is_family = kind.family == self._family
+        is_own = is_family and max(ids) < self._count
+        tags = '%d tags of %s (%s)' % (len(ids), self._dictionary if is_own else smallest,
+                                       ', '.join(map(str, sorted(ids)[:8])))
+        if kind.way == MIRRORED:
+            return MIRRORED_TAGS % tags
+        if kind.border != self._border:
+            return OTHER_BORDER % (tags, _cells(kind.border), _cells(self._border), kind.border)
+        if is_family and not ids.isdisjoint(self._ids or range(self._count)):
             return None  # the node looks for these, but its own search misses them: see MissedTags
-        is_own = is_family and max(ids) < count
-        text = _described(self._dictionary if is_own else smallest, ids) + ' are in sight, but '
         if is_own:
             wanted = ','.join(map(str, self._ids))
-            return text + 'none of ids:=%s. Give the ids of four of them, or ids:=any.' % wanted
-        return text + 'the node looks for tags of %s. Give dictionary:=%s.' % (self._dictionary, smallest)
-
-
-def _described(dictionary: str, ids: Found) -> str:
-    return '%d tags of %s (%s)' % (len(ids), dictionary, ', '.join(map(str, sorted(ids)[:8])))
+            return '%s are in sight, but none of ids:=%s. Give the ids of four of them, or ids:=any.' % (
+                tags, wanted)
+        return '%s are in sight, but the node looks for tags of %s. Give dictionary:=%s.' % (
+            tags, self._dictionary, smallest)
 
 
 def _cells(count: int) -> str:
     return '1 cell' if count == 1 else '%d cells' % count
-
-
-def _families() -> list[list[str]]:
-    """The names of the dictionaries with the same tags, the smallest dictionary first."""
-    families: dict[str, list[str]] = {}
-    for name in DICTIONARY_NAMES:
-        family = name.rpartition('_')[0] if name.rpartition('_')[2].isdigit() else name
-        families.setdefault(family, []).append(name)
-    return [sorted(names, key=lambda name: len(get_dictionary(name).bytesList)) for names in families.values()]

@@ -3,20 +3,21 @@ from __future__ import annotations
 
 import time
 from functools import partial
-from typing import Callable, FrozenSet
+from typing import Callable, FrozenSet, Generic, TypeVar
 
 import cv2
 
 from aruco_ar.base.arrays import Image
 
 LARGE_PX = 1000  # larger frames are shrunk: their longer side is then so long
-SHARE = 0.05     # of the time: the searches take no more
+SHARE = 0.05     # of the time: the searches take no more, unless they are sooner
 
 Found = FrozenSet[int]  # ids of tags
+Item = TypeVar('Item')
 
 
-class Searches:
-    """Says when to search next, and keeps what the last search found until it is taken."""
+class Searches(Generic[Item]):
+    """Says when to search next, and keeps the set that the last search found until it is taken."""
 
     def __init__(self, pause: float) -> None:
         """``pause``: seconds between two searches, at least."""
@@ -24,13 +25,13 @@ class Searches:
         self._began = float('-inf')
         self._running = False
         self._begun_anew = 0  # how often: a search that began before that is of no use
-        self._result: tuple[int, Found] | None = None
+        self._result: tuple[int, frozenset[Item]] | None = None
 
     def begin_anew(self) -> None:
         """Forget what was found, and what is being found."""
         self._begun_anew += 1
 
-    def take(self) -> Found | None:
+    def take(self) -> frozenset[Item] | None:
         """What the last search found, once; None if there is nothing new."""
         result = self._result
         if result is None:
@@ -47,12 +48,12 @@ class Searches:
         """Whether to search in a frame at a time, once what the last search found is taken."""
         return not (self._running or 0 <= stamp - self._began < factor * self._wait)
 
-    def start(self, stamp: float, find: Callable[[], Found]) -> Callable[[], None]:
+    def start(self, stamp: float, find: Callable[[], frozenset[Item]]) -> Callable[[], None]:
         """The work of a search in a frame at a time, seconds, for another thread: it calls ``find``."""
         self._began, self._running = stamp, True
         return partial(self._search, self._begun_anew, find)
 
-    def _search(self, begun_anew: int, find: Callable[[], Found]) -> None:
+    def _search(self, begun_anew: int, find: Callable[[], frozenset[Item]]) -> None:
         began = time.thread_time()
         try:
             self._result = begun_anew, find()
@@ -62,7 +63,7 @@ class Searches:
 
 
 def shrunk(frame: Image) -> tuple[Image, float]:
-    """A frame, (h, w, 3) BGR uint8, at most LARGE_PX wide and high, and by which factor it was resized."""
+    """A frame, uint8, BGR or gray, at most LARGE_PX wide and high, and by which factor it was resized."""
     scale = max(min(1.0, LARGE_PX / max(frame.shape[:2])), 1 / min(frame.shape[:2]))  # a pixel must be left
     if scale == 1:
         return frame, 1.0
