@@ -1,6 +1,8 @@
 """What a camera is calibrated with: a flat sheet of tags, or a ChArUco board."""
 from __future__ import annotations
 
+from itertools import product
+
 import cv2
 import numpy as np
 
@@ -8,7 +10,7 @@ from aruco_ar.base.arrays import Floats, Image, Integers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.homography import transform
 from aruco_ar.tags.detector import Detector
-from aruco_ar.tags.tag import get_dictionary
+from aruco_ar.tags.tag import OFFICIAL, get_dictionary
 
 from .views import MIN_POINTS, View
 
@@ -71,8 +73,11 @@ class CharucoBoard:
         # OpenCV before 4.6 began a board with an even number of rows with a white square.
         self._tags = [np.array(self._board(0, is_older).getObjPoints(), np.float64)[..., :2]
                       for is_older in ([False, True] if rows % 2 == 0 else [False])]
+        # OpenCV 4 has AprilTags turned by 180 degrees, so it also draws boards with such tags.
+        self._may_be_turned = [False, True] if dictionary.upper() in OFFICIAL else [False]
         self._detectors: dict[tuple[int, bool], cv2.aruco.CharucoDetector] = {}
-        self._last = False, 0, False  # whether it is white on black, its first id, whether it is an older one
+        self._negated = False          # whether the last board was white on black
+        self._kind = 0, False, False   # that of the last board: see _kind_of
         corners = np.array(self._board(0, False).getChessboardCorners(), np.float64)
         self.points = {number: corner[None, :2] for number, corner in enumerate(corners)}
         self.needs = '%d corners of a board of %d x %d squares with tags of %s, not all in a line' % (
@@ -81,34 +86,43 @@ class CharucoBoard:
     def view(self, frame: Image) -> View:
         """The View of the board in a frame, (h, w, 3) BGR uint8."""
         gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
-        for negated in self._last[0], not self._last[0]:
+        for negated in self._negated, not self._negated:
             shown = cv2.bitwise_not(gray) if negated else gray
             quads, tag_ids, _ = self._finder.detectMarkers(shown)
             if tag_ids is not None:
-                kind = self._kind(np.array(quads, np.float64).reshape(-1, 4, 2), np.ravel(tag_ids))
-                corners, ids, _, _ = self._detector(*kind).detectBoard(shown, None, None, quads, tag_ids)
+                kind = self._kind_of(np.array(quads, np.float64).reshape(-1, 4, 2), np.ravel(tag_ids))
+                first, is_older, is_turned = kind
+                if is_turned:
+                    quads = [np.roll(quad, 2, axis=1) for quad in quads]
+                detector = self._detector(first, is_older)
+                corners, ids, _, _ = detector.detectBoard(shown, None, None, quads, tag_ids)
                 if ids is not None and len(ids) >= MIN_POINTS:
-                    self._last = negated, *kind
+                    self._negated, self._kind = negated, kind
                     return View({int(number): np.asarray(corner, np.float64).reshape(1, 2)
                                  for number, corner in zip(np.ravel(ids), corners)})
         return View({})
 
-    def _kind(self, quads: Floats, ids: Integers) -> tuple[int, bool]:
-        """The first id of the board, and whether it is an older one, for which most tags are where they belong.
+    def _kind_of(self, quads: Floats, ids: Integers) -> tuple[int, bool, bool]:
+        """The board for which most tags are where they belong: its first id, whether it is an older one, and
+        whether its tags are turned by 180 degrees.
 
         ``quads``: (n, 4, 2) pixels of the tags with those ids. Boards of a set have ids one after the other.
         """
-        best, most = self._last[1:], 0
+        best, most = self._kind, 0
         count, total = len(self._tags[0]), len(self._table.bytesList)
         firsts = {max(0, min(int(tag_id) - number, total - count)) for tag_id in ids for number in range(count)}
-        likely = sorted(firsts, key=lambda first: (first != self._last[1], first % count != 0, first))
+        likely = sorted(firsts, key=lambda first: (first != self._kind[0], first % count != 0, first))
+        # If several fit as well, it is most likely drawn as the last one.
+        drawn = sorted(product([False, True][:len(self._tags)], self._may_be_turned),
+                       key=lambda drawn: drawn != self._kind[1:])
         for first in likely:
             is_own = (ids >= first) & (ids < first + count)
-            for is_older, tags in enumerate(self._tags):
+            for is_older, is_turned in drawn:
                 if np.count_nonzero(is_own) > most:  # else it cannot be better
-                    fitting = _fitting(tags[ids[is_own] - first], quads[is_own])
+                    tags, seen = self._tags[is_older][ids[is_own] - first], quads[is_own]
+                    fitting = _fitting(tags, np.roll(seen, 2, axis=1) if is_turned else seen)
                     if fitting > most:
-                        best, most = (first, bool(is_older)), fitting
+                        best, most = (first, is_older, is_turned), fitting
         return best
 
     def _detector(self, first: int, is_older: bool) -> cv2.aruco.CharucoDetector:

@@ -18,6 +18,7 @@ from .library import load
 
 MAX_PICTURE_SIDE_PX = 2**22  # positions in a picture, in parts of a pixel, are 32-bit integers
 MAX_SAMPLES = 100
+MAX_CELLS = 1000             # of a tag, along a side
 MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
 
 _C = load()
@@ -32,8 +33,10 @@ class _Frame(ctypes.Structure):
 
 _ARRAY, _INT, _LONG, _FLOAT = ctypes.c_void_p, ctypes.c_int, ctypes.c_int64, ctypes.c_float
 _ARGUMENTS: dict[str, list[Any]] = {
-    'fit_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, *[_ARRAY] * 4],
+    'fit_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, *[_ARRAY] * 4, _INT, _ARRAY],
     'compare_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _ARRAY, _INT, _ARRAY],
+    'sample_cells': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _INT, _ARRAY],
+    'guess_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _INT, _ARRAY, _FLOAT, _ARRAY],
     'draw_mask': [_ARRAY, *[_INT] * 3, _ARRAY, _ARRAY, _LONG],
     'warp': [_ARRAY, _ARRAY, *[_INT] * 3, _ARRAY, _INT, _ARRAY, _ARRAY, _LONG],
     'refine_pairs': [_LONG, _INT, _INT, *[_ARRAY] * 9],
@@ -50,7 +53,8 @@ def _function(name: str) -> Any:
     return function
 
 
-_fit_tags, _compare_tags, _draw_mask, _warp, _refine_pairs, _compare, _learn = map(_function, _ARGUMENTS)
+(_fit_tags, _compare_tags, _sample_cells, _guess_tags, _draw_mask, _warp, _refine_pairs, _compare,
+ _learn) = map(_function, _ARGUMENTS)
 
 NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
@@ -61,26 +65,49 @@ PROFILE_POSITIONS = np.ctypeslib.as_array(
 
 def fit_tags(frame: Image, quads: Numbers, cells: Image) -> tuple[Floats, Booleans, Floats]:
     """See fit_tags in tags/edges.py. A frame may also have a fourth channel, which is ignored."""
-    frame, quads, cells = _tags(frame, quads, cells)
-    count = len(quads)
-    fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
-    likeness = np.empty(count, np.float32)
-    _fit_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
-              1 if frame.ndim == 2 else frame.shape[2], count, quads.ctypes.data, cells.shape[1],
-              cells.ctypes.data, fitted.ctypes.data, found.ctypes.data, likeness.ctypes.data)
-    return fitted, found, likeness
+    return _fit(*_tags(frame, quads, cells))
 
 
 def compare_tags(frame: Image, quads: Numbers, cells: Image, samples: int) -> Floats:
     """See compare_tags in tags/edges.py."""
     frame, quads, cells = _tags(frame, quads, cells)
-    if not 1 <= samples <= MAX_SAMPLES:
-        raise InputError('A cell cannot be sampled %s times; choose from 1 to %d.' % (samples, MAX_SAMPLES))
+    _check_samples(samples)
     likeness = np.empty(len(quads), np.float32)
-    _compare_tags(frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
-                  1 if frame.ndim == 2 else frame.shape[2], len(quads), quads.ctypes.data, cells.shape[1],
-                  cells.ctypes.data, samples, likeness.ctypes.data)
+    _compare_tags(*_parts(frame), len(quads), quads.ctypes.data, cells.shape[1], cells.ctypes.data, samples,
+                  likeness.ctypes.data)
     return likeness
+
+
+def check_tags(frame: Image, quads: Numbers, cells: Image,
+               samples: int) -> tuple[Floats, Booleans, Floats, Floats, Image]:
+    """See check_tags in tags/edges.py."""
+    frame, quads, cells = _tags(frame, quads, cells)
+    _check_samples(samples)
+    whole, cells = np.empty(len(quads), np.float32), cells.copy()
+    return (*_fit(frame, quads, cells, whole, samples), whole, cells)
+
+
+def sample_cells(frame: Image, quads: Numbers, count: int, margin: int) -> Floats:
+    """See sample_cells in tags/edges.py."""
+    frame, quads = _frame(frame), _quads('quadrilaterals', quads)
+    _check_count(count)
+    if not -MAX_CELLS <= margin < count / 2:
+        raise InputError('A tag %d cells wide cannot be sampled without %s cells at its rim; choose less than '
+                         'half of its width, and at least -%d.' % (count, margin, MAX_CELLS))
+    gray = np.empty((len(quads), (count - 2 * margin)**2), np.float32)
+    _sample_cells(*_parts(frame), len(quads), quads.ctypes.data, count, margin, gray.ctypes.data)
+    return gray
+
+
+def guess_tags(frame: Image, quads: Numbers, count: int, known: Numbers, contrast: float) -> Image:
+    """See guess_tags in tags/edges.py."""
+    frame, quads = _frame(frame), _quads('quadrilaterals', quads)
+    known = _quads('quadrilaterals of known tags', known)
+    _check_count(count)
+    guesses = np.empty(len(quads), np.uint8)
+    _guess_tags(*_parts(frame), len(quads), quads.ctypes.data, count, len(known), known.ctypes.data, contrast,
+                guesses.ctypes.data)
+    return guesses
 
 
 def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) -> Image:
@@ -183,14 +210,50 @@ def learn(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: B
 
 def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:
     """A frame, quadrilaterals in it, and the cells of their tags, checked."""
-    frame = _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
-    quads = _numbers(quads, np.float32)
-    count = len(quads) if quads.ndim else 0
-    check_array('quadrilaterals', quads, np.float32, (count, 4, 2))
+    frame, quads = _frame(frame), _quads('quadrilaterals', quads)
+    count = len(quads)
     cells = _numbers(cells, np.uint8) if count else np.zeros((0, 3, 3), np.uint8)
     side = cells.shape[-1] if cells.ndim else 0
     check_array('cells of the tags', cells, np.uint8, (count, max(side, 3), max(side, 3)))
     return frame, quads, cells
+
+
+def _fit(frame: Any, quads: Any, cells: Any, whole: Any = None,
+         samples: int = 0) -> tuple[Floats, Booleans, Floats]:
+    """Call the function in C, which changes the cells and ``whole``, unless that is None."""
+    count = len(quads)
+    fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
+    likeness = np.empty(count, np.float32)
+    _fit_tags(*_parts(frame), count, quads.ctypes.data, cells.shape[1], cells.ctypes.data, fitted.ctypes.data,
+              found.ctypes.data, likeness.ctypes.data, samples, None if whole is None else whole.ctypes.data)
+    return fitted, found, likeness
+
+
+def _frame(frame: Any) -> Any:
+    return _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
+
+
+def _parts(frame: Any) -> tuple[int, ...]:
+    """What a C structure Frame consists of, for a frame that was checked; it must be kept until it was used."""
+    return (frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
+            1 if frame.ndim == 2 else frame.shape[2])
+
+
+def _check_samples(samples: int) -> None:
+    if not 1 <= samples <= MAX_SAMPLES:
+        raise InputError('A cell cannot be sampled %s times; choose from 1 to %d.' % (samples, MAX_SAMPLES))
+
+
+def _check_count(cells: int) -> None:
+    if not 1 <= cells <= MAX_CELLS:
+        raise InputError('A tag cannot be %s cells wide; choose from 1 to %d.' % (cells, MAX_CELLS))
+
+
+def _quads(name: str, quads: Any) -> Any:
+    """Quadrilaterals, (n, 4, 2), checked."""
+    quads = _numbers(quads, np.float32)
+    check_array(name, quads, np.float32, (len(quads) if quads.ndim else 0, 4, 2))
+    return quads
 
 
 def _sized(array: Any, *channels: int | str) -> list[Shape]:

@@ -29,6 +29,9 @@
 #define MIN_WITHIN_PX 1   /* nearer to the frame's rim, an edge is not measured by profiles across it */
 #define MARGIN_LIGHT 0.9f /* samples at least this light, as a share of the contrast, are the margin */
 #define STEADY 0.5f       /* with a narrow margin, most profiles must have this share of the contrast */
+/* There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on another. */
+#define UNEVEN 2.0f
+#define ACROSS 0.25f      /* a quadrilateral is looked at across its sides here, in the middle, and at 1 - this */
 
 #define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
 EXPORT const int unit5_profile_count = PROFILES;
@@ -148,11 +151,10 @@ static int fit_edges(const Frame *frame, const Point quad[4], int inverted, cons
         float gray[PROFILES][SAMPLES], offset[PROFILES], weight[PROFILES];
         for (int i = 0; i < PROFILES; i++) {
             Point on_edge = plus(quad[edge], unit5_profile_positions[i], along[edge]);
-            for (int sample = 0; sample < SAMPLES; sample++) {
-                float across = reach[edge] * (sample * 2.0f / (SAMPLES - 1) - 1);
-                float seen = gray_at(frame, plus(on_edge, across, outward));
-                gray[i][sample] = inverted ? 255 - seen : seen;
-            }
+            gray_along(frame, plus(on_edge, -reach[edge], outward), plus(on_edge, reach[edge], outward), SAMPLES,
+                       gray[i]);
+            for (int sample = 0; inverted && sample < SAMPLES; sample++)
+                gray[i][sample] = 255 - gray[i][sample];
             weight[i] = 1;
         }
         if (!offsets(gray, reach[edge], offset, narrow))
@@ -278,17 +280,22 @@ static int fit_inner(const Frame *frame, const Point quad[4], int inverted, int 
     return 1;
 }
 
-/* See fit_tags in edges.py. ``row``: the bytes from one row of the frame to the next. */
+/* See fit_tags and check_tags in edges.py. ``row``: the bytes from one row of the frame to the next. ``whole``: NULL,
+   or an array for the likeness of all of each tag, as compare_tags sees it. Only with it, ``wanted`` is changed: the
+   cells of a tag that is white on black are negated. */
 EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                           const float *quads, int cells, const uint8_t *wanted, float *fitted, uint8_t *good,
-                           float *likeness)
+                           const float *quads, int cells, uint8_t *wanted, float *fitted, uint8_t *good,
+                           float *likeness, int samples, float *whole)
 {
     Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++) {
         int narrow = 0;
         const Point *quad = (const Point *)quads + 4 * tag;
         Point *found = (Point *)fitted + 4 * tag;
-        const uint8_t *own = wanted + tag * cells * cells;
+        uint8_t *own = wanted + tag * cells * cells;
+        if (whole && correlation(&frame, quad, cells, own, 0, 1) < 0)
+            for (int cell = 0; cell < cells * cells; cell++)
+                own[cell] = 255 - own[cell];
         int inverted = own[0] > 127;
         good[tag] = fit_tag(&frame, quad, inverted, cells, found, &narrow);
         const Point *first = good[tag] ? found : quad;
@@ -305,5 +312,77 @@ EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int he
         if (!good[tag])
             memcpy(found, quad, 4 * sizeof(Point));
         likeness[tag] = correlation(&frame, found, cells, own, 1, 1);
+        if (whole)
+            whole[tag] = correlation(&frame, found, cells, own, 0, samples);
+    }
+}
+
+/* See sample_cells in edges.py. ``margin``: cells at the rim that are left out; if negative, cells around are
+   included. */
+EXPORT void unit5_sample_cells(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
+                               const float *quads, int cells, int margin, float *gray)
+{
+    Frame frame = {pixels, row, width, height, channels};
+    for (int number = 0; number < count; number++) {
+        Homography to = homography_to((const Point *)quads + 4 * number);
+        for (int down = margin; down < cells - margin; down++)
+            for (int right = margin; right < cells - margin; right++)
+                *gray++ = gray_at(&frame, mapped(&to, (right + 0.5f) / cells, (down + 0.5f) / cells));
+    }
+}
+
+/* Whether the middle of a quadrilateral is near that of one of the others: nearer than half of its side. */
+static int is_at_one(const Point quad[4], int count, const Point *others)
+{
+    Point sum = plus(plus(plus(quad[0], 1, quad[1]), 1, quad[2]), 1, quad[3]);
+    for (int i = 0; i < count; i++) {
+        const Point *other = others + 4 * i;
+        Point off = minus(sum, plus(plus(plus(other[0], 1, other[1]), 1, other[2]), 1, other[3]));
+        float around = 0;
+        for (int side = 0; side < 4; side++)
+            around += length(minus(other[(side + 1) % 4], other[side]));
+        if (larger(fabsf(off.x), fabsf(off.y)) <= around / 2)
+            return 1;
+    }
+    return 0;
+}
+
+/* What a quadrilateral may be; see guess_tags in edges.py, also for the numbers. It is looked at across its sides, at
+   three places along each. */
+static int guess(const Frame *frame, const Point quad[4], int cells, float contrast)
+{
+    int is_white = 1, is_uneven = 1, is_margin = 1;
+    float darkest = 255, lightest = 0;
+    for (int place = 0; place < 12 && (is_white || is_uneven || is_margin); place++) {
+        int side = place % 4, along = (place / 4 + 1) % 3;  /* the middles of all sides come first */
+        float share = ACROSS + (1 - 2 * ACROSS) * along / 2;
+        Point from = quad[side], other = quad[(side + 3) % 4];
+        Point near = plus(from, share, minus(quad[(side + 1) % 4], from));
+        Point across = minus(plus(other, share, minus(quad[(side + 2) % 4], other)), near);
+        float inside = gray_at(frame, plus(near, 0.5f / cells, across));
+        float outside = gray_at(frame, plus(near, -0.5f / cells, across));
+        is_white &= inside > outside + contrast;
+        is_uneven &= outside > inside + contrast;
+        if (is_margin)
+            is_margin = gray_at(frame, plus(near, 1.5f / (cells + 2), across))
+                > gray_at(frame, plus(near, 0.5f / (cells + 2), across)) + contrast;
+        darkest = smaller(darkest, outside);
+        lightest = larger(lightest, outside);
+        if (place == 3)
+            is_uneven &= lightest > UNEVEN * darkest;
+    }
+    return is_white ? 1 : is_margin ? 3 : is_uneven ? 2 : 0;
+}
+
+/* See guess_tags in edges.py. */
+EXPORT void unit5_guess_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
+                             const float *quads, int cells, int known_count, const float *known, float contrast,
+                             uint8_t *guesses)
+{
+    Frame frame = {pixels, row, width, height, channels};
+    for (int number = 0; number < count; number++) {
+        const Point *quad = (const Point *)quads + 4 * number;
+        int is_known = is_at_one(quad, known_count, (const Point *)known);
+        guesses[number] = is_known ? 0 : guess(&frame, quad, cells, contrast);
     }
 }

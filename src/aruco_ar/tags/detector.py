@@ -1,7 +1,7 @@
 """Finding tags in a frame."""
 from __future__ import annotations
 
-from typing import Iterable, NamedTuple, Sequence
+from typing import Any, Iterable, NamedTuple, Sequence
 
 import cv2
 import numpy as np
@@ -11,7 +11,7 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import across_sides, compare_tags, fit_tags, sample_cells, side_of
+from .edges import MARGIN, UNEVEN, check_tags, fit_tags, guess_tags, sample_cells, side_of
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
@@ -26,17 +26,6 @@ class _Preset(NamedTuple):
     windows: tuple[int, int, int]
     min_perimeter: float
     rereads: bool
-
-
-class _Finder(NamedTuple):
-    """OpenCV's detector.
-
-    ``inverted``: one that also looks for white tags on black. It mistakes the inside of some other tags for the
-    whole, so it is used only if the plain one finds none.
-    """
-
-    plain: cv2.aruco.ArucoDetector
-    inverted: cv2.aruco.ArucoDetector
 
 
 _PRESETS = {
@@ -68,15 +57,12 @@ MAX_WRONG = 0.15
 # its place is less sure than it seems.
 BEYOND_PX = 0.75
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
-# There is a shadow on a part of a tag if what is around it is lighter by this factor on one side than on
-# another. Then a cell is compared with those up to two cells away, if their contrast is at least this share of
+# In a shadow, a cell is compared with those up to two cells away, if their contrast is at least this share of
 # that of all.
-UNEVEN = 2.0
 AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
 # Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
 # takes for tags, only this many, the largest, are used. Of the others, only this
-# many are reread. The limit is needed because each is reread twice, and cv2.remap
-# takes less than 32767 points in a row or column.
+# many are reread.
 MAX_READ = MAX_REREAD = 2000
 
 
@@ -151,7 +137,7 @@ class Detector:
                 self._cells[tag_id] = tag_cells(self._dictionary, tag_id, self._border)
         return np.array([self._cells[tag_id] for tag_id in ids])
 
-    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> _Finder:
+    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> cv2.aruco.ArucoDetector:
         """OpenCV's detector, with the windows and the smallest perimeter of a _Preset."""
         parameters = cv2.aruco.DetectorParameters()
         parameters.errorCorrectionRate = float(self._correction)
@@ -169,64 +155,65 @@ class Detector:
         # Whole pixels are exact enough for fit_tags. With a narrow margin, OpenCV's refinement would choose the
         # corners of the paper.
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-        plain = cv2.aruco.ArucoDetector(self._marker, parameters)
-        parameters.detectInvertedMarker = True
-        return _Finder(plain, cv2.aruco.ArucoDetector(self._marker, parameters))
+        return cv2.aruco.ArucoDetector(self._marker, parameters)
 
-    def _find(self, finder: _Finder, frame: Image, scale: float,
+    def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
               rereads: bool = False) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
         scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
         scaled = _scaled(frame, scale)
-        corners, ids, rejected = finder.plain.detectMarkers(scaled)
-        if ids is None and self._are_margins(scaled, rejected):
-            corners, ids, _ = finder.inverted.detectMarkers(scaled)
-        ids = [] if ids is None else [int(tag_id) for tag_id in ids.ravel()]
+        corners, numbers, unread = finder.detectMarkers(scaled)
+        ids, quads = [] if numbers is None else numbers.ravel().tolist(), _stacked(corners)
         if len(ids) > MAX_READ:
-            largest = np.argsort(-side_of(np.array(corners, np.float32).reshape(-1, 4, 2)))[:MAX_READ]
-            corners, ids = [corners[number] for number in largest], [ids[number] for number in largest]
-        quads = np.array([*corners, *rejected] if rereads else corners, np.float32).reshape(-1, 4, 2)
-        if not rereads and len(rejected):
-            more, others = self._read_locally(scaled, np.array(rejected[:MAX_REREAD], np.float32)[:, 0], quads)
+            largest = np.argsort(-side_of(quads))[:MAX_READ]
+            ids, quads = [ids[number] for number in largest], quads[largest]
+        known, rejected = quads, _stacked(unread[:MAX_REREAD])
+        if len(rejected):
+            more, others = self._read_others(scaled, rejected, known)
+            if more:
+                ids, quads = ids + more, np.concatenate([known, others])
+        quads = _unscaled(quads, scale)
+        if rereads and len(known) + len(rejected):
+            more, others = self._reread(frame, _unscaled(np.concatenate([known, rejected]), scale))
             ids, quads = ids + more, np.concatenate([quads, others])
-        # The middle of the first pixel is (0, 0), both before and after scaling.
-        quads = (quads + 0.5) / np.float32(scale) - 0.5
-        if rereads and len(quads):
-            more, others = self._reread(frame, quads[:len(corners) + MAX_REREAD])
-            ids, quads = ids + more, np.concatenate([quads[:len(corners)], others])
-        wanted = [number for number, tag_id in enumerate(ids) if not self._ids or tag_id in self._ids]
+        if not self._ids:
+            return ids, quads
+        wanted = [number for number, tag_id in enumerate(ids) if tag_id in self._ids]
         return [ids[number] for number in wanted], quads[wanted]
 
-    def _are_margins(self, gray: Image, rejected: Sequence[Floats]) -> bool:
-        """Whether any of these quadrilaterals may be the rim of a white tag's margin, a cell wide."""
-        if not len(rejected):
-            return False
-        count = self._marker.markerSize + 2 * self._border + 2
-        quads = np.array(rejected[:MAX_REREAD], np.float32)[:, 0]
-        border, margin = across_sides(gray, quads, count, (1.5, 0.5))
-        return bool((margin < border - MIN_CONTRAST).all(axis=1).any())
-
-    def _read_locally(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
+    def _read_others(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
         """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
 
         These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those
         that it could not read. ``known``: those that it could, which are not read again.
         """
-        inside, outside = across_sides(gray, quads, self._marker.markerSize + 2 * self._border)
-        white = (inside > outside + MIN_CONTRAST).all(axis=1)
-        uneven = outside.max(axis=1) > UNEVEN * outside.min(axis=1)
-        may_be = white | uneven & (inside < outside - MIN_CONTRAST).all(axis=1)
-        if len(known) and may_be.any():
-            apart = np.abs(quads.mean(axis=1)[:, None] - known.mean(axis=1)).max(axis=2)
-            may_be &= (apart > side_of(known) / 2).all(axis=1)
-        white, quads = white[may_be], quads[may_be]
-        found, turned = [], []
-        for quad, seen, inverted in zip(quads, self._seen(gray, quads), white):
+        count = self._marker.markerSize + 2 * self._border
+        guesses = guess_tags(gray, quads, count, known, MIN_CONTRAST)
+        if not guesses.any():
+            return [], quads[:0]
+        margins = quads[guesses == MARGIN]
+        may_be = (guesses > 0) & (guesses != MARGIN)
+        is_white, quads = guesses[may_be] != UNEVEN, quads[may_be]
+        found: list[int] = []
+        turned: list[Floats] = []
+        if len(quads):
+            self._read_all(gray, quads, is_white, found, turned)
+        if len(margins):
+            white = np.full((len(margins), count, count), 255)
+            within = fit_tags(gray, _without_margin(margins, count), white)[0]
+            if turned:
+                within = within[guess_tags(gray, within, count, np.array(turned), MIN_CONTRAST) > 0]
+            self._read_all(gray, within, np.full(len(within), True), found, turned)
+        return found, np.array(turned, np.float32).reshape(-1, 4, 2)
+
+    def _read_all(self, gray: Image, quads: Floats, is_white: Booleans, found: list[int],
+                  turned: list[Floats]) -> None:
+        """Append the ids of the tags in quadrilaterals, (n, 4, 2), and these, turned; (n,): which are white."""
+        for quad, seen, inverted in zip(quads, self._seen(gray, quads), is_white):
             tag_id, turns = self._read(_locally_light(255 - seen if inverted else seen))
             if tag_id is not None:
                 found.append(tag_id)
                 turned.append(np.roll(quad, turns, axis=0))
-        return found, np.array(turned, np.float32).reshape(-1, 4, 2)
 
     def _seen(self, frame: Image, quads: Floats) -> Image:
         """(n, m, m) uint8: the gray of the cells in quadrilaterals, (n, 4, 2), and of the ring around."""
@@ -263,18 +250,13 @@ class Detector:
         """The tags among quadrilaterals, (n, 4, 2), moved onto their edges if these are found."""
         if not ids:
             return []
-        cells = self._cells_of(ids)
-        white = compare_tags(frame, quads, cells, 1) < 0
-        cells = np.where(white[:, None, None], 255 - cells, cells)
-        fitted, found, likeness = fit_tags(frame, quads, cells)
-        far = np.array(frame.shape[1::-1]) - 1
-        found |= ((fitted >= 1) & (fitted <= far - 1)).all(axis=(1, 2))
-        found &= ((fitted >= -BEYOND_PX) & (fitted <= far + BEYOND_PX)).all(axis=(1, 2))
+        fitted, found, likeness, whole, cells = check_tags(frame, quads, self._cells_of(ids))
+        far = np.array(frame.shape[1::-1], np.float32) - 1
+        room = np.minimum(fitted, far - fitted).reshape(-1, 8).min(axis=1)  # as far is the frame's rim
         sides = side_of(fitted)
-        whole = compare_tags(frame, fitted, cells)
         least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
-        good = np.flatnonzero(found & (likeness > self._likeness) & (sides >= self._min_side)
-                              & is_quadrilateral(fitted) & (whole > least))
+        good = np.flatnonzero((found | (room >= 1)) & (room >= -BEYOND_PX) & (likeness > self._likeness)
+                              & (whole > least) & (sides >= self._min_side) & is_quadrilateral(fitted))
         if self._preset.rereads:
             good = _without_duplicates(fitted, whole, good)
         self._cells.update((ids[number], cells[number]) for number in good)
@@ -294,6 +276,26 @@ def _scaled(gray: Image, scale: float) -> Image:
     # Without this, blur would fill the cells of small tags, and join a tag to what is beyond a narrow margin.
     sharp = cv2.addWeighted(gray, 2, cv2.GaussianBlur(gray, (0, 0), 1), -1, 0)
     return cv2.resize(sharp, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
+
+
+def _stacked(quads: Sequence[Any]) -> Floats:
+    """(n, 4, 2) float32: the quadrilaterals that OpenCV found, (1, 4, 2) each."""
+    return np.concatenate(quads) if len(quads) else np.empty((0, 4, 2), np.float32)
+
+
+def _unscaled(quads: Floats, scale: float) -> Floats:
+    """Quadrilaterals in a scaled frame, in pixels of the frame. The first pixel is at (0, 0) in both."""
+    return quads if scale == 1 else (quads + 0.5) / np.float32(scale) - 0.5
+
+
+def _without_margin(quads: Floats, count: int) -> Floats:
+    """(n, 4, 2) float32: the tags, ``count`` cells wide, in quadrilaterals that have margins of a cell."""
+    share = 1 / (count + 2)
+    weights = np.empty((4, 4), np.float32)
+    for corner in range(4):
+        for off, weight in enumerate(((1 - share)**2, share * (1 - share), share**2, share * (1 - share))):
+            weights[corner, (corner + off) % 4] = weight
+    return weights @ quads
 
 
 def _without_duplicates(quads: Floats, whole: Floats, numbers: Iterable[int]) -> list[int]:

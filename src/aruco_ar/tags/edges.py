@@ -1,17 +1,13 @@
 """Fitting tags to their edges in the frame, and checking that they are these tags; the method is in edges.c."""
 from __future__ import annotations
 
-from functools import lru_cache
-
-import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
+from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.compiled import binding
-from aruco_ar.geometry.lines import cross
 
 SAMPLES = 3  # of each cell in both directions, if all of a tag is compared
-MIN_CROSS, MIN_DEPTH = 1e-6, 0.05  # limits for quadrilaterals that are no view of a square
+WHITE, UNEVEN, MARGIN = 1, 2, 3  # what guess_tags may say of a quadrilateral
 
 
 def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Booleans, Floats]:
@@ -40,10 +36,30 @@ def compare_tags(frame: Image, quads: Floats, cells: Image, samples: int = SAMPL
     return binding.compare_tags(frame, quads, cells, samples)
 
 
+def check_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Booleans, Floats, Floats, Image]:
+    """As fit_tags, but each tag may also be white on black, and all of it is compared.
+
+    Also returns what compare_tags says of the fitted tags, and the cells as they are seen, (n, m, m) uint8,
+    negated if they are white on black.
+    """
+    return binding.check_tags(frame, quads, cells, SAMPLES)
+
+
+def guess_tags(frame: Image, quads: Floats, count: int, known: Floats, contrast: float) -> Image:
+    """(n,) uint8: what quadrilaterals, (n, 4, 2), may be that OpenCV finds, but does not read.
+
+    WHITE: a tag that is white on black. UNEVEN: one that is in the light on one side and in a shadow on the
+    other. MARGIN: the black margin, about a cell wide, of a white tag. 0: none of these, or at the place of one
+    of the tags that are ``known``, (k, 4, 2). ``count``: the width of a tag, cells. ``contrast``: the least one
+    of a tag's border with what is around it, gray levels.
+    """
+    return binding.guess_tags(frame, quads, count, known, contrast)
+
+
 def side_of(quads: Floats) -> Floats:
     """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
     along = quads - quads[:, [1, 2, 3, 0]]
-    return np.sqrt((along * along).sum(axis=2)).sum(axis=1) / 4
+    return np.hypot(along[..., 0], along[..., 1]).sum(axis=1) / 4
 
 
 def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:
@@ -53,43 +69,4 @@ def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Fl
     wide and a square in perspective. ``margin``: cells at the rim that are left out, so
     k = (count - 2 * margin)**2; if negative, cells around are included.
     """
-    quads, (x, y) = np.asarray(quads, np.float32), _middles(count, margin)
-    first, second, third, fourth = (quads[:, None, corner] for corner in range(4))
-    # The homography from the unit square, as in homography_to, but for all quadrilaterals at once.
-    one, other, rest = second - third, fourth - third, first - second + third - fourth
-    area = cross(one, other)
-    area = np.where(np.abs(area) < MIN_CROSS, MIN_CROSS, area)
-    g, h = (cross(*pair) / area for pair in ((rest, other), (one, rest)))
-    depth = np.maximum(g * x + h * y + 1, MIN_DEPTH)[..., None]
-    g, h, x, y = g[..., None], h[..., None], x[:, None], y[:, None]
-    points = ((second - first + g * second) * x + (fourth - first + h * fourth) * y + first) / depth
-    seen = cv2.remap(frame, np.asarray(points, np.float32), NO_ARRAY, cv2.INTER_LINEAR,
-                     borderMode=cv2.BORDER_REPLICATE)
-    return np.array(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
-
-
-def across_sides(frame: Image, quads: Floats, count: int,
-                 depths: tuple[float, float] = (0.5, -0.5)) -> tuple[Floats, Floats]:
-    """(n, 4) and (n, 4): the gray at two depths in quadrilaterals, from the middle of each side.
-
-    ``frame``: (h, w) uint8. ``depths``: cells; negative outside. The others are as in sample_cells.
-    """
-    seen = cv2.remap(frame, _across_sides(count, depths) @ quads, NO_ARRAY, cv2.INTER_LINEAR,
-                     borderMode=cv2.BORDER_REPLICATE).astype(np.float32)
-    return seen[:, :4], seen[:, 4:]
-
-
-@lru_cache
-def _across_sides(count: int, depths: tuple[float, float]) -> Floats:
-    """(8, 4): points at both depths from the middle of each side, in cells, as weights of the corners."""
-    near = np.array([[0.5 * (corner in (side, (side + 1) % 4)) for corner in range(4)] for side in range(4)])
-    return np.array([near + (near[[2, 3, 0, 1]] - near) * depth / count for depth in depths],
-                    np.float32).reshape(8, 4)
-
-
-@lru_cache
-def _middles(count: int, margin: int) -> tuple[Floats, Floats]:
-    """(k,) and (k,) float32: x and y of the middle of each cell in the unit square, without a margin."""
-    middle = (np.arange(margin, count - margin, dtype=np.float32) + np.float32(0.5)) / np.float32(count)
-    y, x = (part.ravel() for part in np.meshgrid(middle, middle, indexing='ij'))
-    return x, y
+    return binding.sample_cells(frame, quads, count, margin)

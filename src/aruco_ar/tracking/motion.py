@@ -75,7 +75,7 @@ class AreaMotion:
     @property
     def speed(self) -> float:
         """Pixels per second: the speed of the fastest corner."""
-        return np.linalg.norm(self._speed.reshape(4, 2), axis=1).max()
+        return _longest(self._speed.reshape(4, 2))
 
     def predict(self, seconds: float, calm: bool = False) -> None:
         """Predict the corners after that time. ``calm``: nothing was seen lately, so the speed decays."""
@@ -83,7 +83,7 @@ class AreaMotion:
             self._speed = self._speed * np.exp(-seconds / CALM_S)
         self._place = self._place + seconds * self._speed
         p, change = self._covariance, self._speed_change() * seconds
-        turn = np.eye(8) * (self._acceleration() * seconds)**2
+        turn = UNIT * (self._acceleration() * seconds)**2
         cross_term = seconds * p[8:, :8]
         p[:8, :8] += cross_term + cross_term.T + seconds**2 * (p[8:, 8:] + change / 3 + turn / 4)
         p[8:, :8] += seconds * (p[8:, 8:] + change / 2 + turn / 2)
@@ -197,8 +197,8 @@ class AreaMotion:
         hardly matters at 30 frames a second, but much at 4.
         """
         place = self._place.reshape(4, 2)
-        radius = np.linalg.norm(place - place.mean(axis=0), axis=1).max()
-        return float(CURVE * self.speed**2 / max(radius, 1))
+        radius = _longest(place - place.sum(axis=0) / 4)
+        return CURVE * self.speed**2 / max(radius, 1)
 
     def _speed_change(self, speed: float = 0.0) -> Floats:
         """(8, 8): the covariance of the change of the corners' speeds within a second.
@@ -208,7 +208,12 @@ class AreaMotion:
         speed = max(speed, SPEED_FACTOR * np.sqrt(self._speed @ self._speed / 4) / self._focal)
         moves = self._moves(self._place.reshape(4, 2)) @ CAMERA_MOVES
         change = moves * ([TURN_CHANGE + speed] * 3 + [SHIFT_CHANGE + speed] * 3)
-        return change @ change.T + np.eye(8) * (OTHER_CHANGE * self._focal / FOCAL)**2
+        return change @ change.T + UNIT * (OTHER_CHANGE * self._focal / FOCAL)**2
+
+
+def _longest(vectors: Floats) -> float:
+    """The length of the longest of vectors, (n, 2)."""
+    return float(np.sqrt((vectors * vectors).sum(axis=1).max()))
 
 
 def _bias_effect(effect: Floats, bias: Floats) -> Floats:
@@ -225,3 +230,4 @@ CAMERA_MOVES = np.array([[1, 0, 0, 1, 0, 0], [0, 1, 0, 0, 1, 0],
                          [0, 0, 0, 0, 0, 1], [0, 0, 1, 0, 0, 0],
                          [0, 0, -1, 0, 0, 0], [0, 0, 0, 0, 0, 1],
                          [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0]], np.float64)
+UNIT = np.eye(8)

@@ -142,8 +142,8 @@ class TagSearch:
 
 def _within(quads: Floats, frame: Image, px: float) -> Booleans:
     """(n,): which quadrilaterals, (n, 4, 2), are in the frame, or at most so many pixels out of it."""
-    inside = (quads >= -px) & (quads <= np.array(frame.shape[1::-1]) - 1 + px)
-    return np.asarray(inside.all(axis=(1, 2)))
+    room = np.minimum(quads, np.array(frame.shape[1::-1]) - 1 - quads).reshape(-1, 8).min(axis=1)
+    return np.asarray(room >= -px)
 
 
 def expected_places(layout: Layout, motion: AreaMotion | None) -> dict[int, Floats]:

@@ -43,6 +43,22 @@ def of_compare_tags():
     return lambda **arrays: binding.compare_tags(**arrays, samples=3), arrays
 
 
+def of_check_tags():
+    _, arrays = of_fit_tags()
+    return lambda **arrays: binding.check_tags(**arrays, samples=3), arrays
+
+
+def of_sample_cells():
+    frame, quads, _ = frame_with_tag()
+    return lambda **arrays: binding.sample_cells(**arrays, count=8, margin=-1), {'frame': frame, 'quads': quads}
+
+
+def of_guess_tags():
+    frame, quads, _ = frame_with_tag()
+    return lambda frame, quads, others: binding.guess_tags(frame, quads, 8, others, 12), {
+        'frame': 255 - frame, 'quads': quads, 'others': quads + 30}
+
+
 def of_draw_mask():
     return binding.draw_mask, {'frame': frame_with_tag()[0], 'corners': CORNERS, 'positions': positions()}
 
@@ -98,10 +114,12 @@ def of_learn():
 
 
 MADE = {made.__name__[3:]: made for made in
-        (of_fit_tags, of_compare_tags, of_draw_mask, of_warp, of_refine_pairs, of_compare, of_learn)}
-CONVERTED = {'quads', 'cells', 'corners', 'to_picture', *of_refine_pairs()[1]}  # numbers of any type
+        (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_draw_mask, of_warp,
+         of_refine_pairs, of_compare, of_learn)}
+OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
+CONVERTED = {'quads', 'others', 'cells', 'corners', 'to_picture', *of_refine_pairs()[1]}  # numbers of any type
 WRITTEN = {('learn', name) for name in ('look', 'variance', 'known', 'seconds')}
-GRAY_TOO = {('fit_tags', 'frame'), ('compare_tags', 'frame'), ('draw_mask', 'frame'), ('warp', 'mask')}
+GRAY_TOO = {('draw_mask', 'frame'), ('warp', 'mask'), *((name, 'frame') for name in OF_TAGS)}
 ARGUMENTS = [(name, argument) for name in MADE for argument in MADE[name]()[1]]
 
 
@@ -186,7 +204,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
               array.shape[-1] > 2 else array[..., :1]]
     if (name, argument) != ('draw_mask', 'frame'):
         others.append(array[..., 0])
-    if name not in ('fit_tags', 'compare_tags', 'draw_mask') or argument != 'frame':
+    if name not in (*OF_TAGS, 'draw_mask') or argument != 'frame':
         others += [array[:-1], array[:0]]
     if array.ndim > 1 and argument not in ('frame', 'picture', 'spread'):
         others += [array[:, :-1], array[:, :0]]
@@ -195,10 +213,9 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('warp', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
                 ('warp', 'mask'): other.shape == array.shape[:2],
                 ('refine_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
-                ('fit_tags', 'frame'): other.ndim == 2 and other.size,
-                ('fit_tags', 'quads'): other.shape == (0, 4, 2),
-                ('compare_tags', 'frame'): other.ndim == 2 and other.size,
-                ('compare_tags', 'quads'): other.shape == (0, 4, 2)}.get((name, argument))
+                **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},
+                **{(tags, 'quads'): other.shape == (0, 4, 2) for tags in OF_TAGS},
+                ('guess_tags', 'others'): other.shape == (0, 4, 2)}.get((name, argument))
         if fits:
             result_of(name, **{argument: other})
         else:
@@ -215,6 +232,30 @@ def test_a_frame_that_is_empty(empty):
     assert warp(np.zeros((5, 5, 3), np.uint8), np.eye(3), frame).shape == (*empty[:2], 3)
 
 
+@pytest.mark.parametrize('count', [0, -1, 1001])
+def test_a_tag_cannot_have_any_number_of_cells(count):
+    frame, quads, _ = frame_with_tag()
+    for call in (lambda: binding.sample_cells(frame, quads, count, 0),
+                 lambda: binding.guess_tags(frame, quads, count, quads, 12)):
+        with pytest.raises(InputError, match='cannot be %d cells wide; choose from 1 to 1000' % count):
+            call()
+
+
+@pytest.mark.parametrize('margin', [4, 9, -1001])
+def test_cells_are_sampled_with_a_possible_margin_only(margin):
+    frame, quads, _ = frame_with_tag()
+    with pytest.raises(InputError, match='without %d cells at its rim; choose less than half' % margin):
+        binding.sample_cells(frame, quads, 8, margin)
+
+
+@pytest.mark.parametrize('samples', [0, 101])
+def test_a_cell_is_sampled_at_least_once_and_not_too_often(samples):
+    frame, quads, cells = frame_with_tag()
+    for call in binding.compare_tags, binding.check_tags:
+        with pytest.raises(InputError, match='cannot be sampled %d times; choose from 1 to 100' % samples):
+            call(frame, quads, cells, samples)
+
+
 def test_no_tags_are_fitted():
     fitted, found, likeness = binding.fit_tags(frame_with_tag()[0], np.zeros((0, 4, 2)), np.zeros((0, 8, 8)))
     assert fitted.shape == (0, 4, 2) and found.shape == likeness.shape == (0,)
@@ -225,6 +266,9 @@ def test_a_quadrilateral_may_be_anywhere(quad):
     frame, quads, cells = frame_with_tag()
     assert not binding.fit_tags(frame, np.full_like(quads, quad), cells)[1].any()
     binding.fit_tags(frame, np.where(np.arange(8).reshape(1, 4, 2) == 3, quad, quads), cells)
+    for name in OF_TAGS:
+        result_of(name, quads=np.full_like(quads, quad))
+    result_of('guess_tags', others=np.full_like(quads, quad))
     mask = binding.draw_mask(frame, np.full((4, 2), quad, np.float64))
     assert mask.shape == frame.shape
     binding.draw_mask(frame, np.full((4, 2), quad, np.float64), positions())

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from aruco_ar import InputError, draw_tag
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet
+from aruco_ar.tags.tag import get_dictionary
 
 
 @pytest.mark.parametrize('squares', [(5, 7), (6, 8), (8, 6)])
@@ -23,6 +24,26 @@ def test_a_board_is_found_as_every_program_draws_it(squares, is_legacy, first, i
     assert len(found) == (squares[0] - 1) * (squares[1] - 1)
     for number, pixels in found.items():
         np.testing.assert_allclose(pixels, board.points[number] * 60 + 39.5, atol=1)
+
+
+@pytest.mark.parametrize('table', [
+    cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11), get_dictionary('DICT_APRILTAG_36h11')],
+    ids=['as OpenCV draws them', 'official'])
+@pytest.mark.parametrize('is_legacy', [False, True])
+@pytest.mark.parametrize('turns', [0, 2])
+def test_a_board_of_apriltags_is_found_with_official_tags_and_with_turned_ones(table, is_legacy, turns):
+    drawn = cv2.aruco.CharucoBoard((5, 8), 1.0, 0.7, table)
+    drawn.setLegacyPattern(is_legacy)
+    image = cv2.copyMakeBorder(drawn.generateImage((300, 480)), 40, 40, 40, 40, cv2.BORDER_CONSTANT, value=255)
+    both = [image, np.ascontiguousarray(np.rot90(image, turns))]
+    board = CharucoBoard('DICT_APRILTAG_36h11', 5, 8, 0.7)
+    for shown, turned in zip(both, (False, turns == 2)):
+        found = board.view(cv2.cvtColor(shown, cv2.COLOR_GRAY2BGR)).points
+        assert sorted(found) == list(range(28))
+        for number, pixels in found.items():
+            place = board.points[number] * 60 + 39.5
+            place = np.array(image.shape[::-1]) - 1 - place if turned else place
+            np.testing.assert_allclose(pixels, place, atol=1)
 
 
 def test_a_part_of_a_board_has_the_corners_that_it_has_in_a_view_of_all_of_it():

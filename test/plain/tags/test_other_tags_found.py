@@ -66,6 +66,16 @@ def test_white_tags_on_black_are_found_as_exactly(random, dictionary, search):
     assert_found(detector.detect(seen(frame, random)), quads, 0.3)
 
 
+@pytest.mark.parametrize('dictionary', ['DICT_6X6_250', 'DICT_4X4_50', 'DICT_APRILTAG_36h11'])
+@pytest.mark.parametrize('search', SEARCHES)
+def test_white_tags_are_found_beside_black_ones(random, dictionary, search):
+    frame, quads = wall(dictionary, 8)
+    frame[:, 320:] = 255 - frame[:, 320:]
+    detector = Detector(dictionary, search=search)
+    for found in detector.detect(seen(frame, random)), detector.search(seen(frame, random), 24):
+        assert_found(found, quads, 0.3)
+
+
 @pytest.mark.parametrize('search', SEARCHES)
 def test_tags_with_a_wide_border_are_found_if_its_width_is_given(random, search):
     frame, quads = wall('DICT_6X6_250', 5, border=2)
