@@ -11,7 +11,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.geometry.homography import homography_to
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.tags.detector import MIN_CONTRAST, MIN_WHOLE, MIN_WHOLE_WIDE, WHOLE_OF_PX
-from aruco_ar.tags.edges import across_sides, compare_tags, fit_tags, sample_cells, side_of
+from aruco_ar.tags.edges import compare_tags, fit_tags, sample_cells, side_of
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
 WINDOWS, OFFSET = (7, 21), 7    # of adaptive thresholds: pixels, and gray levels below the mean around
@@ -138,8 +138,8 @@ def _squares(gray: Image) -> Floats:
     turned = along[:, 0, 0] * along[:, 1, 1] < along[:, 0, 1] * along[:, 1, 0]
     quads[turned] = quads[turned, ::-1]
     quads = quads[np.argsort(-side_of(quads), kind='stable')[:MAX_SQUARES]]
-    inside, outside = across_sides(gray, quads, FITTED_CELLS)
-    white = (inside > outside).sum(axis=1) > 2
+    seen = sample_cells(gray, quads, FITTED_CELLS, -1).reshape(-1, FITTED_CELLS + 2, FITTED_CELLS + 2)
+    white = _ring(seen, 1).mean(axis=1) > _ring(seen, 0).mean(axis=1)
     cells = np.zeros((len(quads), FITTED_CELLS, FITTED_CELLS), np.uint8)
     cells[white] = 255
     quads, _, _ = fit_tags(gray, quads, cells)
@@ -167,8 +167,8 @@ def _grid(gray: Image, quads: Floats, wide: int) -> _Grid:
     return _Grid(wide, good[fits], (cells ^ white[:, None, None])[fits], white[fits], whole[fits])
 
 
-def _ring(cells: Booleans, depth: int) -> Booleans:
-    """(k, m): the cells of the ring at some depth in (k, n, n)."""
+def _ring(cells: Booleans | Floats, depth: int) -> Booleans | Floats:
+    """(k, m): the values of the cells of the ring at some depth in (k, n, n)."""
     count = cells.shape[1]
     rim = np.zeros((count, count), bool)
     rim[depth:count - depth, depth:count - depth] = True
