@@ -5,10 +5,11 @@ from typing import Sequence
 
 import numpy as np
 
-from aruco_ar.tags.tag import Tag
+from aruco_ar.tags.tag import Tag, listed
 from aruco_ar.tracking.area import Area
 
 LASTING_S = 2.0  # a hint is given when it has been true for this time
+GONE_S = 1.0     # and withdrawn after this time: more tags than those of the area are not found in every frame
 NEAR = 0.1       # a corner this near to a tag's center is at that tag; a share of the area's shortest side
 NOTES = MANY_TAGS, UPSIDE_DOWN = 'more than four tags', 'upside down'  # the kinds of sentences
 
@@ -24,7 +25,7 @@ class AreaHints:
     def reset(self) -> None:
         """Forget the frames before."""
         self.sentences: dict[str, str] = {}
-        self._since: dict[str, float] = {}
+        self._true: dict[str, tuple[float, float, str]] = {}  # since when, when last, and the sentence
 
     def update(self, stamp: float, tags: Sequence[Tag], area: Area | None) -> None:
         """Take in a frame at a time, seconds, with the tags in sight and the Area, if it is known."""
@@ -32,10 +33,11 @@ class AreaHints:
         if area is not None:
             found = {MANY_TAGS: None if self._ids else _choice(tags, area),
                      UPSIDE_DOWN: _upside_down(area) if self._upright == 'tags' else None}
-        self._since = {kind: min(self._since.get(kind, stamp), stamp)
-                       for kind, sentence in found.items() if sentence}
-        self.sentences = {kind: sentence for kind, sentence in found.items()
-                          if sentence and stamp - self._since[kind] >= LASTING_S}
+        self._true = {kind: true for kind, true in self._true.items() if 0 <= stamp - true[1] <= GONE_S}
+        self._true.update((kind, (self._true.get(kind, (stamp,))[0], stamp, sentence))
+                          for kind, sentence in found.items() if sentence)
+        self.sentences = {kind: sentence for kind, (since, _, sentence) in self._true.items()
+                          if stamp - since >= LASTING_S}
 
 
 def _choice(tags: Sequence[Tag], area: Area) -> str | None:
@@ -50,11 +52,7 @@ def _choice(tags: Sequence[Tag], area: Area) -> str | None:
     taken = [tags[number].id for number in away.argmin(axis=1)]
     return ('%d tags are in sight: %s. The area is between the outermost four. Keep these four by ids:=%s, '
             'or give four others that span the area you want.' % (
-                len(ids), _listed(ids), ','.join(map(str, taken))))
-
-
-def _listed(ids: Sequence[int]) -> str:
-    return ', '.join(map(str, ids[:12])) + (', ...' if len(ids) > 12 else '')
+                len(ids), listed(ids), ','.join(map(str, taken))))
 
 
 def _upside_down(area: Area) -> str | None:

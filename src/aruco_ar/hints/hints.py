@@ -6,12 +6,14 @@ from typing import Any, Callable, Mapping, Sequence
 from aruco_ar.base.arrays import Image
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
+from aruco_ar.tracking.frame_clock import FrameClock
 
 from .area_hints import AreaHints
 from .light import Light
 from .missed_tags import MissedTags
 from .other_tags import USUAL_BORDER, OtherTags
 from .same_ids import SameIds
+from .shortfall import Shortfall
 
 
 class Hints:
@@ -26,12 +28,13 @@ class Hints:
         ids = detection['ids']
         self._other_tags = OtherTags(detection['dictionary'], ids, detection.get('border', USUAL_BORDER))
         self._missed_tags = MissedTags(detection)
-        self._same_ids, self._light = SameIds(), Light()
+        self._same_ids, self._light, self._shortfall = SameIds(), Light(), Shortfall()
         self._area_hints = AreaHints(ids, upright)
+        self._clock = FrameClock()
 
     @property
     def warning(self) -> str | None:
-        watched = self._same_ids, self._other_tags, self._missed_tags, self._light
+        watched = self._same_ids, self._other_tags, self._missed_tags, self._light, self._shortfall
         return next((each.hint for each in watched if each.hint), None)
 
     @property
@@ -44,19 +47,24 @@ class Hints:
         self._missed_tags.reset()
         self._same_ids.reset()
         self._light.reset()
+        self._shortfall.reset()
         self._area_hints.reset()
 
     def may_search(self, stamp: float) -> bool:
-        """Whether a frame at that time, seconds, may be searched: then nothing must be drawn into it."""
-        return self._other_tags.may_search(stamp) or self._missed_tags.may_search(stamp)
+        """Whether a frame with that stamp, seconds, may be searched: then nothing must be drawn into it."""
+        then = self._clock.now + self._clock.passed(stamp)
+        return self._other_tags.may_search(then) or self._missed_tags.may_search(then)
 
-    def update(self, frame: Image, stamp: float, tags: Sequence[Tag],
-               areas: Sequence[Area | None]) -> list[Callable[[], None]]:
-        """Take in a frame, (h, w, 3) BGR uint8, with its time, seconds.
+    def update(self, frame: Image, stamp: float, tags: Sequence[Tag], areas: Sequence[Area | None],
+               shortfall: str | None = None) -> list[Callable[[], None]]:
+        """Take in a frame, (h, w, 3) BGR uint8, with its stamp, seconds.
 
-        ``tags``: those in sight. ``areas``: each Area, or None where it is not known. Returns functions that
-        search the frame for other tags. They may be called in another thread, and bring hints later.
+        ``tags``: those in sight. ``areas``: each Area, or None where it is not known. ``shortfall``: see
+        Tracker. Returns functions that search the frame for other tags. They may be called in another thread,
+        and bring hints later.
         """
+        self._clock.advance(stamp)
+        stamp = self._clock.now
         has_area = any(area is not None for area in areas)
         seen = {tag.id for tag in tags}
         searches = [self._other_tags.update(frame, stamp, seen, has_area)]
@@ -67,5 +75,6 @@ class Hints:
             self._missed_tags.reset()
         self._same_ids.update(stamp, tags, has_area)
         self._light.update(frame, stamp, bool(tags) or has_area)
+        self._shortfall.update(stamp, shortfall, has_area)
         self._area_hints.update(stamp, tags, areas[0] if len(areas) == 1 else None)
         return [search for search in searches if search is not None]

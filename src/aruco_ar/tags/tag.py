@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Sequence
 
 import cv2
 import numpy as np
@@ -138,6 +139,11 @@ def draw_tag(dictionary: str, tag_id: int, size: int = 700, border: int = 1, qui
     tag = cv2.aruco.generateImageMarker(get_dictionary(dictionary), tag_id, size, borderBits=border)
     margin = round(quiet * size / cells)
     return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=(255,))
+
+
+def listed(ids: Sequence[int]) -> str:
+    """Ids as words: the first twelve."""
+    return ', '.join(map(str, ids[:12])) + (', ...' if len(ids) > 12 else '')
 
 
 def square(sizes: Numbers) -> Floats:

@@ -17,6 +17,7 @@ from .frame_clock import FrameClock
 from .layout import FurtherTags, Layout, NewLayout
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
+from .no_area import why_no_area
 from .tag_search import TagSearch, expected_places
 from .texture import Texture
 
@@ -86,10 +87,17 @@ class Tracker:
         return self._search.as_found([tag for tag in self._repeated if self._counts(tag.id)])
 
     @property
+    def shortfall(self) -> str | None:
+        """Until an area is known: why the tags of the last frame span none; None without tags."""
+        if self._layout is not None:
+            return None
+        return why_no_area(self._ids, self._seen, [tag.id for tag in self._repeated])
+
+    @property
     def explanation(self) -> str:
         """A sentence that says how the area of the last frame is known, or why there is none."""
         if self._layout is None:
-            return 'Four tags have not been seen together.'
+            return self.shortfall or 'Four tags have not been seen together.'
         if self._displaced:
             return 'Tags are not where they were.'
         if self._tags_agreed_at == self._clock.now:

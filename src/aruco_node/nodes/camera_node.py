@@ -168,7 +168,7 @@ class CameraNode(FrameNode):
         """Log what a user may have overlooked, if there is anything, once."""
         tags = [tag for result in results for tag in result.tags]
         tags += [tag for stage in self._stages if stage.tracker for tag in stage.tracker.repeated]
-        work = self._hints.update(frame, stamp, tags, [result.area for result in results])
+        work = self._hints.update(frame, stamp, tags, [result.area for result in results], self._shortfall())
         if self.needs_calibration:
             work += self._lens_checks(stamp, tags)
         for each in work:  # it takes so long that frames would be late
@@ -178,6 +178,11 @@ class CameraNode(FrameNode):
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
+
+    def _shortfall(self):
+        """Why the tags in sight span no area, if there is to be one only; None if poses are wanted."""
+        trackers = [stage.tracker for stage in self._stages if stage.tracker]
+        return trackers[0].shortfall if len(trackers) == 1 and not self.needs_calibration else None
 
     def _log_missing_tags(self, warning):
         """Log that no tag has been in sight for long, once each time, unless a warning says why."""

@@ -1,8 +1,10 @@
 """What a user is told about an area that was found."""
+import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Tag
-from aruco_ar.hints.area_hints import AreaHints
+from aruco_ar import Area, Tag, Tracker, draw_tag
+from aruco_ar.hints.area_hints import MANY_TAGS, AreaHints
+from aruco_ar.hints.hints import Hints
 
 CORNERS = np.float32([[100, 100], [400, 110], [390, 300], [95, 310]])
 SQUARE = np.float32([[-10, -10], [10, -10], [10, 10], [-10, 10]])
@@ -10,6 +12,16 @@ SQUARE = np.float32([[-10, -10], [10, -10], [10, 10], [-10, 10]])
 
 def tags_at(places, first=1):
     return [Tag(first + number, SQUARE + place) for number, place in enumerate(np.float32(places))]
+
+
+def on_wall(places, random):
+    """A frame, (480, 640, 3) uint8, with tags, {id: (x, y) of the center}, 50 pixels wide."""
+    frame = np.full((480, 640), 170.0)
+    for tag_id, (x, y) in places.items():
+        frame[int(y) - 32:int(y) + 32, int(x) - 32:int(x) + 32] = 240
+        frame[int(y) - 25:int(y) + 25, int(x) - 25:int(x) + 25] = draw_tag('DICT_6X6_250', tag_id, 50)
+    frame = cv2.GaussianBlur(frame, (0, 0), 0.7) + random.normal(0, 2, frame.shape)
+    return cv2.cvtColor(np.clip(frame, 0, 255).astype(np.uint8), cv2.COLOR_GRAY2BGR)
 
 
 def sentences(tags, area, ids=(), upright='tags', seconds=3):
@@ -36,6 +48,18 @@ def test_with_four_tags_or_with_one_of_them_out_of_sight_it_says_nothing(tags):
     assert sentences(tags, Area(CORNERS)) == []
 
 
+def test_more_than_four_tags_are_told_though_not_each_frame_is_searched_for_more(random):
+    frame = on_wall({**dict(zip((1, 2, 3, 4), CORNERS)), 5: (250, 245), 6: (200, 160)}, random)
+    tracker, hints, seen = Tracker(), Hints({'dictionary': 'DICT_6X6_250', 'ids': ()}, 'tags'), set()
+    for number in range(120):
+        area = tracker.update(frame, number / 30)
+        hints.update(frame, number / 30, tracker.tags, [area])
+        seen.add(len(tracker.tags))
+        if abs(number - 60) > 1:  # it takes two seconds
+            assert ('6 tags are in sight' in hints.notes.get(MANY_TAGS, '')) == (number > 60)
+    assert seen == {4, 6}
+
+
 def test_an_area_that_is_upside_down_comes_with_the_remedy():
     turned = Area(np.roll(CORNERS, 2, axis=0))
     assert sentences(tags_at(CORNERS), turned) == [
@@ -46,8 +70,55 @@ def test_an_area_that_is_upside_down_comes_with_the_remedy():
 
 def test_a_hint_is_withdrawn_when_it_is_true_no_more():
     hints = AreaHints((), 'tags')
-    for number in range(50):
+    for number in range(60):
         hints.update(number / 10, tags_at(CORNERS), Area(np.roll(CORNERS, 2 if number < 40 else 0, axis=0)))
-        assert bool(hints.sentences) == (20 <= number < 40)
+        if number != 49:  # for a second it might come back
+            assert bool(hints.sentences) == (20 <= number < 49)
     hints.update(6.0, [], None)
     assert hints.sentences == {}
+
+
+ROW = dict(zip((1, 2, 3, 4), ((100, 200), (250, 205), (400, 200), (550, 210))))
+OTHERS = {1: (100, 100), 2: (500, 110), 5: (490, 400), 6: (110, 390)}
+
+
+OF_FOUR = ('Of the tags 1, 2, 3, 4, only %s. Bring all of them into view, or give the ids of four that hang '
+           'there.')
+IN_A_ROW = ('The tags in sight (1, 2, 3, 4) are not the corners of a quadrilateral, so no area is between '
+            'them. Hang one in each corner.')
+
+
+@pytest.mark.parametrize('places, ids, words', [
+    ({7: (100, 100)}, (), 'Only 1 tag is in sight (7), and an area needs four.'),
+    (dict(list(ROW.items())[:3]), (), 'Only 3 tags are in sight (1, 2, 3), and an area needs four.'),
+    (ROW, (), IN_A_ROW),
+    (OTHERS, (1, 2, 3, 4), OF_FOUR % '1, 2 are in sight; others are: 5, 6'),
+    ({1: (100, 100)}, (1, 2, 3, 4), OF_FOUR % '1 is in sight')],
+    ids=['one', 'three', 'in a row', 'others', 'one of four'])
+def test_tags_that_span_no_area_are_named_with_the_reason_and_the_remedy(random, places, ids, words):
+    frame = on_wall(places, random)
+    tracker, hints = Tracker(ids=ids), Hints({'dictionary': 'DICT_6X6_250', 'ids': ids}, 'tags')
+    for number in range(100):
+        area = tracker.update(frame, number / 10)
+        hints.update(frame, number / 10, tracker.tags, [area], tracker.shortfall)
+        assert tracker.explanation == words
+        assert hints.warning == (words if number >= 80 else None)
+    frame = on_wall({**dict(zip((1, 2, 3, 4), CORNERS))}, random)
+    area = tracker.update(frame, 10.0)
+    hints.update(frame, 10.0, tracker.tags, [area], tracker.shortfall)
+    assert area is not None and hints.warning is None
+
+
+@pytest.mark.parametrize('stamp_of', [lambda number: 5.0, lambda number: 100 - number / 30],
+                         ids=['still', 'backward'])
+def test_hints_come_though_stamps_stand_still_or_go_back(random, stamp_of):
+    frame = on_wall(ROW, random)
+    hints = Hints({'dictionary': 'DICT_4X4_50', 'ids': ()}, 'tags')
+    for number in range(300):
+        stamp = stamp_of(number)
+        may_search = hints.may_search(stamp)
+        work = hints.update(frame, stamp, [], [None])
+        assert may_search or not work
+        for search in work:
+            search()
+    assert hints.warning.endswith('Give dictionary:=DICT_6X6_50.')

@@ -5,10 +5,17 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
+from aruco_ar.painting import sources
 from aruco_ar.painting.sources import open_source
 from PIL import Image
 
 RED, GREEN, BLUE = (0, 0, 255), (0, 255, 0), (255, 0, 0)
+
+
+@pytest.fixture(autouse=True)
+def in_time(monkeypatch):
+    """Clips are decoded fast enough, however busy this machine is."""
+    monkeypatch.setattr(sources, 'MAX_CATCH_UP_S', float('inf'))
 
 
 def gif(path, colors, seconds, mode='RGB'):
@@ -48,6 +55,12 @@ def test_a_video_plays_at_its_own_rate_in_a_loop(tmp_path, name, fourcc):
     for number in range(25):  # the camera's rate is not the video's
         gray = np.mean(colors_at(clip, [5.0 + number * 0.13])[0])
         assert abs(gray - 25 * (int(number * 1.3 + 1e-6) % 10)) < 9, number
+
+
+def test_a_clip_that_is_decoded_too_slowly_plays_more_slowly(tmp_path, monkeypatch):
+    clip = open_source(gif(tmp_path / 'a.gif', [RED, GREEN, BLUE], [0.1, 0.1, 0.1]))
+    monkeypatch.setattr(sources, 'MAX_CATCH_UP_S', -1.0)
+    assert colors_at(clip, [0.0, 0.25, 0.34, 0.36]) == [RED, GREEN, GREEN, BLUE]
 
 
 def test_a_clip_continues_where_it_was_if_the_time_jumps(tmp_path):
