@@ -30,14 +30,14 @@ class StopBeforeTheWall(unittest.TestCase):
             try:
                 distances, speed = [], None
                 # The simulated camera looks along x, and the wall is in the plane x = 0.
-                while speed is None or speed > 0.005 or distances[-1] > 1.2:
+                # On a busy machine it may stand still on its way, until the next command comes.
+                while speed is None or speed > 0.005 or distances[-1] > 1.02:
                     message = odometry.next()
                     distances.append(-message.pose.pose.position.x - CAMERA_FORWARD_M)
                     speed = abs(message.twist.twist.linear.x)
             finally:
                 driver.stop()
         self.assertGreater(min(distances), 0.98)
-        self.assertLess(abs(distances[-1] - 1.0), 0.02)
 
 
 if __name__ == '__main__':
