@@ -29,8 +29,8 @@ MAX_FRAMES = 400   # of a video, evenly chosen
 STILLS = 5         # in so many frames, evenly chosen, tags are looked for that are not those of the sheet
 WORDS = Words('calibrate_camera', '--dictionary %s', None)
 OTHER_SHEET = 'Is it the right dictionary (--dictionary NAME)? Are the tags large and sharp, and not mirrored?'
-OTHER_BOARD = ('Are the dictionary (--dictionary NAME) and the squares right, those across first (--charuco 6x8 '
-               'is another board than 8x6)? Is the board sharp, and not mirrored?')
+OTHER_BOARD = ('Are the dictionary (--dictionary NAME) and the squares right, those across first (--charuco '
+               '6x8 is another board than 8x6)? Is the board sharp, and not mirrored?')
 
 
 def board(text):

@@ -50,6 +50,9 @@ class Words(NamedTuple):
     border: str | None = 'border:=%d'
 
 
+OF_NODES = Words()
+
+
 class OtherTags:
     """Looks for other tags, seldom and cheaply, until wanted tags have been in sight.
 
@@ -58,7 +61,7 @@ class OtherTags:
     """
 
     def __init__(self, dictionary: str, ids: Iterable[int], border: float = USUAL_BORDER,
-                 words: Words = Words()) -> None:
+                 words: Words = OF_NODES) -> None:
         """The arguments, but for the ``words`` of the hint, are those of the Detector for the wanted tags."""
         self._words = words
         self._dictionary, self._ids, self._border = dictionary, tuple(ids), int(border)

@@ -169,19 +169,20 @@ def photos(folder, dictionary, count=6, ids=range(6), side=80, border=1, mirrore
 
 MIRRORING = ('are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or flips '
              'the image, turn off this mirroring.')
+LOOKS_FOR = 'are in sight, but calibrate_camera looks for tags of DICT_6X6_250. Give --dictionary '
+ONE_CELL = ('but calibrate_camera looks for one 1 cell wide. Print others: rosrun unit5 '
+            'artag_generator.py.')
 ASKED = 'Is it the right dictionary (--dictionary NAME)?'
 OF_BOARD = ['--charuco', '5x6']
 
 
 @pytest.mark.parametrize('shown, options, words', [
-    ({'dictionary': 'DICT_6X6_250', 'mirrored': True}, [], 'px wide. 6 tags of DICT_6X6_250 (0, 1, 2, 3, 4, 5) '
-     + MIRRORING),
-    ({'dictionary': 'DICT_4X4_50'}, [], '6 tags of DICT_4X4_50 (0, 1, 2, 3, 4, 5) are in sight, but '
-     'calibrate_camera looks for tags of DICT_6X6_250. Give --dictionary DICT_4X4_50.'),
-    ({'dictionary': 'DICT_6X6_250', 'border': 2}, [], 'have a black border 2 cells wide, but calibrate_camera '
-     'looks for one 1 cell wide. Print others: rosrun unit5 artag_generator.py.'),
-    ({'dictionary': 'DICT_5X5_100', 'board': (5, 6)}, OF_BOARD, 'are in sight, but calibrate_camera looks for '
-     'tags of DICT_6X6_250. Give --dictionary DICT_5X5_'),
+    ({'dictionary': 'DICT_6X6_250', 'mirrored': True}, [],
+     'px wide. 6 tags of DICT_6X6_250 (0, 1, 2, 3, 4, 5) ' + MIRRORING),
+    ({'dictionary': 'DICT_4X4_50'}, [],
+     '6 tags of DICT_4X4_50 (0, 1, 2, 3, 4, 5) ' + LOOKS_FOR + 'DICT_4X4_50.'),
+    ({'dictionary': 'DICT_6X6_250', 'border': 2}, [], 'have a black border 2 cells wide, ' + ONE_CELL),
+    ({'dictionary': 'DICT_5X5_100', 'board': (5, 6)}, OF_BOARD, LOOKS_FOR + 'DICT_5X5_'),
     ({'dictionary': 'DICT_6X6_250', 'board': (5, 6), 'mirrored': True}, OF_BOARD, MIRRORING),
     # The right tags, but too few or too small, or a board of other squares.
     ({'dictionary': 'DICT_6X6_250', 'ids': [3]}, [], 'px wide. ' + ASKED),
