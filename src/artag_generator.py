@@ -75,6 +75,8 @@ def parse(argv):
     args = parser.parse_args(argv)
     if args.sheet is not None and not args.sheet.lower().endswith('.pdf'):
         parser.error('--sheet takes the name of a PDF file, such as tags.pdf, not "%s"' % args.sheet)
+    if args.output == '':
+        parser.error('--output takes the name of a folder, not ""')
     if args.around_picture and not args.sheet:
         parser.error('--around-picture is for a sheet. Give the name of its file, too: --sheet tags.pdf')
     refuse_unused(parser, args)
@@ -91,7 +93,10 @@ def refuse_unused(parser, args):
     for name, is_used, where in (
             ('size', not (args.sheet or is_svg), 'a jpg or png; the side on a sheet or in an svg is --side MM'),
             ('side', args.sheet or is_svg, 'a sheet or an svg; the side in a jpg or png is --size PIXELS'),
-            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf')):
+            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf'),
+            ('format', not args.sheet, 'single tags; a sheet is always a PDF'),
+            ('output', not args.sheet, 'single tags; write the folder of a sheet before its name: --sheet %s'
+             % os.path.join(args.output or '', os.path.basename(args.sheet or '')))):
         if getattr(args, name) is not None and not is_used:
             parser.error('--%s is for %s' % (name, where))
 
@@ -109,7 +114,7 @@ def generate(args):
 
 def main(argv):
     # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
-    args = parse([arg for arg in argv if ':=' not in arg])
+    args = parse([arg for arg in argv if not arg.startswith('__')])
     try:
         files = generate(args)
         for path, data in files:

@@ -15,19 +15,22 @@ import aruco_program  # noqa: F401  before all else
 import cv2
 import PIL.Image
 from aruco_ar import InputError
-from aruco_ar.base.files import write_whole
+from aruco_ar.base.files import opened, write_whole
 from aruco_ar.base.progress import progress
 from aruco_ar.calibration.calibrate import calibrate
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_ar.calibration.views import is_spread
+from aruco_ar.hints.other_tags import OtherTags, Words
 from aruco_ar.painting.picture import ORIENTATION
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen
-OTHER_SHEET = 'Choose the dictionary: --dictionary NAME.'
-OTHER_BOARD = ('Choose the dictionary (--dictionary NAME), and the squares, those across first (--charuco 6x8 '
-               'is another board than 8x6).')
+STILLS = 5         # in so many frames, evenly chosen, tags are looked for that are not those of the sheet
+WORDS = Words('calibrate_camera', '--dictionary %s', None)
+OTHER_SHEET = 'Is it the right dictionary (--dictionary NAME)? Are the tags large and sharp, and not mirrored?'
+OTHER_BOARD = ('Are the dictionary (--dictionary NAME) and the squares right, those across first (--charuco '
+               '6x8 is another board than 8x6)? Is the board sharp, and not mirrored?')
 
 
 def board(text):
@@ -64,9 +67,14 @@ class FrameFile:
     """
 
     def __init__(self, path):
-        """Raises InputError if there is no such file."""
-        if not os.path.isfile(path):
+        """Raises InputError if there is no such file, or if it may not be read."""
+        if os.path.isdir(path):
+            raise InputError('"%s" is a folder. Give the video or the photos in it: %s.'
+                             % (path, os.path.join(path, '*')))
+        if not os.path.exists(path):
             raise InputError('There is no file "%s".' % path)
+        with opened(path):
+            pass
         self._path, self._photo = path, cv2.imread(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
         self._video, count = None, 1
         if self._photo is None:
@@ -124,14 +132,26 @@ def look(files, sheet):
     return size, views, turned
 
 
+def hint_at_other_tags(files, count, dictionary):
+    """A sentence about tags of another kind in some of the ``count`` frames of the files, or None."""
+    chosen = {(2 * number + 1) * count // (2 * STILLS) for number in range(STILLS)}
+    others = OtherTags(dictionary, (), words=WORDS)
+    for number, frame in enumerate(frame for path in files for frame in FrameFile(path)):
+        if number in chosen:
+            others.look_at(frame)
+    return others.hint
+
+
 def main(argv):
     args = parse(argv)
     try:
         sheet = CharucoBoard(args.dictionary, *args.charuco) if args.charuco else TagSheet(args.dictionary)
         size, views, turned = look(args.files, sheet)
         if not any(is_spread(view, sheet.points) for view in views):
+            of_others = None if any(view.points for view in views) else \
+                hint_at_other_tags(args.files, len(views), args.dictionary)
             raise InputError('None of %d frames shows %s. %s' % (
-                len(views), sheet.needs, OTHER_BOARD if args.charuco else OTHER_SHEET))
+                len(views), sheet.needs, of_others or (OTHER_BOARD if args.charuco else OTHER_SHEET)))
         print('%d frames of %d x %d pixels' % (len(views), *size))
         if turned:
             print('%d of the files, such as "%s", ask to be turned when they are shown. They are used as the '

@@ -12,7 +12,7 @@ from concurrent.futures import ThreadPoolExecutor
 import aruco_program  # noqa: F401  before all else
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.files import write_whole
+from aruco_ar.base.files import path_of, write_whole
 from aruco_ar.calibration.calibrate import MIN_VIEWS
 from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.progress import SHOW, Progress
@@ -88,7 +88,7 @@ class LiveCalibration(FrameNode):
         if found is None:
             return TriggerResponse(False, 'Nothing is saved. %s' % (
                 progress.why or (SHOW if progress.collection.views else self.report()[1])))
-        path = os.path.expanduser(self.settings.file)
+        path = path_of(self.settings.file)
         try:
             os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
             write_whole(path, camera_yaml(found.lens, self.settings.camera_name).encode())

@@ -28,7 +28,7 @@ def parse(argv):
 
 def main(argv):
     # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
-    args = parse([arg for arg in argv if ':=' not in arg])
+    args = parse([arg for arg in argv if not arg.startswith('__')])
     try:
         files = wall_files(load_wall(args.wall or os.path.join(package_folder(), 'config', 'wall.yaml')))
         folder = args.output or own_folder('gazebo')

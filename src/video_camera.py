@@ -14,8 +14,11 @@ import sys
 import time
 
 import aruco_program  # noqa: F401  before all else
+import cv2
 import roslib.packages
 from aruco_ar import InputError
+from aruco_ar.base.files import opened, path_of
+from aruco_ar.painting.sources import TIMEOUTS, is_video
 
 PUBLISHER = 'image_publisher'  # the name of its package, too
 DEVICE = '/dev/video'
@@ -32,9 +35,9 @@ def find_source(text, folder=''):
     ``folder``: the folder in which a relative path begins. Raises InputError if the source is not there, or
     cannot be used.
     """
-    if '://' in text:
+    if '://' in text and not text.startswith('file:'):
         return text
-    path = DEVICE + text if text.isdigit() else os.path.join(folder, os.path.expanduser(text))
+    path = DEVICE + text if text.isdigit() else os.path.join(folder, path_of(text))
     number = os.path.realpath(path)[len(DEVICE):] if os.path.realpath(path).startswith(DEVICE) else ''
     if text.isdigit() or number.isdigit():  # a name such as /dev/v4l/by-id/... is a link to a webcam
         number = number if number.isdigit() else text
@@ -50,7 +53,19 @@ def find_source(text, folder=''):
                          % (path, os.path.join(path, 'wall.mp4')))
     if not os.access(path, os.R_OK):
         raise InputError('The file "%s" may not be read. Allow it: chmod +r "%s".' % (path, path))
+    if os.path.isfile(path) and not is_shown(path):
+        raise InputError('"%s" is neither a photo nor a video. Give the path of one: '
+                         'source:=/full/path/of/wall.mp4.' % path)
     return path
+
+
+def is_shown(path):
+    """Whether a file begins as a photo or a video does, or OpenCV can read it as one all the same."""
+    with opened(path) as file:
+        # OpenCV ends the process for a path that is not UTF-8, so it gets the descriptor.
+        name = '/proc/self/fd/%d' % file.fileno()
+        return is_video(file) or cv2.haveImageReader(name) or \
+            cv2.VideoCapture(name, cv2.CAP_FFMPEG, TIMEOUTS).grab()
 
 
 def fault_of_webcam(path):

@@ -24,9 +24,9 @@ FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file_
 MARK = 'UNIT5_STRUCK'
 ENDS_S = WAIT_S  # roslaunch waits 15 s for its nodes before it kills them
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
-TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400'],
+TOOLS = {'artag_generator': ['--ids', '0-249', '--format', 'png', '--size', '400', '--output', '.'],
          'artag_generator of a sheet': ['--ids', '0-249', '--sheet', 'tags.pdf'],
-         'gazebo_wall': []}
+         'gazebo_wall': ['--output', '.']}
 LAUNCHES = {'roslaunch exercise5_6.launch': [], 'roslaunch all.launch': []}
 DEMO = 'script/demo'
 NUMBERS = count()
@@ -67,7 +67,7 @@ def command_of(name):
         return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
                 '_port:=%d' % free_port()], space
     if name in TOOLS:
-        return [os.path.join(FOLDER, 'src', name.split()[0] + '.py'), '--output', '.', *TOOLS[name]], space
+        return [os.path.join(FOLDER, 'src', name.split()[0] + '.py'), *TOOLS[name]], space
     if name in LAUNCHES:
         return [*name.replace(' ', ' unit5 ').split(), 'camera:=' + CAMERA], space
     return [os.path.join(FOLDER, DEMO), '--seconds', '30', '--folder', 'demo'], ''

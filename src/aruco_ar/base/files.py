@@ -3,10 +3,12 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import stat
 from collections import Counter
 from contextlib import contextmanager, suppress
 from typing import IO, Any, Iterator
+from urllib.parse import unquote
 
 import yaml
 from yaml.error import MarkedYAMLError
@@ -16,6 +18,7 @@ from .errors import InputError
 # The file of a wall with a thousand tags has 60 kB.
 MAX_YAML_BYTES = 128 * 1024
 
+FILE_ADDRESS = re.compile('file:(?://[^/]*)?(/.*)', re.DOTALL)
 DISK_FULL = errno.ENOSPC, errno.EDQUOT
 NO_UNNAMED_FILES = errno.EOPNOTSUPP, errno.EISDIR  # from file systems without O_TMPFILE
 
@@ -41,8 +44,14 @@ def package_folder() -> str:
 
 
 def in_package(path: str) -> str:
-    """The full path of a file. ``path`` may be relative to the package's folder, or begin with ~."""
-    return os.path.join(package_folder(), os.path.expanduser(path))
+    """The full path of a file. ``path`` may be relative to the package's folder, or what path_of takes."""
+    return os.path.join(package_folder(), path_of(path))
+
+
+def path_of(text: str) -> str:
+    """The path in a text, which may begin with ~, or be an address such as file:///home/me/wall.png."""
+    address = FILE_ADDRESS.match(text)
+    return unquote(address[1], errors='surrogateescape') if address else os.path.expanduser(text)
 
 
 def own_folder(name: str) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.hints.other_tags import OtherTags
+from aruco_ar.hints.other_tags import OF_NODES, OtherTags
 
 from .calibrate import calibrate, corners_apart
 from .calibrated import GOOD_CORNERS_PX, Calibrated
@@ -36,7 +36,7 @@ class Progress:
         self.why = self._path = ''
         self._sheet = sheet
         self._refused = ''  # why the newest view is not kept
-        self._others = OtherTags(sheet.dictionary, ())
+        self._others = OtherTags(sheet.dictionary, (), words=OF_NODES._replace(border=None))
         self._lock = threading.Lock()
 
     def update(self, frame: Image, stamp: float, view: View) -> Callable[[], None] | None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from functools import partial
-from typing import AbstractSet, Callable, FrozenSet, Iterable, Sequence, Tuple
+from typing import AbstractSet, Callable, FrozenSet, Iterable, NamedTuple, Sequence, Tuple
 
 import cv2
 
@@ -31,12 +31,26 @@ CERTAIN = PLAIN, MIRRORED, UNKNOWN
 USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
 MIRRORED_TAGS = ('%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
                  'flips the image, turn off this mirroring.')
-OTHER_BORDER = '%s have a black border %s wide, but the node looks for one %s wide. Give border:=%d.'
-UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that the node knows, so it cannot read them. '
-                "They may be AprilTag's newer ones, such as tagStandard41h12. Print others: rosrun unit5 "
-                'artag_generator.py.')
+OTHER_BORDER = '%s have a black border %s wide, but %s looks for one %s wide. %s.'
+PRINT_OTHERS = 'Print others: rosrun unit5 artag_generator.py'
+UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that %s knows, so it cannot read them. '
+                "They may be AprilTag's newer ones, such as tagStandard41h12. %s.")
 
 Found = FrozenSet[Tuple[Kind, int]]  # tags
+
+
+class Words(NamedTuple):
+    """How a hint names who looks for tags, and the options that help, with a place for the value.
+
+    ``border``: None if there is no such option.
+    """
+
+    seeker: str = 'the node'
+    dictionary: str = 'dictionary:=%s'
+    border: str | None = 'border:=%d'
+
+
+OF_NODES = Words()
 
 
 class OtherTags:
@@ -46,8 +60,10 @@ class OtherTags:
     ``has_looked``: whether other tags have been looked for, or need not be.
     """
 
-    def __init__(self, dictionary: str, ids: Iterable[int], border: float = USUAL_BORDER) -> None:
-        """The arguments are those of the Detector for the tags that are wanted."""
+    def __init__(self, dictionary: str, ids: Iterable[int], border: float = USUAL_BORDER,
+                 words: Words = OF_NODES) -> None:
+        """The arguments, but for the ``words`` of the hint, are those of the Detector for the wanted tags."""
+        self._words = words
         self._dictionary, self._ids, self._border = dictionary, tuple(ids), int(border)
         self._count = len(get_dictionary(dictionary).bytesList)
         self._family = next(family for family in families()
@@ -84,8 +100,7 @@ class OtherTags:
             self.reset()
             self._since = stamp
         self._streaks = streaks
-        if seen:
-            self._doubtful, self._least = stamp, max(FOUR, 2 * len(seen))
+        self._doubt(seen, stamp)
         self._wanted_frames += found_wanted
         if self._wanted_frames >= SURE:  # other tags in sight now hang on another wall
             self.has_looked = True
@@ -105,6 +120,20 @@ class OtherTags:
     @property
     def _sooner(self) -> float:
         return SOONER if len(self._last) < LAST else 1.0
+
+    def look_at(self, frame: Image) -> None:
+        """Search a frame, (h, w, 3) BGR uint8, such as a photo that has no time; in place of ``update``.
+
+        It takes a while. After HITS frames, there may be a hint.
+        """
+        found = self._find(frame)
+        self._doubt({tag_id for kind, tag_id in found if kind == (PLAIN, self._border, self._family)}, 0.0)
+        self._judge(found, 0.0)
+
+    def _doubt(self, seen: AbstractSet[int], stamp: float) -> None:
+        """Take in the ids of the wanted tags in a frame, which may be false."""
+        if seen:
+            self._doubtful, self._least = stamp, max(FOUR, 2 * len(seen))
 
     def _find(self, frame: Image) -> Found:
         """The tags that are in sight exactly once."""
@@ -156,7 +185,7 @@ class OtherTags:
 
     def _sentence(self, kind: Kind, ids: AbstractSet[int]) -> str | None:
         if kind.way == UNKNOWN:
-            return UNKNOWN_TAGS % len(ids)
+            return UNKNOWN_TAGS % (len(ids), self._words.seeker, PRINT_OTHERS)
         smallest = next(name for name in kind.family if max(ids) < len(get_dictionary(name).bytesList))
         is_family = kind.family == self._family
         is_own = is_family and max(ids) < self._count
@@ -165,15 +194,16 @@ class OtherTags:
         if kind.way == MIRRORED:
             return MIRRORED_TAGS % tags
         if kind.border != self._border:
-            return OTHER_BORDER % (tags, _cells(kind.border), _cells(self._border), kind.border)
+            remedy = 'Give ' + self._words.border % kind.border if self._words.border else PRINT_OTHERS
+            return OTHER_BORDER % (tags, _cells(kind.border), self._words.seeker, _cells(self._border), remedy)
         if is_family and not ids.isdisjoint(self._ids or range(self._count)):
             return None  # the node looks for these, but its own search misses them: see MissedTags
         if is_own:
             wanted = ','.join(map(str, self._ids))
             return '%s are in sight, but none of ids:=%s. Give the ids of four of them, or ids:=any.' % (
                 tags, wanted)
-        return '%s are in sight, but the node looks for tags of %s. Give dictionary:=%s.' % (
-            tags, self._dictionary, smallest)
+        return '%s are in sight, but %s looks for tags of %s. Give %s.' % (
+            tags, self._words.seeker, self._dictionary, self._words.dictionary % smallest)
 
 
 def _cells(count: int) -> str:

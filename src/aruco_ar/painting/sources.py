@@ -6,7 +6,7 @@ import re
 import time
 import warnings
 from itertools import count
-from typing import Callable, Iterator
+from typing import IO, Callable, Iterator
 
 import cv2
 
@@ -47,12 +47,17 @@ def open_source(path: str, say: Callable[[str], None] = warnings.warn) -> Still 
         raise InputError('The picture "%s" is not a file; give the full path of a picture or video, or '
                          'topic: and the name of an image topic.' % path)
     with opened(path) as file:
-        if VIDEO_START.match(file.read(START_BYTES)):
+        if is_video(file):
             return Clip(path, _video, say)
     with opened_picture(path, KINDS) as image:
         if image.format not in ANIMATED_FORMATS or not getattr(image, 'is_animated', False):
             return Still(picture_of(image))
     return Clip(path, _animation, say)
+
+
+def is_video(file: IO[bytes]) -> bool:
+    """Whether a file begins as a video does."""
+    return bool(VIDEO_START.match(file.read(START_BYTES)))
 
 
 class Still:

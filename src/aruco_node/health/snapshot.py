@@ -6,7 +6,7 @@ from datetime import datetime
 import cv2
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.files import write_whole
+from aruco_ar.base.files import path_of, write_whole
 from std_srvs.srv import Trigger, TriggerResponse
 
 from .faults import note_fault
@@ -58,7 +58,7 @@ class SnapshotService:
 
     def _write(self):
         """Write the files, all or none. Returns their paths. Raises InputError if they cannot be written."""
-        folder = os.path.abspath(os.path.expanduser(self._folder()))
+        folder = os.path.abspath(path_of(self._folder()))
         # The name has this time and not the frame's own, which recurs while a bag is played in a loop.
         start = '%s_%s' % (rospy.get_name()[1:].replace('/', '_'),
                            datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3])

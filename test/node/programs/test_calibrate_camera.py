@@ -116,6 +116,8 @@ def test_a_real_board_is_found_white_on_black_too(package, negated):
 
 @pytest.mark.parametrize('arguments, words', [
     (['none.mp4'], ['There is no file "none.mp4"']),
+    (['sheet'], ['"sheet" is a folder. Give the video or the photos in it: sheet/*.']),
+    (['/dev/null'], ['"/dev/null" is not a file but a folder, pipe or device']),
     (['{text}'], ['text.mp4" is neither a video nor a photo']),
     (['{gray}'], ['None of 1 frames shows two tags of DICT_6X6_250', '--dictionary NAME']),
     (['{gray}', '--charuco', '6x8'], ['None of 1 frames shows 8 corners of a board of 6 x 8 squares',
@@ -125,6 +127,7 @@ def test_a_real_board_is_found_white_on_black_too(package, negated):
     (['{gray}', '--charuco', '1x1'], ['"1x1" is no board', '5x7:0.75'])])
 def test_what_cannot_be_used_is_refused_by_name(package, tmp_path, arguments, words):
     (tmp_path / 'text.mp4').write_text('no video')
+    (tmp_path / 'sheet').mkdir()
     cv2.imwrite(str(tmp_path / 'gray.png'), np.full((480, 640, 3), 90, np.uint8))
     cv2.imwrite(str(tmp_path / 'small.png'), np.full((48, 64, 3), 90, np.uint8))
     names = {'text': tmp_path / 'text.mp4', 'gray': tmp_path / 'gray.png', 'small': tmp_path / 'small.png'}
@@ -135,3 +138,60 @@ def test_what_cannot_be_used_is_refused_by_name(package, tmp_path, arguments, wo
     for word in words:
         assert word in done.stderr
     assert 'Traceback' not in done.stderr
+
+
+def photos(folder, dictionary, count=6, ids=range(6), side=80, border=1, mirrored=False, board=None, others=()):
+    """The paths of photos of a sheet of tags, or of a ``board`` of (columns, rows), which moves a little.
+
+    ``others``: ids of tags of DICT_4X4_50 on the same sheet.
+    """
+    table = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, dictionary))
+    paths = []
+    for number in range(count):
+        photo = np.full((480, 640, 3), 170, np.uint8)
+        if board:
+            drawn = cv2.aruco.CharucoBoard(board, 1.0, 0.75, table).generateImage((400, 440), marginSize=10)
+            photo[20:460, 100 + 10 * number:500 + 10 * number] = drawn[..., None]
+        else:
+            photo[30:450, 40:600] = 240
+            small = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+            for place, (each, tag_id) in enumerate([(table, tag_id) for tag_id in ids]
+                                                   + [(small, tag_id) for tag_id in others]):
+                tag = cv2.aruco.generateImageMarker(each, tag_id, side, borderBits=border)
+                y, x = 70 + 4 * number + 160 * (place // 3), 70 + 8 * number + 160 * (place % 3)
+                photo[y:y + side, x:x + side] = tag[..., None]
+        noise = np.random.RandomState(number).normal(0, 3, photo.shape)
+        photo = np.clip(np.round(photo + noise), 0, 255).astype(np.uint8)
+        paths.append(str(folder / ('photo%d.png' % number)))
+        cv2.imwrite(paths[-1], photo[:, ::-1] if mirrored else photo)
+    return paths
+
+
+MIRRORING = ('are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or flips '
+             'the image, turn off this mirroring.')
+LOOKS_FOR = 'are in sight, but calibrate_camera looks for tags of DICT_6X6_250. Give --dictionary '
+ONE_CELL = ('but calibrate_camera looks for one 1 cell wide. Print others: rosrun unit5 '
+            'artag_generator.py.')
+ASKED = 'Is it the right dictionary (--dictionary NAME)?'
+OF_BOARD = ['--charuco', '5x6']
+
+
+@pytest.mark.parametrize('shown, options, words', [
+    ({'dictionary': 'DICT_6X6_250', 'mirrored': True}, [],
+     'px wide. 6 tags of DICT_6X6_250 (0, 1, 2, 3, 4, 5) ' + MIRRORING),
+    ({'dictionary': 'DICT_4X4_50'}, [],
+     '6 tags of DICT_4X4_50 (0, 1, 2, 3, 4, 5) ' + LOOKS_FOR + 'DICT_4X4_50.'),
+    ({'dictionary': 'DICT_6X6_250', 'border': 2}, [], 'have a black border 2 cells wide, ' + ONE_CELL),
+    ({'dictionary': 'DICT_5X5_100', 'board': (5, 6)}, OF_BOARD, LOOKS_FOR + 'DICT_5X5_'),
+    ({'dictionary': 'DICT_6X6_250', 'board': (5, 6), 'mirrored': True}, OF_BOARD, MIRRORING),
+    # The right tags, but too few or too small, or a board of other squares.
+    ({'dictionary': 'DICT_6X6_250', 'ids': [3]}, [], 'px wide. ' + ASKED),
+    ({'dictionary': 'DICT_6X6_250', 'ids': [3], 'others': [1, 2, 4]}, [], 'px wide. ' + ASKED),
+    ({'dictionary': 'DICT_6X6_250', 'side': 18}, [], 'px wide. ' + ASKED),
+    ({'dictionary': 'DICT_6X6_250', 'ids': []}, [], 'px wide. ' + ASKED),
+    # One photo may show anything.
+    ({'dictionary': 'DICT_4X4_50', 'count': 1}, [], 'px wide. ' + ASKED)])
+def test_tags_that_are_not_those_of_the_sheet_are_named_with_the_remedy(tmp_path, shown, options, words):
+    with pytest.raises(SystemExit, match='None of . frames shows ') as ended:
+        main([*photos(tmp_path, **shown), *options, '--out', str(tmp_path / 'camera.yaml')])
+    assert words in str(ended.value) and ':=' not in str(ended.value)

@@ -1,24 +1,53 @@
 """video_camera.py: what it opens, and what it says about what is not there."""
 import errno
 import os
+import shutil
 import struct
 import subprocess
 import sys
 from types import SimpleNamespace
 
+import cv2
+import numpy as np
 import pytest
 import video_camera
 from aruco_ar import InputError
 from rig.processes.started import WAIT_S
 from video_camera import find_source
 
+VIDEO = b'\x00\x00\x00\x18ftypmp42'
+
 
 def test_paths_addresses_and_relative_paths_are_found(tmp_path):
     path = tmp_path / 'wall clip.mp4'
-    path.write_bytes(b'')
+    path.write_bytes(VIDEO)
     assert find_source(str(path)) == str(path)
     assert find_source('wall clip.mp4', str(tmp_path)) == str(path)
     assert find_source('http://phone:8080/video', str(tmp_path)) == 'http://phone:8080/video'
+    for address in 'file://%s' % path, 'file:' + str(path), path.as_uri(), 'file://localhost%s' % path:
+        assert find_source(address, '/elsewhere') == str(path)
+
+
+def test_a_file_that_is_neither_a_photo_nor_a_video_is_named(tmp_path):
+    for name, data in (('notes.png', b'Buy milk.\n'), ('empty.mp4', b''),
+                       ('list.avi', b'ffconcat version 1.0\n')):
+        (tmp_path / name).write_bytes(data)
+        with pytest.raises(InputError, match='/%s" is neither a photo nor a video. Give the path of' % name):
+            find_source(str(tmp_path / name))
+
+
+def test_photos_and_videos_of_any_name_and_format_are_taken(tmp_path, package):
+    image = np.random.RandomState(1).randint(0, 256, (48, 64, 3)).astype(np.uint8)
+    for name in 'a.jpg', 'a.png', 'a.bmp', 'a.webp', 'a.tiff':
+        cv2.imwrite(str(tmp_path / name), image)
+        (tmp_path / name).rename(tmp_path / (name + '.old'))
+        assert find_source(name + '.old', str(tmp_path)) == str(tmp_path / (name + '.old'))
+    header = b'YUV4MPEG2 W64 H48 F25:1 Ip A1:1 C420\nFRAME\n'
+    (tmp_path / 'raw.y4m').write_bytes(header + bytes(64 * 48 * 3 // 2))
+    assert find_source('raw.y4m', str(tmp_path)) == str(tmp_path / 'raw.y4m')
+    of_no_text = os.fsdecode(bytes(tmp_path) + b'/\xff.png')  # not UTF-8
+    shutil.copy(package + '/images/earth.jpg', of_no_text)
+    assert find_source(of_no_text) == find_source('file://%s/%%ff.png' % tmp_path) == of_no_text
 
 
 def test_what_is_missing_is_named_with_the_remedy(tmp_path):
@@ -135,6 +164,7 @@ def test_it_says_so_once_waits_and_then_becomes_image_publisher(package, tmp_pat
              'ROS_PACKAGE_PATH': str(tmp_path / 'share')})
     said = process.stderr.readline()
     assert 'There is no file "%s"' % path in said and 'Waiting for it' in said
-    path.write_bytes(b'')
+    (tmp_path / 'whole').write_bytes(VIDEO)
+    (tmp_path / 'whole').rename(path)
     output, errors = process.communicate(timeout=WAIT_S)
     assert output == 'published: %s __name:=eye\n' % path and errors == ''

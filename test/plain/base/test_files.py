@@ -11,7 +11,7 @@ import time
 
 import pytest
 from aruco_ar import InputError
-from aruco_ar.base.files import write_whole
+from aruco_ar.base.files import in_package, write_whole
 
 WRITING = '''
 import sys
@@ -57,3 +57,11 @@ def test_a_file_is_replaced_or_stays_as_it_was(tmp_path, monkeypatch, has_namele
         write_whole(str(path), 'no bytes')
     assert [each.name for each in path.parent.iterdir()] == ['it.txt'] and path.read_bytes() == b'another'
     assert [each.name for each in path.parent.parent.iterdir()] == ['for']
+
+
+def test_a_path_may_be_given_as_an_address():
+    assert in_package('file:///home/me/my%20wall.png') == '/home/me/my wall.png'
+    assert in_package('file:/home/me/wall.png') == '/home/me/wall.png'
+    assert in_package('file://localhost/wall.png') == '/wall.png'
+    for name in 'file:me', 'files/wall.png':  # these are names
+        assert in_package(name).endswith('/' + name)

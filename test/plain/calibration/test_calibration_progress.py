@@ -17,12 +17,12 @@ BETTER = 'Newer views tell a better lens: at the corners of the image it may be 
          'one is 1.4 px away from it. To save the better one: SAVE'
 
 
-def frame_with(dictionary, side):
+def frame_with(dictionary, side, border=1):
     frame = FRAME.copy()
     for number in range(4):
         x, y = 60 + 140 * number, 200
         frame[y - 20:y + side + 20, x - 20:x + side + 20] = 255
-        frame[y:y + side, x:x + side] = draw_tag(dictionary, number, side)[..., None]
+        frame[y:y + side, x:x + side] = draw_tag(dictionary, number, side, border)[..., None]
     return frame
 
 
@@ -46,6 +46,8 @@ def test_what_keeps_a_sheet_from_being_seen_is_named():
     said = show(Progress(SIZE, tags), frame_with('DICT_4X4_50', 60), 20)
     assert said.startswith('4 tags of DICT_4X4_50 (0, 1, 2, 3) are in sight') and \
         'Give dictionary:=DICT_4X4_50.' in said
+    said = show(Progress(SIZE, tags), frame_with('DICT_6X6_250', 60, border=2), 20)
+    assert 'have a black border 2 cells wide, but the node looks for one 1 cell wide. Print others: ' in said
     board = CharucoBoard('DICT_6X6_250', 5, 7, 0.7)
     assert 'of a board of 5 x 7 squares' in show(Progress(SIZE, board), FRAME, sheet=board)
 

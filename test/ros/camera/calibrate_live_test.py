@@ -35,7 +35,7 @@ class CalibrateLive(BrowserTest):
         self.shown = self.frames[:3]
         self.publisher = rospy.Publisher(CAMERA, Image, queue_size=1)
         self.addCleanup(self.publisher.unregister)
-        self.node = node('calibrate_live.py', '_file:=' + self.file, '_camera_name:=webcam')
+        self.node = node('calibrate_live.py', '_file:=file://' + self.file, '_camera_name:=webcam')
         self.addCleanup(self.node.stop)
         rospy.wait_for_service('/calibrate_live/save', WAIT_S)
         numbers = itertools.count()

@@ -103,7 +103,8 @@ class DiskFull(NodeTest):
                             ('artag_generator', ['--sheet', self.folder + '/tags.pdf', '--ids', '0-249']),
                             ('gazebo_wall', [])):
             self.fill(20 * PAGE_BYTES if tool == 'artag_generator' else 5 * PAGE_BYTES)
-            command = [os.path.join(SOURCE, tool + '.py'), '--output', self.folder, *words]
+            output = [] if '--sheet' in words else ['--output', self.folder]
+            command = [os.path.join(SOURCE, tool + '.py'), *output, *words]
             done = subprocess.run(command, capture_output=True, text=True)
             self.assertEqual(done.returncode, 1, done)
             self.assertRegex(done.stderr, '%s: Cannot write "%s/.*": No space left on device. Make room there, '

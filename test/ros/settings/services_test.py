@@ -58,7 +58,7 @@ class Services(NodeTest):
         connections.wait(0)  # it unsubscribes from the camera again
 
     def test_a_snapshot_has_the_same_result_as_the_subscribers_get(self):
-        self.start_before_camera('exercise5_5', '_folder:=' + self.folder, topics=['mask', 'image'])
+        self.start_before_camera('exercise5_5', '_folder:=file://' + self.folder, topics=['mask', 'image'])
         self.answer_to(scene())  # by then the earlier frames are answered
         images = []
 
