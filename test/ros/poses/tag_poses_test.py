@@ -40,7 +40,7 @@ def angle_between(one, other):
 class TagPoses(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.tf = tf2_ros.Buffer(rospy.Duration(60))
+        cls.tf = tf2_ros.Buffer(rospy.Duration(3600))
         cls.listener = tf2_ros.TransformListener(cls.tf)
         cls.moments = moments(TOPICS, COUNT)
 
@@ -105,7 +105,7 @@ class TagPoses(unittest.TestCase):
             message = moment['/tag_poses/poses']
             for tag in message.tags:
                 found = self.tf.lookup_transform('camera_rgb_optical_frame', 'tag_%d' % tag.id,
-                                                 message.header.stamp)
+                                                 message.header.stamp, rospy.Duration(WAIT_S))
                 there = found.transform.translation
                 position = tag.pose.pose.position
                 np.testing.assert_allclose([there.x, there.y, there.z], [position.x, position.y, position.z],
