@@ -26,6 +26,7 @@ JPEG_QUALITY = 80  # the default of compressed_image_transport
 MAX_SIDE_PX = 32766
 # A PNG of a single gray has about 755 pixels in a byte, and zlib cannot exceed 1032. A JPEG has fewer.
 MAX_PIXELS_PER_BYTE = 1100
+DEPTH = 'compressedDepth'  # in the format of a depth image, which is neither JPEG nor PNG
 MAX_ENCODING = 40  # no name of an encoding is longer, in characters
 
 # The encodings that most cameras send: numbers per pixel, and the code for cv2.cvtColor. cv_bridge takes thirty
@@ -264,6 +265,9 @@ def _too_large(frame):
 
 
 def _undecodable(message):
+    if DEPTH in message.format:
+        return InputError('A compressed frame (format "%s") is a depth image, which has no colors. Give a topic '
+                          'of colors.' % shorten(message.format, 40), kind='depth image')
     return InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be a complete '
                       'JPEG or PNG.' % (shorten(message.format, 40), len(message.data)),
                       kind='undecodable frame')

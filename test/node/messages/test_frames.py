@@ -150,6 +150,15 @@ def test_undecodable_compressed_data_is_explained(data):
         frame_from_compressed(CompressedImage(data=data))
 
 
+@pytest.mark.parametrize('format', ['16UC1; compressedDepth', '32FC1; compressedDepth png',
+                                    '16UC1; compressedDepth rvl'])
+def test_a_compressed_depth_image_is_named_as_such(format):
+    png = cv2.imencode('.png', np.full((8, 8), 1000, np.uint16))[1].tobytes()
+    with pytest.raises(InputError, match='"%s.* is a depth image' % format[:20]) as error:
+        frame_from_compressed(CompressedImage(format=format, data=bytes(12) + png))
+    assert 'JPEG' not in str(error.value)
+
+
 RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']
 
 

@@ -33,7 +33,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 KINDS = {'empty frame', END_OF_VIDEO, 'encoding', 'short frame', 'short step', 'large frame',
-         'half a pair of pixels', 'undecodable frame'}
+         'half a pair of pixels', 'undecodable frame', 'depth image'}
 
 
 def image(pixels, encoding, big=0):
