@@ -116,7 +116,7 @@ GOOD = message(COLORS, 'bgr8')
     (dict(encoding='16SC1', width=72), '"16SC1"'),
     (dict(encoding='nonsense'), '"nonsense"'),
     (dict(encoding=''), '""'),
-    (dict(step=10), 'step of 10 bytes, but 48 pixels'),
+    (dict(step=10, data=GOOD.data + b'0'), 'step of 10 bytes, but 48 pixels'),
     (dict(width=10**4), 'step of 144 bytes, but 10000'),
     (dict(width=10**6), '1000000 x 32 pixels is too large'),
 ])
