@@ -11,7 +11,7 @@ import genpy
 import rosbag
 from aruco_ar.base.errors import InputError
 from aruco_node.messages.images import TRANSPORTS
-from aruco_node.messages.topics import IMAGE_TYPES, raw_topic
+from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
 from aruco_node.nodes.calibration import info_topics
 from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
@@ -42,13 +42,17 @@ class Piece:
 
 
 def pieces_of(path, seconds=PIECE_S):
-    """All Pieces of all image topics of a bag. Raises InputError if the bag cannot be read."""
+    """All Pieces of the image topics of a bag, and a list of sentences on the topics that are left out.
+
+    Raises InputError if the bag cannot be read.
+    """
     length = round(seconds * 1e9)
     with opened(path) as bag:
         kinds = bag.topics()
         topics = {topic: TRANSPORT_OF[kind] for topic, kind in kinds.items() if kind in TRANSPORT_OF}
         if not topics:
             raise InputError('it has no images: no topic has the type %s.' % ' or '.join(IMAGE_TYPES.values()))
+        notes = _leave_out_copies(topics)
         first = bag.begin().to_nsec()
         # For each topic: {number of a piece that has messages of it: time of the last of these messages}.
         infos = {topic: info for topic in topics for info in reversed(info_topics(raw_topic(topic)))
@@ -67,7 +71,19 @@ def pieces_of(path, seconds=PIECE_S):
             pieces.append(Piece(path, topic, transport, camera, number, _time(first + number * length),
                                 _time(first + (number + 1) * length), info,
                                 known[before - 1][1] if before else None))
-    return pieces
+    return pieces, notes
+
+
+def _leave_out_copies(topics):
+    """Remove compressed topics from {topic: transport} whose raw frames are there, too. Returns sentences."""
+    raw = {_absolute(topic): topic for topic, transport in topics.items() if transport == 'raw'}
+    copies = {topic: raw[camera] for topic, transport in topics.items()
+              for camera in [_absolute(raw_topic(topic))]
+              if transport == 'compressed' and topic.endswith(SUFFIX) and camera in raw}
+    for topic in copies:
+        del topics[topic]
+    return ['%s and %s are of the same camera, so only %s is processed.' % (camera, topic, camera)
+            for topic, camera in copies.items()]
 
 
 def messages(piece):

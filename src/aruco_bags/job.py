@@ -51,7 +51,7 @@ class Job:
         return _is_whole(self._hidden, self._folder)
 
     def pieces(self):
-        """The Pieces of the bag: see pieces_of."""
+        """The Pieces of the bag, and sentences: see pieces_of."""
         return pieces_of(self.path, self._seconds)
 
     def annotate(self, piece):

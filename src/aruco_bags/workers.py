@@ -86,16 +86,16 @@ class _Work:
 
     def do(self, jobs):
         """Do the Jobs. Returns how many frames were processed."""
-        plans = dict(self._done({self._submit(job.pieces): job for job in jobs}, 'bags, to index'))
+        plans = {}
+        for job, (plan, notes) in self._done({self._submit(job.pieces): job for job in jobs}, 'bags, to index'):
+            plans[job] = plan
+            self._tell_once(job, notes)
         # In the order in which the bags were given, not in which they were indexed.
         pieces = {self._submit(job.annotate, piece): job for job in jobs for piece in plans.get(job, [])}
         left, joins = {job: len(plan) for job, plan in plans.items()}, {}
         for job, (frames, faults) in self._done(pieces, 'pieces'):
             self._frames += frames
-            for fault in faults:
-                if (job, fault) not in self._printed:
-                    self._printed.add((job, fault))
-                    tell('Bag "%s": %s' % (job.path, fault))
+            self._tell_once(job, faults)
             left[job] -= 1
             if not left[job]:
                 # Before further pieces, since until then this bag's output is on the disk twice.
@@ -103,6 +103,12 @@ class _Work:
         for job, _ in self._done(joins, 'bags, to join'):
             tell('Wrote %s' % job.bag)
         return self._frames
+
+    def _tell_once(self, job, sentences):
+        for sentence in sentences:
+            if (job, sentence) not in self._printed:
+                self._printed.add((job, sentence))
+                tell('Bag "%s": %s' % (job.path, sentence))
 
     def _submit(self, work, *arguments, priority=0):
         return self._client.submit(_tried, work, *arguments, pure=False, priority=priority)

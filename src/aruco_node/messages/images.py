@@ -16,6 +16,7 @@ from unit5.msg import TagArray
 from aruco_node.ros_internals.subscribers import tolerant
 
 from .bridge import bytes_of_pixel, convert
+from .deep_png import colors_of, is_deep
 from .levels import WHITES, Levels
 from .yuv import UYVY, YUY2, order_of
 
@@ -26,6 +27,7 @@ JPEG_QUALITY = 80  # the default of compressed_image_transport
 MAX_SIDE_PX = 32766
 # A PNG of a single gray has about 755 pixels in a byte, and zlib cannot exceed 1032. A JPEG has fewer.
 MAX_PIXELS_PER_BYTE = 1100
+DEPTH = 'compressedDepth'  # in the format of a depth image, which is neither JPEG nor PNG
 MAX_ENCODING = 40  # no name of an encoding is longer, in characters
 
 # The encodings that most cameras send: numbers per pixel, and the code for cv2.cvtColor. cv_bridge takes thirty
@@ -37,10 +39,13 @@ READ_AS = {'8uc1': 'mono8', '8uc3': 'bgr8', '8uc4': 'bgra8', '16uc1': 'mono16', 
            '16uc4': 'bgra16', 'mono': 'mono8', 'gray': 'mono8', 'grey': 'mono8', 'y8': 'mono8', 'y16': 'mono16',
            'rgb': 'rgb8', 'bgr': 'bgr8', 'rgba': 'rgba8', 'bgra': 'bgra8', 'uyvy': UYVY, 'yuyv': YUY2,
            'yuy2': YUY2}
-IF_WRONG = {'bgr8': ' Say rgb8 if blue is red.', 'mono16': ' If they hold distances, give a topic of colors.'}
+BAYER = {'bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16)}
+IN_CAPITALS = {*FAST, *READ_AS.values(), *BAYER, 'rgb16', 'rgba16'}  # encodings that may be written so
+IF_WRONG = {**{'bgr' + rest: ' Say rgb%s if blue is red.' % rest for rest in ('8', 'a8', '16', 'a16')},
+            'mono16': ' If they hold distances, give a topic of colors.'}
 # Kinds of notes: how frames are read that do not say what they are, or are not what they say.
-ENCODING, LEVELS, END_MARKER = 'encoding', 'gray levels', 'JPEG'
-NOTES = ENCODING, LEVELS, END_MARKER
+ENCODING, LEVELS, END_MARKER, STEP = 'encoding', 'gray levels', 'JPEG', 'step'
+NOTES = ENCODING, LEVELS, END_MARKER, STEP
 
 
 class FrameMessage(Image):
@@ -119,7 +124,8 @@ class ImageDecoder(_Decoder):
         encoding = message.encoding
         if encoding not in FAST:
             encoding = _encoding_of(encoding, notes)
-            rows = _rows(message, encoding, FAST[encoding][0] if encoding in FAST else bytes_of_pixel(encoding))
+            rows = _rows(message, encoding, FAST[encoding][0] if encoding in FAST else bytes_of_pixel(encoding),
+                         notes)
             if encoding.endswith('16'):
                 values = rows.view('>u2' if message.is_bigendian else '<u2').astype(np.uint16, copy=False)
                 rows = self._to_8_bits(values, encoding, notes)
@@ -130,7 +136,7 @@ class ImageDecoder(_Decoder):
                 keeps_alpha = self._keeps_alpha and encoding in ('bgra8', 'rgba8')
                 return convert(rows, encoding, 'bgra8' if keeps_alpha else 'bgr8')
         else:
-            rows = _rows(message, encoding, FAST[encoding][0])
+            rows = _rows(message, encoding, FAST[encoding][0], notes)
         channels, code = FAST[encoding]
         pixels = rows.reshape((message.height, message.width) + (channels,) * (channels > 1))
         return pixels.copy() if code is None else cv2.cvtColor(pixels, code)
@@ -154,7 +160,7 @@ def _encoding_of(encoding, notes):
     for prefix in 'type_', 'cv_':
         name = name[len(prefix):] if name.startswith(prefix) else name
     read_as = READ_AS.get(name, name)
-    if read_as == encoding or not (read_as in FAST or read_as in READ_AS.values()):
+    if read_as == encoding or read_as not in IN_CAPITALS:
         return encoding
     notes[ENCODING] = 'Frames with the encoding "%s" are read as %s. Name it where they are published: ' \
         'cv2_to_imgmsg(image, "%s").%s' % (encoding.strip(), read_as, read_as, IF_WRONG.get(read_as, ''))
@@ -170,25 +176,29 @@ def _in_true_order(rows, encoding, notes):
     return true
 
 
-def _rows(message, encoding, size):
+def _rows(message, encoding, size, notes):
     """An Image's data as a contiguous (h, bytes per row) uint8 array, without the padding of its rows.
 
     ``size``: how many bytes a pixel of this encoding has.
     """
-    row = message.width * size
+    row, step = message.width * size, message.step
     if encoding in (UYVY, YUY2) and message.width % 2:
         raise InputError('A frame of %s has %d pixels in a row, but must have an even number. Check the '
                          'camera driver.' % (encoding, message.width), kind='half a pair of pixels')
-    if message.step < row:
+    if step < row and len(message.data) == row * message.height:  # filled in by hand
+        notes[STEP] = 'Frames have a step of %d bytes, but as many bytes as rows of %d take, and are read ' \
+            'so. Set step to %d where they are published.' % (step, row, row)
+        step = row
+    if step < row:
         raise InputError('A frame has a step of %d bytes, but %d pixels of %s take %d. Check the '
                          'camera driver.' % (message.step, message.width, encoding, row),
                          kind='short step')
-    if len(message.data) < message.step * message.height:
+    if len(message.data) < step * message.height:
         raise InputError('A frame has %d bytes, but by its step and height it must have %d. Check the '
-                         'camera driver.' % (len(message.data), message.step * message.height),
+                         'camera driver.' % (len(message.data), step * message.height),
                          kind='short frame')
-    data = np.frombuffer(message.data, np.uint8, message.step * message.height)
-    return np.ascontiguousarray(data.reshape(message.height, message.step)[:, :row])
+    data = np.frombuffer(message.data, np.uint8, step * message.height)
+    return np.ascontiguousarray(data.reshape(message.height, step)[:, :row])
 
 
 def check_size(width, height):
@@ -210,6 +220,10 @@ class CompressedDecoder(_Decoder):
                 if picture.mode.startswith('I'):  # 16-bit gray
                     gray = self._to_8_bits(np.asarray(picture).astype(np.uint16), 'mono16', notes)
                     return cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
+                if is_deep(message.data):
+                    values = colors_of(message.data, *picture.size)
+                    scaled = self._to_8_bits(values.reshape(len(values), -1), 'bgr16', notes)
+                    return scaled.reshape(values.shape)
                 return cv2.cvtColor(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
                                     cv2.COLOR_RGB2BGR)
         except InputError:
@@ -264,6 +278,9 @@ def _too_large(frame):
 
 
 def _undecodable(message):
+    if DEPTH in message.format:
+        return InputError('A compressed frame (format "%s") is a depth image, which has no colors. Give a '
+                          'topic of colors.' % shorten(message.format, 40), kind='depth image')
     return InputError('A compressed frame (format "%s", %d bytes) cannot be decoded; it must be a complete '
                       'JPEG or PNG.' % (shorten(message.format, 40), len(message.data)),
                       kind='undecodable frame')

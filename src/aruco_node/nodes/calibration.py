@@ -26,6 +26,8 @@ READ_AS = {'': PLUMB_BOB, 'radtan': PLUMB_BOB, 'radial_tangential': PLUMB_BOB, '
 # rational_polynomial, so their number tells the two apart.
 COEFFICIENTS = {PLUMB_BOB: (0, 4, 5, 8, 12, 14), RATIONAL: (0, 4, 5, 8, 12, 14), FISHEYE: (0, 4)}
 MOST_OF_PLUMB_BOB = 5
+# In the names of models whose lens bends lines even if all coefficients are 0.
+OF_FISHEYE = 'fish', 'equi', 'kannala', 'theta', 'omni'
 # Kinds of InputErrors.
 NO_CAMERA_INFO, NO_CALIBRATION = 'no camera_info', 'camera_info without calibration'
 CALIBRATE = 'Calibrate it: rosrun unit5 calibrate_camera.py --help'
@@ -101,18 +103,24 @@ def _distortion(info, notes):
         notes[kind] = 'its distortion model is "%s"%s.' % (
             given, ', so its coefficients are not used' if np.any(coefficients) else ', so the lens has none')
         return np.array([]), False
-    lengths = [length for length in COEFFICIENTS.get(model, ())
+    if not np.all(np.isfinite(coefficients)):
+        raise InputError('the coefficients of its distortion, D, are not all numbers: %s. %s' % (
+            shorten(', '.join('%.4g' % each for each in coefficients[:99]), 80), CALIBRATE),
+            kind='camera_info with a broken distortion')
+    unknown = () if any(part in name.lower() for part in OF_FISHEYE) else (0,)
+    lengths = [length for length in COEFFICIENTS.get(model, unknown)
                if length <= len(coefficients) and not np.any(coefficients[length:])]
-    if not lengths or not np.all(np.isfinite(coefficients)):
+    if not lengths:
         raise InputError('its distortion model "%s" with %d coefficients is not supported. Supported are '
                          'plumb_bob (4 or 5), rational_polynomial (8, 12 or 14) and equidistant (4)'
                          % (shorten(given, 40), len(coefficients)), kind='camera_info with another distortion')
     coefficients = coefficients[:max(lengths)]  # without the zeros that some drivers append
     if model != FISHEYE and len(coefficients):
         model = RATIONAL if len(coefficients) > MOST_OF_PLUMB_BOB else PLUMB_BOB
-    if given and given != model:
+    if given and (given != model or model not in COEFFICIENTS):
         notes[kind] = 'its distortion model "%s" with %d coefficients is read as %s.' % (
-            given, len(info.D), model if len(coefficients) or model == FISHEYE else 'no distortion')
+            shorten(given, 40), len(info.D),
+            model if len(coefficients) or model == FISHEYE else 'no distortion')
     if model == FISHEYE and not len(coefficients):
         coefficients = np.zeros(4)  # a fisheye lens without distortion is not a pinhole
     return coefficients, model == FISHEYE

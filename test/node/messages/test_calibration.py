@@ -64,6 +64,7 @@ FOUR, FIVE, EIGHT = [0.1, 0.01, 0.002, 0.001], [-0.3, 0.1, 0.001, -0.001, 0.05],
     ('radtan', FIVE, FIVE, 'plumb_bob'),
     ('Brown Conrady', FIVE, FIVE, 'plumb_bob'), ('plumb_bob', EIGHT, EIGHT, 'rational_polynomial'),
     ('radtan', EIGHT, EIGHT, 'rational_polynomial'), ('rational_polynomial', FIVE, FIVE, 'plumb_bob'),
+    ('inverse_brown_conrady', [0.0] * 5, [], 'no distortion'), ('Mirror Ball', [], [], 'no distortion'),
     ('plumb_bob', [0.0] * 7, [0.0] * 5, None), ('', EIGHT, EIGHT, None), ('rational_polynomial', [], [], None)])
 def test_other_names_and_numbers_are_read_in_the_one_sensible_way(model, coefficients, used, read_as):
     notes, is_fisheye = {}, read_as == 'equidistant' or model == 'equidistant'
@@ -132,7 +133,12 @@ def test_binning_and_a_region_of_interest_are_taken_into_account():
     (info(K=[7e4, 0, 320, 0, 7e4, 240, 0, 0, 1]), 'focal length is 7e.04 px'),
     (info(K=[500.0, 0, 320, 0, 1400, 240, 0, 0, 1]), 'focal lengths 500 and 1400 px'),
     (info(K=[500.0, 0, 700, 0, 500, 240, 0, 0, 1]), r'center at \(700, 240\)'),
-    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'), (info(D=[float('inf')] * 5), 'distortion'),
+    (info(D=[0.1] * 3), '"plumb_bob" with 3 coefficients'),
+    (info(D=[float('inf')] * 5), 'not all numbers: inf, '),
+    (info(D=[0.1, 0.0, float('nan'), 0.0, 0.0]), 'coefficients .*, D, are not all numbers: 0.1, 0, nan, 0, 0'),
+    (info(D=[float('nan')] * 10000), 'not all numbers: nan, '),
+    (info(distortion_model='inverse_brown_conrady', D=[0.1, 0, 0, 0, 0]), '"inverse_brown_conrady" with 5'),
+    (info(distortion_model='thin_prism_fisheye', D=[0.0] * 8), '"thin_prism_fisheye" with 8 coefficients'),
     (info(distortion_model='mirror ball'), '"mirror ball"')])
 def test_a_wrong_camera_info_is_explained(message, words):
     with pytest.raises(InputError, match=words) as error:

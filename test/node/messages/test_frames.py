@@ -116,7 +116,7 @@ GOOD = message(COLORS, 'bgr8')
     (dict(encoding='16SC1', width=72), '"16SC1"'),
     (dict(encoding='nonsense'), '"nonsense"'),
     (dict(encoding=''), '""'),
-    (dict(step=10), 'step of 10 bytes, but 48 pixels'),
+    (dict(step=10, data=GOOD.data + b'0'), 'step of 10 bytes, but 48 pixels'),
     (dict(width=10**4), 'step of 144 bytes, but 10000'),
     (dict(width=10**6), '1000000 x 32 pixels is too large'),
 ])
@@ -148,6 +148,15 @@ def test_a_message_is_serialized_to_the_same_bytes_as_by_genpy():
 def test_undecodable_compressed_data_is_explained(data):
     with pytest.raises(InputError, match='must be a complete JPEG or PNG'):
         frame_from_compressed(CompressedImage(data=data))
+
+
+@pytest.mark.parametrize('format', ['16UC1; compressedDepth', '32FC1; compressedDepth png',
+                                    '16UC1; compressedDepth rvl'])
+def test_a_compressed_depth_image_is_named_as_such(format):
+    png = cv2.imencode('.png', np.full((8, 8), 1000, np.uint16))[1].tobytes()
+    with pytest.raises(InputError, match='"%s.* is a depth image' % format[:20]) as error:
+        frame_from_compressed(CompressedImage(format=format, data=bytes(12) + png))
+    assert 'JPEG' not in str(error.value)
 
 
 RAW, COMPRESSED = IMAGE_TYPES['raw'], IMAGE_TYPES['compressed']

@@ -17,6 +17,8 @@ from aruco_node.messages.images import (
     END_OF_VIDEO,
     FAST,
     MAX_PICTURE_PIXELS,
+    NOTES,
+    STEP,
     CompressedDecoder,
     ImageDecoder,
     frame_from_compressed,
@@ -33,7 +35,7 @@ from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import Header
 
 KINDS = {'empty frame', END_OF_VIDEO, 'encoding', 'short frame', 'short step', 'large frame',
-         'half a pair of pixels', 'undecodable frame'}
+         'half a pair of pixels', 'undecodable frame', 'depth image'}
 
 
 def image(pixels, encoding, big=0):
@@ -88,6 +90,7 @@ print('cv_bridge' in sys.modules)
 PLAIN = {'8UC1': 'mono8', '8UC3': 'bgr8', '8UC4': 'bgra8', '16UC1': 'mono16', '16UC3': 'bgr16',
          '16UC4': 'bgra16'}
 NAMED = {'BGR8': 'bgr8', ' rgb8': 'rgb8', 'RGB': 'rgb8', 'TYPE_8UC3': 'bgr8', 'CV_8UC1': 'mono8',
+         'BAYER_RGGB8': 'bayer_rggb8', 'Bayer_GBRG16': 'bayer_gbrg16', 'RGB16': 'rgb16', 'RGBA16': 'rgba16',
          'yuyv': 'yuv422_yuy2', 'uyvy': 'yuv422', 'YUY2': 'yuv422_yuy2', 'mono': 'mono8'}
 
 
@@ -101,6 +104,33 @@ def test_an_encoding_of_another_name_is_read_in_the_one_sensible_way(given, read
     assert re.search('"%s" are read as %s' % (given.strip(), read_as), decode.notes[ENCODING])
     np.testing.assert_array_equal(found, decode(image(pixels, read_as)))
     assert not decode.notes  # it holds no longer
+
+
+@pytest.mark.parametrize('given, channels, other', [('8UC3', 3, 'rgb8'), ('8UC4', 4, 'rgba8'),
+                                                    ('16UC3', 3, 'rgb16'), ('16UC4', 4, 'rgba16')])
+def test_an_encoding_that_does_not_say_where_red_is_has_a_remedy(given, channels, other):
+    decode = ImageDecoder()
+    pixels = np.full((8, 6, channels), 255, np.uint8 if given[0] == '8' else np.uint16)
+    pixels[..., 2] = 0
+    found = decode(image(pixels, given))
+    assert 'Say %s if blue is red.' % other in decode.notes[ENCODING]
+    assert (decode(image(pixels, other)) == found[..., ::-1]).all()
+
+
+@pytest.mark.parametrize('encoding, kind, channels', [
+    ('bgr8', np.uint8, 3), ('mono8', np.uint8, 1), ('bayer_rggb8', np.uint8, 1), ('16UC1', np.uint16, 1)])
+def test_a_step_that_was_not_filled_in_is_that_of_rows_without_padding(encoding, kind, channels, random):
+    pixels = random.randint(0, np.iinfo(kind).max + 1, (38, 52, channels)).astype(kind)
+    message, decode = image(pixels, encoding), ImageDecoder()
+    usual = decode(message)
+    assert STEP not in decode.notes
+    for step in {0, 1, message.width, message.step} - {message.step}:
+        message.step = step
+        np.testing.assert_array_equal(decode(message), usual)
+        assert 'step of %d bytes' % step in decode.notes[STEP] and STEP in NOTES
+        for data in message.data[:-1], message.data + b'\0':
+            with pytest.raises(InputError, match='step of %d bytes' % step):
+                decode(Image(height=38, width=52, encoding=encoding, step=step, data=data))
 
 
 def test_an_array_that_a_student_publishes_without_an_encoding_is_a_frame(random):

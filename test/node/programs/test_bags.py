@@ -23,7 +23,7 @@ from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
 from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
 from rig.processes.started import WAIT_S
-from sensor_msgs.msg import CameraInfo
+from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header
 
 SECONDS, PIECE_S = 6, 2
@@ -238,7 +238,7 @@ def test_broken_bags_are_reported_and_the_others_are_processed(package, recorded
     assert {row['bag'] for row in rows_of(tmp_path / 'out')} == {'raw.bag'}
 
 
-def test_all_image_topics_are_processed_whatever_their_names(package, frames, tmp_path):
+def test_each_camera_is_processed_once_whatever_the_names_of_its_topics(package, frames, tmp_path):
     path, header = str(tmp_path / 'many.bag'), Header(stamp=rospy.Time(5), frame_id='eye')
     frame = frames[0].image
     with rosbag.Bag(path, 'w', compression='bz2') as bag:
@@ -251,19 +251,24 @@ def test_all_image_topics_are_processed_whatever_their_names(package, frames, tm
             depth = image_from_frame(frame, header)
             depth.encoding = '32FC1'
             bag.write('/depth', depth, stamp)
+            bag.write('/depth/compressedDepth', CompressedImage(format='32FC1; compressedDepth', data=b'depth'),
+                      stamp)
+            bag.write('/front/image/compressed', compressed_from_frame(frame, header), stamp)
     output = annotate(package, tmp_path / 'out', path, '--video', '--exercise', '5_2')
-    assert output.count('Bag "%s": ' % path) == 3
-    assert 'frames on /depth are skipped: ' in output and '32FC1' in output
+    assert output.count('Bag "%s": ' % path) == 4
+    assert '/eye/image and /eye/image/compressed are of the same camera, so only /eye/image is' in output
+    assert re.search('frames on /depth are skipped: .*"32FC1"', output)
+    assert re.search('frames on /depth/compressedDepth are skipped: .* is a depth image', output)
     assert 'there are no poses for /eye/image, since its camera_info cannot be used: its K is not a' in output
     assert {row['topic'] for row in rows_of(tmp_path / 'out')} == {
-        '/eye/image', '/eye/image/compressed', '/eye_image'}
+        '/eye/image', '/eye_image', '/front/image/compressed'}
     with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
         topics = bag.get_type_and_topic_info().topics
     assert {topic: about.message_count for topic, about in topics.items()} == {
         '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (('image', '/compressed'), ('tags', ''))
-        for camera in ('/eye/image' + ending, '/eye/image/compressed' + ending, '/eye_image' + ending)}
+        for camera in ('/eye/image' + ending, '/eye_image' + ending, '/front/image' + ending)}
     assert {path.name for path in (tmp_path / 'out').glob('*.mp4')} == {
-        'many.eye.image.mp4', 'many.eye.image.compressed.mp4', 'many.eye_image.mp4'}
+        'many.eye.image.mp4', 'many.eye_image.mp4', 'many.front.image.mp4'}
 
 
 @pytest.mark.parametrize('arguments, words', [
