@@ -182,7 +182,8 @@ def test_no_work_is_lost_if_a_worker_is_killed(package, recorded, done, tmp_path
 
 
 def test_it_continues_after_an_interruption(package, recorded, done, tmp_path):
-    with subprocess.Popen(command_for(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
+    slow = ['nice', '-n', '19']  # so that it is stopped before it has done all pieces
+    with subprocess.Popen(slow + command_for(package, '--out', tmp_path, '--workers', '1', recorded), text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
         piece = wait_for_piece(tmp_path)
         os.killpg(process.pid, signal.SIGSTOP)  # so that it is not done before the other one has failed

@@ -15,6 +15,7 @@ from aruco_node.messages.pose_messages import from_transform
 from geometry_msgs.msg import PoseWithCovarianceStamped, Transform
 from nav_msgs.msg import Odometry
 from rig.nodes.topics import Inbox, moments
+from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
