@@ -16,7 +16,6 @@ from unit5.msg import TagArray
 from aruco_node.ros_internals.subscribers import tolerant
 
 from .bridge import bytes_of_pixel, convert
-from .deep_png import colors_of, is_deep
 from .levels import WHITES, Levels
 from .yuv import UYVY, YUY2, order_of
 
@@ -220,10 +219,6 @@ class CompressedDecoder(_Decoder):
                 if picture.mode.startswith('I'):  # 16-bit gray
                     gray = self._to_8_bits(np.asarray(picture).astype(np.uint16), 'mono16', notes)
                     return cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
-                if is_deep(message.data):
-                    values = colors_of(message.data, *picture.size)
-                    scaled = self._to_8_bits(values.reshape(len(values), -1), 'bgr16', notes)
-                    return scaled.reshape(values.shape)
                 return cv2.cvtColor(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
                                     cv2.COLOR_RGB2BGR)
         except InputError:

@@ -1,12 +1,9 @@
 """Frames of 16 bits, of which a camera uses fewer: what they show, and that it does not flicker."""
-import zlib
-
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Detector, InputError
+from aruco_ar import Detector
 from aruco_node.messages.images import LEVELS, NOTES, CompressedDecoder, ImageDecoder
-from hostile.files.png import chunk, png_of
 from sensor_msgs.msg import CompressedImage, Image
 
 GRAY_LEVELS = 255
@@ -56,44 +53,6 @@ def test_color_of_fewer_bits_has_the_colors_of_16_bits(encoding, bits, frame):
         message.width = frame.shape[1]
         return ImageDecoder()(message).astype(int)
     assert np.abs(shown(bits) - shown(16)).max() <= 1
-
-
-@pytest.mark.parametrize('channels', [3, 4])
-@pytest.mark.parametrize('bits', [10, 12, 14, 16])
-def test_color_of_a_png_is_as_that_of_raw_frames(bits, channels, frame):
-    frame = frame.copy()
-    frame[400:440] = GRAY_LEVELS
-    values = np.round(frame / GRAY_LEVELS * (2**bits - 1)).astype(np.uint16)
-    message = raw(values.reshape(len(values), -1), 'bgr16')
-    message.width = frame.shape[1]
-    usual, decode = ImageDecoder(), CompressedDecoder()
-    alpha = np.full(frame.shape[:2], 65535)
-    shown = decode(png(values if channels == 3 else np.dstack([values, alpha])))
-    np.testing.assert_array_equal(shown, usual(message))
-    np.testing.assert_allclose(shown, frame, atol=1)
-    assert decode.notes == usual.notes
-
-
-def test_a_png_of_16_bits_may_have_alpha_comments_and_several_parts(frame, capfd):
-    gray = np.uint16(frame[..., 0]) * 257
-    rows = np.dstack([gray, np.full_like(gray, 65535)]).astype('>u2').reshape(len(gray), -1).view(np.uint8)
-    packed = zlib.compress(np.pad(rows, ((0, 0), (1, 0))).tobytes())  # each row begins with its filter, 0
-    chunks = chunk(b'tEXt', b'Comment\0IDAT') + chunk(b'IDAT', packed[:100]) + chunk(b'IDAT', packed[100:])
-    data = png_of(gray.shape[1], gray.shape[0], chunks, bits=16, kind=4)
-    shown = CompressedDecoder()(CompressedImage(data=data))
-    np.testing.assert_array_equal(shown, np.dstack([frame[..., 0]] * 3))
-    assert capfd.readouterr() == ('', '')
-
-
-@pytest.mark.parametrize('cut', [60, 1000, -20, -200])
-def test_a_broken_png_of_16_bits_is_refused_without_a_line_of_a_library(cut, frame, capfd):
-    message = png(np.uint16(frame) * 16)
-    assert CompressedDecoder()(message).any()
-    changed = CompressedImage(data=message.data[:cut - 4] + b'\0\0\0\0' + message.data[cut:])
-    for data in message.data[:cut], changed.data:
-        with pytest.raises(InputError, match='must be a complete JPEG or PNG'):
-            CompressedDecoder()(CompressedImage(data=data))
-    assert capfd.readouterr() == ('', '')
 
 
 @pytest.mark.parametrize('coldest, warmest', [(28000, 32000), (29000, 29400), (7800, 8300), (27315, 37315),
