@@ -22,6 +22,7 @@ while True:
 '''
 
 
+@pytest.mark.long
 def test_a_killed_writer_leaves_no_incomplete_file():
     at_random = random.Random(6)
     for _ in range(6):

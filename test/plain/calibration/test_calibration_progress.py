@@ -36,6 +36,7 @@ def show(progress, frame, seconds=0.2, sheet=None):
     return progress.text('SAVE', 'RESET')
 
 
+@pytest.mark.long
 def test_what_keeps_a_sheet_from_being_seen_is_named():
     tags = TagSheet('DICT_6X6_250')
     assert Progress(SIZE, tags).text('SAVE', 'RESET') == SHOW
