@@ -36,6 +36,7 @@ FOCAL_SHARES = 0.1, 100  # limits of the focal length, divided by the image's lo
 MIDDLE = 0.1             # the center of a lens is within this share of a side around the middle
 MAX_ASPECT = 2           # limit of the ratio of the focal lengths across and down
 RECTIFIED = 'image_rect'  # image_proc's name of the topic of rectified frames
+MAX_BLIND = 0.05         # this share of the image may show no ray before that is told
 LOOK_S = 1.0             # if no CameraInfo has arrived after this time, others are looked for
 
 
@@ -86,7 +87,19 @@ def lens_from_info(info, size, rectified=False, scale=1.0, notes=None):
     matrix[:2, 2] += 0.5
     matrix[:2] *= resized[:, None]
     matrix[:2, 2] -= 0.5
-    return Lens(width, height, matrix, distortion, fisheye)
+    lens = Lens(width, height, matrix, distortion, fisheye)
+    blind = 0.0 if fisheye else _blind_share(lens)  # a fisheye's image may be round
+    if blind > MAX_BLIND:
+        notes['blind'] = 'its distortion folds back, so %.0f %% of the image show no ray, and tags there are ' \
+            'not used. Calibrate with the sheet in the corners, too (calibrate_live.launch), or give ' \
+            'lens:=ignore.' % (100 * blind)
+    return lens
+
+
+def _blind_share(lens):
+    """Which share of a lens's image has no ray."""
+    across, down = np.linspace(0, lens.width - 1, 33), np.linspace(0, lens.height - 1, 25)
+    return np.isnan(lens.rays(np.stack(np.meshgrid(across, down), axis=-1))).any(axis=-1).mean()
 
 
 def _is_middle(center, size):

@@ -27,6 +27,17 @@ def test_the_lens_is_that_of_the_camera_info():
     np.testing.assert_allclose(lens.distortion, CAMERA.distortion)
 
 
+def test_a_lens_that_folds_back_within_the_image_is_told():
+    folded, notes = [-0.35, 0.15, 0.0, 0.0, -0.03], {}
+    message = info(D=folded, K=[300.0, 0, 320, 0, 300, 240, 0, 0, 1])
+    lens_from_info(message, SIZE, notes=notes)
+    assert 'its distortion folds back, so 2' in notes['blind'] and notes['blind'].endswith('lens:=ignore.')
+    for usual in info(), info(D=folded), info(distortion_model='equidistant', D=[0.1, 0.01, 0.0, 0.0]):
+        notes = {}
+        lens_from_info(usual, SIZE, notes=notes)
+        assert not notes
+
+
 def test_frames_that_one_program_has_turned_are_named():
     for size, scale in ((480, 640), 1.0), ((240, 320), 0.5):
         with pytest.raises(InputError, match='for frames of 640 x 480 pixels, but the frames have '
