@@ -12,16 +12,17 @@ def why_no_area(wanted: AbstractSet[int], seen: Iterable[int], repeated: Iterabl
     ``wanted``: the ids that count; empty for all. ``seen``: the ids in sight. ``repeated``: those of them that
     are there several times.
     """
-    several, seen = set(repeated), set(seen)
+    seen = set(seen)
     if not seen:
         return None
+    several = set(repeated) & (wanted or seen)
     ids = sorted(tag_id for tag_id in seen - several if not wanted or tag_id in wanted)
     if len(ids) >= 4:
         return ('The tags in sight (%s) are not the corners of a quadrilateral, so no area is between them. '
                 'Hang one in each corner.' % listed(ids))
-    if several & (wanted or seen):
+    if several:
         return ('Several tags in sight have the same id: %s. An area needs four tags with different ids.'
-                % listed(sorted(several & (wanted or seen))))
+                % listed(sorted(several)))
     if not wanted:
         return 'Only %d tag%s in sight (%s), and an area needs four.' % (
             len(ids), ' is' if len(ids) == 1 else 's are', listed(ids))
