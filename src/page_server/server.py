@@ -151,7 +151,7 @@ class Server(HTTPServer):
 
 
 class Files(BaseHandler, StaticFileHandler):
-    """The files in page/."""
+    """The files in web/."""
 
     def should_return_304(self):
         try:
@@ -206,14 +206,14 @@ def _note_faults(record):
 
 def application(parts):
     """The tornado Application with all handlers."""
-    page = os.path.join(package_folder(), 'page')
+    files = os.path.join(package_folder(), 'web')
     mimetypes.add_type('application/yaml', '.yaml')  # not all systems define it
     shared = {'parts': parts}
     return Application([
         ('/', Page, shared), ('/live', Live, shared), ('/picture', Picture, shared),
         ('/stream', Stream, shared), ('/stream_viewer', StreamViewer, shared), ('/snapshot', Snapshot, shared),
-        (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': page}),
-    ], default_handler_class=Unknown, default_handler_args=shared, template_path=page,
+        (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': files}),
+    ], default_handler_class=Unknown, default_handler_args=shared, template_path=files,
         log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
         websocket_max_message_size=64 * 1024)
 

@@ -8,8 +8,8 @@ import numpy as np
 from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.looks.look import FOREGROUNDS
+from rig import PACKAGE
 
-from benchmark import PACKAGE
 from benchmark.course import Course
 
 from . import grain, hidden, real_arm

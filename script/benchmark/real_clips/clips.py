@@ -9,8 +9,8 @@ import numpy as np
 from aruco_ar import InputError, Tracker
 from aruco_ar.base.files import yaml_entries
 from aruco_ar.base.progress import progress, tell
+from rig import PACKAGE
 
-from benchmark import PACKAGE
 from benchmark.course import Course
 from benchmark.simulated.speed import timed
 

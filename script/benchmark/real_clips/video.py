@@ -5,8 +5,8 @@ import cv2
 import numpy as np
 from aruco_ar import InputError, Tracker, load_picture, overlay
 from aruco_ar.base.progress import progress
+from rig import PACKAGE
 
-from benchmark import PACKAGE
 from benchmark.course import Course
 from benchmark.report.chart import draw, jitter
 from benchmark.simulated.speed import timed

@@ -3,7 +3,7 @@ import os
 import sys
 from contextlib import contextmanager
 
-from benchmark import PACKAGE
+from rig import PACKAGE
 
 FOLDER = os.path.join(PACKAGE, 'docs', 'results')
 

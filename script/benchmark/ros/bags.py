@@ -15,9 +15,9 @@ from aruco_ar.base.progress import tell
 from aruco_ar.simulation.robot import Camera
 from aruco_node.messages.images import compressed_from_frame, image_from_frame
 from aruco_node.messages.wall_messages import camera_info
+from rig.processes.started import program
 from std_msgs.msg import Header
 
-from benchmark import PACKAGE
 from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
 
 CAMERA = '/camera/rgb/'
@@ -65,7 +65,7 @@ def record(path, frames, seconds, message_of, suffix):
 def annotate(path, folder, piece, workers):
     """Annotate a bag. Returns the frames per second, and the bytes of memory that a worker used at most."""
     with subprocess.Popen(
-            [sys.executable, os.path.join(PACKAGE, 'src', 'annotate_bags.py'), path, '--out', folder,
+            [sys.executable, program('annotate_bags.py'), path, '--out', folder,
              '--piece', str(piece), '--workers', str(workers)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         watch = _MemoryWatch(process.pid)

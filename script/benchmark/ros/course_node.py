@@ -5,9 +5,9 @@ import sys
 import rospy
 from aruco_ar import load_picture
 from cv_bridge import CvBridge
+from rig import PACKAGE
 from sensor_msgs.msg import Image
 
-from benchmark import PACKAGE
 from benchmark.course import Course
 
 

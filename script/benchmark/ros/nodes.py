@@ -12,10 +12,10 @@ import psutil
 import rospy
 from aruco_ar.base.progress import progress, tell
 from aruco_node.messages.images import image_from_frame
+from rig.processes.started import program
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
-from benchmark import PACKAGE
 from benchmark.simulated.drives import WIDE, drive
 
 from .master import processor_seconds
@@ -38,7 +38,7 @@ def commands(dictionary='DICT_6X6_250', ids=()):
     return {
         'bare relay': [sys.executable, '-m', 'benchmark.ros.relay_node'],
         "course's code": [sys.executable, '-m', 'benchmark.ros.course_node', dictionary, *map(str, ids)],
-        EXERCISE: [sys.executable, os.path.join(PACKAGE, 'src', EXERCISE), 'exercise5_6/image:=result',
+        EXERCISE: [sys.executable, program(EXERCISE), 'exercise5_6/image:=result',
                    '_dictionary:=' + dictionary, *ids_args]}
 
 

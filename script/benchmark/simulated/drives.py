@@ -6,8 +6,7 @@ import numpy as np
 from aruco_ar.simulation.render import WallRenderer, project_rows
 from aruco_ar.simulation.robot import Camera, Path, Pose, hand_held, wall_to_camera
 from aruco_ar.walls.wall import load_wall
-
-from benchmark import PACKAGE
+from rig import PACKAGE
 
 WALL = load_wall(os.path.join(PACKAGE, 'config', 'wall.yaml'))
 FRAMES_PER_S = 30

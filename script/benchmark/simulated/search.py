@@ -12,8 +12,7 @@ from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M, Camera, Pose, wall_to_camera
 from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Wall, WallTag
-
-from benchmark import PACKAGE
+from rig import PACKAGE
 
 from .drives import WIDE, drive
 from .speed import timed

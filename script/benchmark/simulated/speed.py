@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from aruco_ar import Tracker, load_picture, overlay
 from aruco_ar.base.progress import progress, tell
+from rig import PACKAGE
 
-from benchmark import PACKAGE
 from benchmark.course import Course
 
 from .drives import WIDE, drive

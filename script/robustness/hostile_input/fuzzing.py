@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-from benchmark import PACKAGE
+from rig import PACKAGE
 
 FUZZ = os.path.join(PACKAGE, 'test', 'fuzz')
 BUILD = os.path.join(PACKAGE, 'build', 'fuzz')

@@ -2,7 +2,6 @@
 
 The nodes must refuse wrong values, and keep answering frames.
 """
-import os
 import queue
 import sys
 import time
@@ -10,7 +9,6 @@ import urllib.request
 
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.files import package_folder
 from aruco_ar.base.progress import progress
 from aruco_node.messages.images import image_from_frame
 from aruco_node.parameters.parameters import parameters_of, ros_values
@@ -21,7 +19,7 @@ from hostile.parameters.configs import GROUPS, NAMES, REFUSED, config_with, valu
 from rig.nodes.case import CAMERA, scene
 from rig.nodes.topics import Inbox
 from rig.page.server import free_port
-from rig.processes.started import WAIT_S, Started, stop_all
+from rig.processes.started import WAIT_S, Started, program, stop_all
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
@@ -43,8 +41,7 @@ class Live:
         self._port = free_port()
         arguments = {'page': ['_port:=%d' % self._port], 'wall_camera': [CAMERA + ':=' + SIMULATED]}
         for node in self._kinds:
-            self._nodes[node] = Started(sys.executable, os.path.join(package_folder(), 'src', node + '.py'),
-                                        *arguments.get(node, []))
+            self._nodes[node] = Started(sys.executable, program(node + '.py'), *arguments.get(node, []))
         self._camera = rospy.Publisher(CAMERA, Image, queue_size=1)
         self._inboxes = {node: Inbox(OUTPUTS.get(node, '/%s/image' % node), Image, NEWEST)
                          for node in self._kinds if node != 'page'}

@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import rosgraph
-from aruco_ar.base.files import package_folder
 from aruco_ar.base.progress import progress
 from aruco_node.parameters.parameters import parameters_of
 from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
@@ -17,7 +16,7 @@ from hostile.parameters import validation, values
 from hostile.parameters.configs import set_parameter
 from rig.nodes.case import NODES
 from rig.page.server import free_port
-from rig.processes.started import Started
+from rig.processes.started import Started, program
 
 from .live_parameters import Live
 
@@ -158,8 +157,7 @@ def _start_node(node, name, value, alias):
     except Exception:  # its client may raise anything
         stored = None
     port = ['_port:=%d' % free_port()] * (node == 'page' and name != 'port')
-    program = os.path.join(package_folder(), 'src', node + '.py')
-    process = Started(sys.executable, program, '__name:=' + alias, *port)
+    process = Started(sys.executable, program(node + '.py'), '__name:=' + alias, *port)
     end, code = time.monotonic() + TIMEOUT_S, 'hangs'
     while time.monotonic() < end and code == 'hangs':
         time.sleep(0.1)

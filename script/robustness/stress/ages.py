@@ -1,7 +1,6 @@
 """All image nodes, the poses, and the page with a camera, and the age of what they publish."""
 import asyncio
 import json
-import os
 import struct
 import subprocess
 import sys
@@ -13,9 +12,8 @@ from contextlib import ExitStack, contextmanager, suppress
 import numpy as np
 import psutil
 import rospy
-from benchmark import PACKAGE
 from rig.page.server import free_port
-from rig.processes.started import WAIT_S
+from rig.processes.started import WAIT_S, program
 from tornado.websocket import websocket_connect
 
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
@@ -101,10 +99,9 @@ def nodes(names, page=True):
 
     Yields ({name: Process}, Viewer or None).
     """
-    source = os.path.join(PACKAGE, 'src')
     port = free_port()
     with ExitStack() as stack:
-        running = {name: stack.enter_context(process(sys.executable, os.path.join(source, name + '.py'),
+        running = {name: stack.enter_context(process(sys.executable, program(name + '.py'),
                                                      *['_port:=%d' % port] * (name == 'page')))
                    for name in [*names, *['page'] * page]}
         for name in running:

@@ -18,6 +18,7 @@ from aruco_node.nodes.pictures import open_picture
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
 from page_server.access import is_loopback
+from rig.processes.started import program
 
 MAX_SENTENCE = 500
 FRAME = np.full((48, 64, 3), 180, np.uint8)
@@ -35,7 +36,7 @@ def settings_of(node):
         found.append(manual.settings)
     nodes = 'aruco_node.nodes.'
     with mock.patch(nodes + 'node.run_node', record), mock.patch(nodes + 'exercise.run_node', record):
-        runpy.run_path(os.path.join(package_folder(), 'src', node + '.py'), run_name='__main__')
+        runpy.run_path(program(node + '.py'), run_name='__main__')
     return found[0]
 
 

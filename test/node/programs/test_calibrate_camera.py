@@ -131,7 +131,7 @@ def test_what_cannot_be_used_is_refused_by_name(package, tmp_path, arguments, wo
     cv2.imwrite(str(tmp_path / 'gray.png'), np.full((480, 640, 3), 90, np.uint8))
     cv2.imwrite(str(tmp_path / 'small.png'), np.full((48, 64, 3), 90, np.uint8))
     names = {'text': tmp_path / 'text.mp4', 'gray': tmp_path / 'gray.png', 'small': tmp_path / 'small.png'}
-    done = subprocess.run([sys.executable, package + '/src/calibrate_camera.py',
+    done = subprocess.run([sys.executable, package + '/nodes/calibrate_camera.py',
                            *(argument.format(**names) for argument in arguments)],
                           cwd=str(tmp_path), capture_output=True, text=True)
     assert done.returncode != 0 and not (tmp_path / 'camera.yaml').exists()

@@ -27,8 +27,10 @@ from aruco_node.parameters.settings import BagSettings
 
 MAX_PIECE_S = 100000
 HERE = os.path.dirname(os.path.abspath(__file__))
+SOURCE = os.path.join(os.path.dirname(HERE), 'src')
+FOLDER = SOURCE if os.path.isdir(SOURCE) else HERE  # of the exercises; an install space has all programs in one
 EXERCISES = [number.replace('_', '.')
-             for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(HERE))))]
+             for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(FOLDER))))]
 # These parameters of nodes do not affect what is made of bags.
 OF_NODES = ('transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
             'robot_frame')
@@ -79,9 +81,9 @@ def settings(argv):
 
 
 def exercise(number):
-    """The Exercise of a number, such as '5.2', that a file beside this one declares."""
+    """The Exercise of a number, such as '5.2', that its file declares."""
     # Workers do not import programs. So Dask sends them what this file defines by value.
-    path = os.path.join(HERE, 'exercise%s.py' % number.replace('.', '_'))
+    path = os.path.join(FOLDER, 'exercise%s.py' % number.replace('.', '_'))
     return runpy.run_path(path, run_name='exercise')['EXERCISE']
 
 
@@ -92,7 +94,7 @@ def main(argv):
         fault = fault_of_bridge()
         if fault:
             print('annotate_bags: %s' % fault, file=sys.stderr)
-        task = Task(exercise(args.exercise), settings(argv), HERE)
+        task = Task(exercise(args.exercise), settings(argv), FOLDER)
         check_picture(task)
         jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
         began = time.monotonic()
