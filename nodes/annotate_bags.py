@@ -16,13 +16,14 @@ import time
 import aruco_program  # noqa: F401  before all else
 import yaml
 from aruco_ar import InputError
+from aruco_ar.settings.declaration import parameters_of
 from aruco_bags.bag_reader import PIECE_S
 from aruco_bags.job import jobs_of, locked
 from aruco_bags.task import Task, check_picture
 from aruco_bags.workers import work, workers
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.nodes.manual import parameter_rows, table
-from aruco_node.parameters.parameters import parameters_of, read
+from aruco_node.parameters.parameters import read
 from aruco_node.parameters.settings import BagSettings
 
 MAX_PIECE_S = 100000

@@ -11,6 +11,7 @@ import numpy as np
 import rospy
 import tf2_ros
 from aruco_ar.base.files import in_package
+from aruco_ar.settings.declaration import Number, Settings, choice, number, parsed, text
 from aruco_ar.simulation.figures import NOBODY, VISITORS
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import (
@@ -31,7 +32,6 @@ from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_t
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import read_settings, run_node
-from aruco_node.parameters.parameters import Number, choice, number, parsed, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.subscribers import tolerant
@@ -63,7 +63,7 @@ def coefficients(value):
 
 
 @dataclass(frozen=True)
-class WallCameraSettings:
+class WallCameraSettings(Settings):
     """The parameters. After a change of their defaults or words, run script/launch_args."""
 
     wall: str = text(

@@ -7,14 +7,13 @@ from typing import Any, Callable, Protocol, Sequence
 from .base.arrays import Image
 from .geometry.lens import Lens
 from .looks.look import Look, asks_for_look
+from .settings.settings import CORRECT
 from .tags.detector import Detector
 from .tags.tag import Tag
 from .tracking.area import Area
 from .tracking.tracker import Tracker
 
 TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
-CORRECT = 'correct'  # this value of the parameter ``lens`` has the distortion corrected
-LENSES = CORRECT, 'ignore'
 # The parameters of a Detector.
 DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'border'
 # A change of one of these parameters makes a new tracker.

@@ -10,11 +10,12 @@ from typing import Any, List, NamedTuple, Optional
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
+from aruco_ar.settings.declaration import Settings, number, text
 from aruco_node.health.diagnostics import OK, Diagnostics
 from aruco_node.health.faults import note_fault
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.node import read_settings
-from aruco_node.parameters.parameters import AUTO, number, switch, text
+from aruco_node.parameters.parameters import AUTO, switch
 from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -39,7 +40,7 @@ DIAGNOSTICS_MS = 250
 
 
 @dataclass(frozen=True)
-class PageSettings:
+class PageSettings(Settings):
     """The parameters of the page. After a change of their defaults or words, run script/launch_args."""
 
     address: str = text(

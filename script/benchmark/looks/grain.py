@@ -5,7 +5,7 @@ from aruco_ar import Tag
 from aruco_ar.base.progress import tell
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.looks.grain import edge_variance
-from aruco_ar.looks.look import GRAINS
+from aruco_ar.settings.settings import GRAINS
 
 from .painter import Painter
 from .scenes import Scene

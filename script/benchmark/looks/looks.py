@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
-from aruco_ar.looks.look import FOREGROUNDS
+from aruco_ar.settings.settings import FOREGROUNDS
 from rig import PACKAGE
 
 from benchmark.course import Course

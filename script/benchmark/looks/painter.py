@@ -3,7 +3,7 @@ from dataclasses import replace
 
 from aruco_ar.exercise import Stage
 from aruco_ar.painting.sources import Still
-from aruco_node.parameters.settings import PictureSettings
+from aruco_ar.settings.settings import PictureSettings
 from exercise5_6 import EXERCISE
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Image
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.painting.paint import warp
+from aruco_ar.settings.settings import CLEAN, FULL, HIDE, KEEP, MATCH, PAINT, SHOW
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
@@ -22,10 +23,6 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
-PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
-FULL, MATCH = LIGHTS = 'full', 'match'
-CLEAN, MATCH = GRAINS = 'clean', 'match'
-SHOW, HIDE = TAGS = 'show', 'hide'
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
 

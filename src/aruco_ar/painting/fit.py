@@ -5,9 +5,8 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
+from aruco_ar.settings.settings import FITS
 from aruco_ar.tracking.area import Area
-
-FITS = 'stretch', 'contain', 'cover'
 
 
 def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Floats, Area]:

@@ -9,6 +9,7 @@ from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
+from aruco_ar.settings.settings import HOLD_S, UPRIGHT
 from aruco_ar.tags.detector import Detector
 from aruco_ar.tags.tag import Tag
 
@@ -21,8 +22,6 @@ from .no_area import why_no_area
 from .tag_search import TagSearch, expected_places
 from .texture import Texture
 
-HOLD_S = 0.3
-UPRIGHT = 'tags', 'image'
 SEARCH_S = 0.45        # the whole frame is searched at least this often, for new tags
 GAP_S = 0.5            # frames that are farther apart say nothing about the motion
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by

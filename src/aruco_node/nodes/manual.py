@@ -3,7 +3,9 @@ from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
 
-from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_ar.settings.declaration import parameters_of
+
+from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import LensSettings
 
 from .frame_node import CAMERA

@@ -11,10 +11,11 @@ import cv2
 import rosgraph
 import rospy
 from aruco_ar.base.errors import InputError, shorten
+from aruco_ar.settings.declaration import MAX_QUOTED, parameters_of, quoted
 
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
-from aruco_node.parameters.parameters import MAX_QUOTED, parameters_of, quoted, read
+from aruco_node.parameters.parameters import read
 from aruco_node.process.streams import make_streams_safe
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered

@@ -20,9 +20,9 @@ from aruco_ar import (
     subtract,
 )
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.painting.fit import FITS
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.wall_watch import WallWatch
+from aruco_ar.settings.settings import FITS
 from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Wall, WallTag
 from aruco_node.messages import pose_messages

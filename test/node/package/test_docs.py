@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar.exercise import Stage
+from aruco_ar.settings.settings import AreaSettings
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
-from aruco_node.parameters.settings import AreaSettings
 
 LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
 

@@ -7,7 +7,8 @@ from functools import lru_cache
 
 import pytest
 from aruco_ar.base.files import package_folder
-from aruco_node.parameters.parameters import Number, parameters_of, read
+from aruco_ar.settings.declaration import Number, parameters_of
+from aruco_node.parameters.parameters import read
 from hostile.parameters import validation
 from roslaunch.config import load_config_default
 

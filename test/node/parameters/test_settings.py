@@ -1,7 +1,8 @@
 """Parameters: which values are allowed, and how others are explained."""
 import pytest
 from aruco_ar import InputError
-from aruco_node.parameters.parameters import parameters_of, read, ros_values
+from aruco_ar.settings.declaration import parameters_of
+from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import PictureSettings, PoseSettings, load_areas
 
 

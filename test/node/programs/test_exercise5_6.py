@@ -4,8 +4,8 @@ import pytest
 from aruco_ar import Lens, Tracker, overlay
 from aruco_ar.exercise import Scene, Stage
 from aruco_ar.painting.sources import Still
+from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.simulation.robot import Camera
-from aruco_node.parameters.settings import PictureSettings
 from exercise5_6 import EXERCISE, paint_picture
 
 LENS = Lens(640, 480, Camera().matrix, np.array([-0.3, 0.1, 0.001, -0.001, 0.0]))

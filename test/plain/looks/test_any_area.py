@@ -1,12 +1,11 @@
 """Areas, frames and tags of any kind are no harm to the look of the picture."""
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from aruco_ar import Area, Tag, area_mask
 from aruco_ar.looks.look import Look
+from aruco_ar.settings.settings import PictureSettings
 
-ALL = SimpleNamespace(foreground='keep', light='match', grain='match', tags='hide', settle=30.0)
+ALL = PictureSettings(foreground='keep', light='match', grain='match', tags='hide')
 
 
 @pytest.mark.parametrize('corners', [

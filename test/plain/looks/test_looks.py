@@ -1,15 +1,15 @@
 """What stands before the wall stays in front of the picture, and the picture takes the wall's light."""
 from dataclasses import replace
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 from aruco_ar import Area, Lens, area_mask
-from aruco_ar.exercise import CORRECT, PICTURE, TRACKER, Stage
+from aruco_ar.exercise import PICTURE, TRACKER, Stage
 from aruco_ar.looks.look import Look
 from aruco_ar.painting.paint import put_in, warp
 from aruco_ar.painting.sources import Still
+from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
@@ -21,13 +21,9 @@ BENT = Camera(distortion=[-0.25, 0.08, 0, 0, 0])
 STRAIGHT = Camera()
 
 
-def stage(color=GREEN, foreground='paint', light='full', grain='clean', tags='show', settle=30.0):
-    settings = SimpleNamespace(
-        dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0, likeness=0.8, min_side=0.0,
-        border=1.0, hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light,
-        grain=grain, tags=tags, settle=settle)
+def stage(color=GREEN, **settings):
     picture = np.full((60, 90, len(color)), color, np.uint8) if isinstance(color, tuple) else color
-    return Stage([TRACKER, PICTURE], settings, lambda _: Still(picture))
+    return Stage([TRACKER, PICTURE], PictureSettings(likeness=0.8, **settings), lambda _: Still(picture))
 
 
 def painted(stage, frame, number, lens=None):
