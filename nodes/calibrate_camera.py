@@ -22,7 +22,7 @@ from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_ar.calibration.views import is_spread
 from aruco_ar.hints.other_tags import OtherTags, Words
-from aruco_ar.painting.picture import ORIENTATION
+from aruco_ar.painting.picture_file import ORIENTATION
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen

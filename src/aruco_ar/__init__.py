@@ -14,7 +14,7 @@ from .geometry.lens import Lens
 from .geometry.ordering import largest_quadrilateral, order_coordinates
 from .painting.marks import fill_polygon, mark_centers, mark_tags
 from .painting.paint import area_mask, overlay, subtract
-from .painting.picture import load_picture
+from .painting.picture_file import load_picture
 from .poses.area_pose import AreaPose
 from .poses.estimator import CameraPose, PoseEstimator, TagPose
 from .tags.detector import Detector

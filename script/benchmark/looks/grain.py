@@ -53,7 +53,7 @@ def run():
         painters = {each: Painter(picture, grain=each) for each in GRAINS}
         found = {each: [] for each in ('printed', *GRAINS)}
         for moment in scene.moments(picture, SECONDS):
-            results = {each: painter.paint(moment.bare, moment.stamp).images[0]
+            results = {each: painter.paint(moment.bare, moment.stamp)[1]
                        for each, painter in painters.items()}
             results['printed'] = moment.printed
             if moment.stamp >= FIRST_S:

@@ -93,7 +93,7 @@ def run_scene(scene, picture):
         results = {'course': course.paint(moment.bare)[0]}
         for name, painter in painters.items():
             start = time.perf_counter()
-            results[name] = painter.paint(moment.bare, moment.stamp).images[0]
+            results[name] = painter.paint(moment.bare, moment.stamp)[1]
             times[name].append(1000 * (time.perf_counter() - start))
         if moment.stamp < FIRST_S or number % JUDGED:
             continue
@@ -138,7 +138,7 @@ def run_arm(clips):
             for name, depth in real_arm.SHEETS:
                 painters, sums = [Painter(picture, foreground=each) for each in FOREGROUNDS], np.zeros(6)
                 for moment in real_arm.ArmScene(arm, depth).moments(picture, SECONDS):
-                    images = [painter.paint(moment.bare, moment.stamp).images[0] for painter in painters]
+                    images = [painter.paint(moment.bare, moment.stamp)[1] for painter in painters]
                     inside = area_mask(moment.bare, Area(np.float32(moment.corners)))[..., 0] == 255
                     if moment.stamp >= FIRST_S:
                         sums += judge_front(moment, inside, *images)

@@ -9,13 +9,15 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from aruco_ar.base.errors import InputError
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
-from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, MAX_BORDER_CELLS
+from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, MAX_BORDER_CELLS, SIDE_M, tag_cells
 
-from .declaration import Settings, choice, number, parameters_of, parsed, text
+from .declaration import MAX_TEXT, Number, Settings, choice, number, parameters_of, parsed, text
 
 CORRECT, IGNORE = LENSES = 'correct', 'ignore'
 HOLD_S = 0.3
+LEARN = 'learn'
 UPRIGHT = 'tags', 'image'
 FITS = 'stretch', 'contain', 'cover'
 PAINT, KEEP = FOREGROUNDS = 'paint', 'keep'
@@ -130,3 +132,45 @@ class PictureSettings(AreaSettings):
         'around it looks like')
     settle: float = number(
         30.0, 0.5, 3600, 'seconds after which a thing that does not move becomes a part of the wall')
+
+
+def _sizes(value: Any) -> tuple[tuple[int, float], ...]:
+    """((id, meters), ...), from a dict or from text such as "7: 0.1, 8: 0.25", as launch files give it."""
+    if value in ('none', '', {}):
+        return ()
+    if isinstance(value, str):
+        value = [part.split(':') for part in value.strip('{} ').split(',')]
+    elif not isinstance(value, tuple):  # a tuple has been read before
+        value = value.items()
+    sizes = tuple((read_id(tag_id), Number(*SIDE_M).read(float(size) if isinstance(size, str) else size))
+                  for tag_id, size in value)
+    if len(dict(sizes)) < len(sizes) or len(_sizes_as_text(sizes)) > MAX_TEXT:
+        raise ValueError
+    return sizes
+
+
+def _sizes_as_text(sizes: tuple[tuple[int, float], ...]) -> str:
+    return ', '.join('%d: %s' % pair for pair in sizes) or 'none'
+
+
+@dataclass(frozen=True)
+class PoseSettings(AreaSettings):
+    """What is needed besides where poses are estimated."""
+
+    tag_size: float = number(0.18, *SIDE_M, "side of a tag's black square, in meters")
+    tag_sizes: tuple[tuple[int, float], ...] = parsed(
+        (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
+        'sides of the tags that have another side than tag_size', _sizes, _sizes_as_text)
+    wall: str = text(
+        LEARN, 'learn, or the path of a YAML file, which may be within the package',
+        'file that says where the tags are on the wall, as config/wall.yaml does. learn: this is learned from '
+        'the frames')
+
+    def __post_init__(self) -> None:
+        """Raises InputError for a wrong value, and for a tag that has a size but is not in the dictionary."""
+        super().__post_init__()
+        try:
+            for tag_id, _ in self.tag_sizes:
+                tag_cells(self.dictionary, tag_id)
+        except InputError as error:
+            raise InputError('The parameter ~tag_sizes cannot be used: %s' % error) from None

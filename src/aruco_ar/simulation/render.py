@@ -9,7 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Extrinsics, Floats, Image, Integers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.homography import transform
-from aruco_ar.painting.picture import load_picture
+from aruco_ar.painting.picture_file import load_picture
 from aruco_ar.painting.pixels import blend
 from aruco_ar.walls.wall import Wall
 

@@ -6,7 +6,7 @@ from typing import Any, Dict
 import cv2
 import numpy as np
 from aruco_ar.base.errors import InputError, shorten
-from aruco_ar.painting.picture import MAX_PICTURE_PIXELS, open_header, with_end
+from aruco_ar.painting.picture_file import MAX_PICTURE_PIXELS, open_header, with_end
 from geometry_msgs.msg import Point32, PolygonStamped
 from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image

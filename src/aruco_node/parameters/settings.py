@@ -4,15 +4,13 @@ After a change of a parameter's default or words, run script/launch_args: it
 writes them into the launch files.
 """
 from dataclasses import dataclass
-from typing import Tuple, Union
+from typing import Union
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import yaml_entries
 from aruco_ar.calibration.sheets import read_board
 from aruco_ar.settings import settings
 from aruco_ar.settings.declaration import (
-    MAX_TEXT,
-    Number,
     Settings,
     choice,
     number,
@@ -21,7 +19,7 @@ from aruco_ar.settings.declaration import (
     path_or_name,
     text,
 )
-from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, SIDE_M, tag_cells
+from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES
 
 from aruco_node.messages.topics import IMAGE_TYPES
 
@@ -30,10 +28,8 @@ from .parameters import AUTO, read, switch
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # stands for the id in the name of a tag's TF frame
-LEARN = 'learn'
 PINHOLE, FISHEYE = 'pinhole', 'fisheye'
 MAX_AREAS = 50  # a limit, since each area takes the memory of its picture
-SIDE = Number(*SIDE_M)
 
 
 def _picture(value):
@@ -127,25 +123,6 @@ class PictureSettings(settings.PictureSettings, AreaSettings):
         live=False)
 
 
-def _sizes(value):
-    """((id, meters), ...), from a dict or from text such as "7: 0.1, 8: 0.25", as launch files give it."""
-    if value in ('none', '', {}):
-        return ()
-    if isinstance(value, str):
-        value = [part.split(':') for part in value.strip('{} ').split(',')]
-    elif not isinstance(value, tuple):  # a tuple has been read before
-        value = value.items()
-    sizes = tuple((settings.read_id(tag_id), SIDE.read(float(size) if isinstance(size, str) else size))
-                  for tag_id, size in value)
-    if len(dict(sizes)) < len(sizes) or len(_sizes_as_text(sizes)) > MAX_TEXT:
-        raise ValueError
-    return sizes
-
-
-def _sizes_as_text(sizes):
-    return ', '.join('%d: %s' % pair for pair in sizes) or 'none'
-
-
 def _tag_frame(value):
     if ID not in path_or_name(value):
         raise ValueError
@@ -153,17 +130,9 @@ def _tag_frame(value):
 
 
 @dataclass(frozen=True)
-class PoseSettings(AreaSettings):
+class PoseSettings(settings.PoseSettings, AreaSettings):
     """The parameters of tag_poses."""
 
-    tag_size: float = number(0.18, *SIDE_M, "side of a tag's black square, in meters")
-    tag_sizes: Tuple[Tuple[int, float], ...] = parsed(
-        (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
-        'sides of the tags that have another side than tag_size', _sizes, _sizes_as_text)
-    wall: str = text(
-        LEARN, 'learn, or the path of a YAML file, which may be within the package',
-        'file that says where the tags are on the wall, as config/wall.yaml does. learn: this is learned from '
-        'the frames')
     tag_frame: str = text(
         'tag_' + ID, 'a name with {id} in it', 'name of the TF frame of a tag; {id} stands for its id',
         _tag_frame, live=False)
@@ -173,15 +142,6 @@ class PoseSettings(AreaSettings):
         'learned, otherwise wall', live=False)
     robot_frame: str = text(
         'base_link', 'the name of a TF frame', 'TF frame of the robot, for its pose', live=False)
-
-    def __post_init__(self):
-        """Raises InputError for a wrong value, and for a tag that has a size but is not in the dictionary."""
-        super().__post_init__()
-        try:
-            for tag_id, _ in self.tag_sizes:
-                tag_cells(self.dictionary, tag_id)
-        except InputError as error:
-            raise InputError('The parameter ~tag_sizes cannot be used: %s' % error) from None
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import yaml
 from aruco_ar.calibration.calibrate import corners_apart
 from aruco_ar.calibration.sheets import CharucoBoard
 from aruco_ar.calibration.views import is_spread
-from aruco_ar.painting.picture import ORIENTATION
+from aruco_ar.painting.picture_file import ORIENTATION
 from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import Camera
 from calibrate_camera import MAX_FRAMES, FrameFile, main

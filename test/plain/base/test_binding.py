@@ -13,8 +13,8 @@ import pytest
 from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
 from aruco_ar.compiled import binding
 from aruco_ar.compiled.library import compile_to
-from aruco_ar.painting.levels import levels_of
 from aruco_ar.painting.paint import put_in, warp
+from aruco_ar.painting.picture import Picture
 
 WIDTH, HEIGHT = 61, 47
 CORNERS = np.float32([[9, 8], [50, 5], [55, 40], [12, 36]])
@@ -69,7 +69,7 @@ def of_warp():
     mask = area_mask(frame_with_tag()[0], area)
 
     def call(picture, to_picture, mask, positions):
-        smaller = levels_of(picture, 2)[1:] if picture.size and picture.shape[2:] == (4,) else []
+        smaller = Picture(picture).levels(2)[1:] if picture.size and picture.shape[2:] == (4,) else []
         return binding.warp([picture, *smaller], to_picture, mask, positions)
     return call, {'picture': picture, 'to_picture': np.linalg.inv(area.homography(130, 90)), 'mask': mask,
                   'positions': positions()}
