@@ -1,7 +1,6 @@
 """Launch files: their arguments have the parameters' defaults and descriptions, and reach the nodes."""
 import glob
 import os
-import re
 import runpy
 from functools import lru_cache
 
@@ -14,7 +13,6 @@ from roslaunch.config import load_config_default
 
 SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
 FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
-STARTED = sorted(set(FILES) - {'exercise'})  # a part of the others
 # The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
 FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw')}
@@ -43,18 +41,18 @@ def settings_of(node):
 @pytest.mark.parametrize('name', FILES)
 def test_the_arguments_match_the_settings_of_the_nodes(name):
     text = SCRIPT['read'](name)
-    for argument, line in FILES[name].items():
-        if line not in text:
-            found = re.search('.*<arg name="%s" .*' % argument, text)
+    found = SCRIPT['arguments_in'](text)
+    for argument, wanted in FILES[name].items():
+        if found.get(argument) != wanted:
             fail(name, 'the argument "%s" does not match the settings of its node. It is\n%s\n'
-                       'but must be\n%sscript/launch_args writes it.'
-                 % (argument, found.group() if found else '  missing', line))
+                       'but must be\n%s\nscript/launch_args writes it.'
+                 % (argument, ' '.join(found.get(argument, ['missing'])), ' '.join(wanted)))
     if SCRIPT['rewritten'](text, FILES[name]) != text:
-        fail(name, 'the arguments are in another order than the parameters. script/launch_args puts them in '
-                   'order.')
+        fail(name, 'the arguments are in another order than the parameters, or not in columns. '
+                   'script/launch_args puts them in order.')
 
 
-@pytest.mark.parametrize('name', STARTED)
+@pytest.mark.parametrize('name', FILES)
 def test_every_argument_reaches_every_node_with_that_parameter(name):
     known = {}
     for kind, _ in nodes(name).values():
@@ -71,7 +69,7 @@ def test_every_argument_reaches_every_node_with_that_parameter(name):
                      % (argument, node, argument, argument))
 
 
-@pytest.mark.parametrize('name', STARTED)
+@pytest.mark.parametrize('name', FILES)
 def test_the_nodes_accept_the_default_arguments(name):
     for node, (kind, values) in nodes(name).items():
         unknown = set(values) - set(parameters_of(kind))
@@ -83,7 +81,9 @@ def test_the_nodes_accept_the_default_arguments(name):
 def test_all_launch_files_are_compared():
     for path in glob.glob(os.path.join(FOLDER, '*.launch')):
         name = os.path.basename(path)[:-len('.launch')]
-        # The launch files of programs that are no nodes of ours have their options, not parameters.
-        if 'pkg="unit5"' in SCRIPT['read'](name) and name not in {*FILES, 'artag_generator', 'video_camera'}:
+        # The launch files of programs that are no nodes of ours have their options, not parameters. The others
+        # include exercise.launch.
+        if 'pkg="unit5"' in SCRIPT['read'](name) and \
+                name not in {*FILES, 'exercise', 'artag_generator', 'video_camera'}:
             fail(name, 'no test compares its arguments with the parameters of its nodes. Add it to FILES in '
                        'script/launch_args.')
