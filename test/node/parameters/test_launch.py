@@ -12,7 +12,7 @@ from hostile.parameters import validation
 from roslaunch.config import load_config_default
 
 SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
-FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
+FILES, FOLDER, argument_of = SCRIPT['FILES'], SCRIPT['FOLDER'], SCRIPT['argument_of']
 # The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
 FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw')}
@@ -56,17 +56,19 @@ def test_the_arguments_match_the_settings_of_the_nodes(name):
 def test_every_argument_reaches_every_node_with_that_parameter(name):
     known = {}
     for kind, _ in nodes(name).values():
-        known.update(parameters_of(kind))
+        known.update({argument_of(parameter): each for parameter, each in parameters_of(kind).items()})
     assert set(FILES[name]) <= set(known)
     # roslaunch does not check whether a node would accept these values.
     given = {argument: number + 0.5 if isinstance(known[argument].kind, Number) else 'given %s' % argument
              for number, argument in enumerate(FILES[name])}
     for node, (kind, values) in nodes(name, **given).items():
-        for argument in set(given) & set(parameters_of(kind)):
-            if values.get(argument) != FIXED.get((name, argument), {}).get(node, given[argument]):
+        for parameter in parameters_of(kind):
+            argument = argument_of(parameter)
+            if argument in given and \
+                    values.get(parameter) != FIXED.get((name, argument), {}).get(node, given[argument]):
                 fail(name, 'the argument "%s" does not reach the node %s. The <node> needs <param name="%s" '
                      'value="$(arg %s)"/>. If it is in another file, the <include> needs pass_all_args="true".'
-                     % (argument, node, argument, argument))
+                     % (argument, node, parameter, argument))
 
 
 @pytest.mark.parametrize('name', FILES)
