@@ -33,7 +33,7 @@ FOLDER = SOURCE if os.path.isdir(SOURCE) else HERE  # of the exercises; an insta
 EXERCISES = [number.replace('_', '.')
              for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(FOLDER))))]
 # These parameters of nodes do not affect what is made of bags.
-OF_NODES = ('transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
+OF_NODES = ('image_transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
             'robot_frame')
 PARAMETERS = [name for name in parameters_of(BagSettings) if name not in OF_NODES]
 

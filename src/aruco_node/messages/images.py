@@ -316,7 +316,7 @@ def jpeg_from_frame(frame, quality=JPEG_QUALITY):
     return data.tobytes()
 
 
-# For each ~transport: the suffix of the topic, the class of the message, and that of what decodes frames.
+# For each ~image_transport: the suffix of the topic, the class of the message, and that of what decodes frames.
 TRANSPORTS = {
     'raw': ('', tolerant(Image), ImageDecoder),
     'compressed': ('/compressed', tolerant(CompressedImage), CompressedDecoder),

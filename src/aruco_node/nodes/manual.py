@@ -43,7 +43,7 @@ class Manual:
 
 CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
-    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'JPEG or PNG instead, see ~transport')]
+    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'JPEG or PNG instead, see ~image_transport')]
 CAMERA_INFO = 'camera/rgb/camera_info'
 FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
 COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'the status of the node, once a second')]

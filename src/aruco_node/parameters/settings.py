@@ -26,6 +26,7 @@ from aruco_node.messages.topics import IMAGE_TYPES
 from .parameters import AUTO, read, switch
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
+OLD_NAMES = {'image_transport': 'transport'}  # {parameter: its former name}, which launch files keep
 AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
 ID = '{id}'  # stands for the id in the name of a tag's TF frame
 PINHOLE, FISHEYE = 'pinhole', 'fisheye'
@@ -42,7 +43,7 @@ def _picture(value):
 class FrameSettings(Settings):
     """The parameters of every node that takes frames."""
 
-    transport: str = choice(
+    image_transport: str = choice(
         AUTO, (AUTO, *IMAGE_TYPES),
         "topic that the frames are read from. raw: the camera's own topic. compressed: its topic /compressed, "
         'as JPEG or PNG. auto: raw, unless only compressed is published', live=False)

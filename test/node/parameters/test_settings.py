@@ -63,7 +63,7 @@ def test_ids_may_be_any(ids):
     ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
     ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
     ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
-    ('transport', 'theora', 'auto, raw, compressed'), ('transport', [], 'auto, raw, compressed'),
+    ('image_transport', 'theora', 'auto, raw, compressed'), ('image_transport', [], 'auto, raw, compressed'),
     ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as topic:/other/camera'),
     ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
     ('folder', '', 'the path of a folder'), ('folder', 'a\0b', 'the path of a folder'),

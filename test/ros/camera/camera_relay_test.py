@@ -54,7 +54,7 @@ class Relay(NodeTest):
         self.assertLess(np.abs(frame_from_compressed(coarse).astype(int) - scene()).mean(), 5)
 
     def test_on_a_base_station_frames_are_decoded(self):
-        self.relay(CompressedImage, '_transport:=compressed')
+        self.relay(CompressedImage, '_image_transport:=compressed')
         answer, header = self.relay_one(self.listen(SENT))
         self.assertEqual((answer.header.stamp, answer.header.frame_id), (header.stamp, 'eye'))
         self.assertLess(np.abs(frame_from_image(answer).astype(int) - scene()).mean(), 1)
