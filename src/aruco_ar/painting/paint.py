@@ -93,7 +93,7 @@ def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | No
     check_array('homography', homography, np.float64, (3, 3))
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
     levels = levels_of(picture, _levels_needed(picture, homography))
-    return binding.warp(levels, np.asarray(to_picture, np.float64), mask, positions)
+    return binding.warp_picture(levels, np.asarray(to_picture, np.float64), mask, positions)
 
 
 def _levels_needed(picture: Image, homography: Floats) -> int:

@@ -26,10 +26,10 @@ const int unit5_plane_count, unit5_profile_count;
 const float unit5_profile_positions[1];
 void unit5_fit_tags(void) { abort(); }
 void unit5_draw_mask(void) { abort(); }
-void unit5_warp(void) { abort(); }
-void unit5_refine_pairs(void) { abort(); }
-void unit5_compare(void) { abort(); }
-void unit5_learn(void) { abort(); }
+void unit5_warp_picture(void) { abort(); }
+void unit5_refine_pose_pairs(void) { abort(); }
+void unit5_compare_wall(void) { abort(); }
+void unit5_learn_wall(void) { abort(); }
 '''
 WITHOUT_VERSION = 'void unit5_fit_tags(void) {}'
 
@@ -76,7 +76,7 @@ def test_it_is_compiled_only_once(copied, tmp_path):
 @needs_compiler
 def test_changed_sources_are_compiled_again(copied, tmp_path):
     assert copied() == (0, '')
-    with open(str(tmp_path / 'aruco_ar' / 'compiled' / 'frame.h'), 'a') as file:
+    with open(str(tmp_path / 'aruco_ar' / 'compiled' / 'image.h'), 'a') as file:
         file.write('/* changed */\n')
     code, output = copied(PATH='')
     assert code == 1 and 'SetupError: unit5 is not built' in output
