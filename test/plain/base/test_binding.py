@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
 from aruco_ar.compiled import binding
-from aruco_ar.compiled.library import compile_to
+from aruco_ar.compiled.compiler import compile_to
 from aruco_ar.painting.levels import levels_of
 from aruco_ar.painting.paint import put_in, warp
 
