@@ -40,7 +40,7 @@ NO_PATTERN, FEW_PATTERN = 6.0, 2.0
 class Difference:
     """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
 
-    ``planes``: (8, h, w) float32, what the C function compare has found out about each pixel; see wall.c.
+    ``planes``: (8, h, w) float32, what unit5_compare_wall has found out about each pixel; see wall.c.
     """
 
     front: Booleans
@@ -81,8 +81,8 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             unshaded: float = 1.0) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
-    return binding.compare(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
+    """(h, w), where something seems to stand before the wall, and the planes: see wall.c."""
+    return binding.compare_wall(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
 def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:

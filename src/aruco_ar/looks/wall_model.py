@@ -166,8 +166,8 @@ class WallModel:
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
         self._count = min(self._count + 1, MEAN_OF)
-        binding.learn(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
-                      VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
+        binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
+                           VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
         usual = np.median(self._variance[::SAMPLE_PX, ::SAMPLE_PX])
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 

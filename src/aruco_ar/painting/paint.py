@@ -101,7 +101,7 @@ def warp(picture: Image | Picture, homography: Numbers, mask: Image, positions: 
     check_array('homography', homography, np.float64, (3, 3))
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
     levels = picture.levels(_levels_needed(picture.pixels, homography))
-    return binding.warp(levels, np.asarray(to_picture, np.float64), mask, positions)
+    return binding.warp_picture(levels, np.asarray(to_picture, np.float64), mask, positions)
 
 
 def _levels_needed(picture: Image, homography: Floats) -> int:

@@ -339,7 +339,7 @@ def test_results_of_other_code_are_made_again(package, frames, tmp_path):
     run = [str(tmp_path / 'unit5'), tmp_path / 'out', tmp_path / 'brief.bag', '--exercise', '5.2',
            '--workers', '1']
     assert 'Wrote' in annotate(*run) and 'is done already' in annotate(*run)
-    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/edges.c':
+    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/tag_edges.c':
         with open(str(tmp_path / 'unit5' / 'src' / edited), 'a') as code:
             code.write('\n')
         assert 'is done already' not in annotate(*run), edited
