@@ -14,8 +14,8 @@ import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import path_of, write_whole
 from aruco_ar.calibration.calibrate import MIN_VIEWS
+from aruco_ar.calibration.calibration_progress import SHOW, CalibrationProgress
 from aruco_ar.calibration.camera_file import camera_yaml
-from aruco_ar.calibration.progress import SHOW, Progress
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_node.health.faults import fault_barrier, note_fault
 from aruco_node.nodes.frame_node import Answer, FrameNode
@@ -51,7 +51,7 @@ class LiveCalibration(FrameNode):
         return Answer([progress.collection.draw(frame, view)], lambda: None)
 
     def begin_anew(self):
-        self._progress.begin_anew()
+        self._progress.forget_last_frames()
 
     def report(self):
         level, sentence, values = super().report()
@@ -64,8 +64,8 @@ class LiveCalibration(FrameNode):
         rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
 
     def _begin(self, size):
-        """Begin anew, for frames of a size, (width, height). Returns the new Progress."""
-        self._progress = progress = Progress(size, self._sheet)
+        """Begin anew, for frames of a size, (width, height). Returns the new CalibrationProgress."""
+        self._progress = progress = CalibrationProgress(size, self._sheet)
         return progress
 
     @fault_barrier

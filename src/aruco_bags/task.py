@@ -11,10 +11,11 @@ from aruco_ar import InputError, PoseEstimator, find_area
 from aruco_ar.base.files import in_package
 from aruco_ar.exercise import AREA, PICTURE, Exercise, Runner
 from aruco_ar.painting.sources import Still, open_source
+from aruco_node.messages.camera_info import lens_from_info
 from aruco_node.messages.images import compressed_from_frame, tags_from_pixels
 from aruco_node.messages.pose_messages import pose_message
 from aruco_node.messages.topics import raw_topic
-from aruco_node.nodes.calibration import is_rectified, lens_from_info
+from aruco_node.nodes.camera_lens import is_rectified
 from aruco_node.parameters.settings import TOPIC
 from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import CameraInfo

@@ -14,7 +14,7 @@ from aruco_ar.tags.tag import Tag
 
 from .calibrate import pose_error
 from .collection import STILL
-from .layout import learn_layout
+from .sheet_layout import learn_layout
 from .views import ALIKE, MIN_POINTS, View
 
 EVERY_S = 0.3           # at most one frame is considered within this time

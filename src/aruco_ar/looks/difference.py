@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -63,20 +64,41 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     wall, contrast = _lit_wall(aligned, whole)
     still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
     front &= still_front
-    gray, wall_gray, light, _, excess, step, noise, rims = planes
-    free = ~usable | _shows_pattern(seen, gray, wall, noise, front)
+    pixels = _Planes(*planes)
+    free = ~usable | _shows_pattern(seen, pixels.gray, wall, pixels.noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
                              cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
-    if front.any():
-        front |= _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
-        unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
-        weak = excess > 0.5
-        around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
-        front |= _connected((around > 0.5) & (excess > 0.25), front)
-        front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
-        front |= closed(front, BRIDGE_PX) & (weak | unusual)
-        front &= ~free
-    return Difference(front, planes)
+    return Difference(_completed(front, pixels, usable, free) if front.any() else front, planes)
+
+
+class _Planes(NamedTuple):
+    """What the C function compare has found out about each pixel, (h, w) float32 each; see wall.c."""
+
+    gray: Floats
+    wall_gray: Floats
+    light: Floats
+    error: Floats
+    excess: Floats
+    step: Floats
+    noise: Floats
+    rims: Floats
+
+
+def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Booleans) -> Booleans:
+    """(h, w): the pixels surely in front, (h, w), and around them those with weaker evidence.
+
+    ``usable``: (h, w), where the wall is known. ``free``: (h, w), where nothing is in front.
+    """
+    light, wall_gray, excess, step, noise, rims = (
+        pixels.light, pixels.wall_gray, pixels.excess, pixels.step, pixels.noise, pixels.rims)
+    front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+    unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
+    weak = excess > 0.5
+    around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
+    front |= _connected((around > 0.5) & (excess > 0.25), front)
+    front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
+    front |= closed(front, BRIDGE_PX) & (weak | unusual)
+    return front & ~free
 
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,

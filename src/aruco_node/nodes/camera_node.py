@@ -12,11 +12,12 @@ from unit5.msg import TagArray
 
 from aruco_node.health.diagnostics import ERROR, NO_TAG, NO_TAGS_S, WARN
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
+from aruco_node.messages.camera_info import NO_CALIBRATION
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LensSettings, load_areas
 
-from .calibration import NO_CALIBRATION, NO_CAMERA_INFO, Calibration
+from .camera_lens import NO_CAMERA_INFO, CameraLens
 from .frame_node import FrameNode
 
 
@@ -47,7 +48,7 @@ class CameraNode(FrameNode):
         self._missed_tags = False  # whether it was logged that no tag is in sight
         self._calibration = None
         if isinstance(self.settings, LensSettings):
-            self._calibration = Calibration(self.settings, self.camera)
+            self._calibration = CameraLens(self.settings, self.camera)
         self.lens = self.lens_fault = None
 
     def look(self, frame, stamp, is_searched):

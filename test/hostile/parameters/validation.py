@@ -14,7 +14,7 @@ from aruco_ar.exercise import AREA, PICTURE, TAGS, Exercise, Result, Runner
 from aruco_ar.settings.settings import LEARN
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall
-from aruco_node.nodes.calibration import Calibration
+from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.nodes.pictures import open_picture
 from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import PictureSettings, load_areas
@@ -60,7 +60,7 @@ def taken(kind, name, value):
     elif 'search' in has:
         _look(settings)
     if 'camera_info' in has:
-        Calibration(settings, '/camera/rgb/image_raw')
+        CameraLens(settings, '/camera/rgb/image_raw')
     if has.get('wall', LEARN) != LEARN:
         load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
     if has.get('path', 'none') != 'none':

@@ -6,7 +6,7 @@ from aruco_ar import InputError, Lens
 from aruco_ar.calibration.calibrate import MIN_VIEWS, _untilted, calibrate, corners_apart, unseen_parts
 from aruco_ar.calibration.calibrated import TRY_FISHEYE, Calibrated
 from aruco_ar.calibration.collection import FEW, FULL, LIKE, MOVING, Collection
-from aruco_ar.calibration.layout import learn_layout
+from aruco_ar.calibration.sheet_layout import learn_layout
 from aruco_ar.calibration.views import MAX_VIEWS, View, cells_of, different_views
 from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 

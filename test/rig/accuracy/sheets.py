@@ -5,7 +5,7 @@ import yaml
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera
 from aruco_ar.walls.wall import load_wall
-from aruco_node.nodes.calibration import lens_from_info
+from aruco_node.messages.camera_info import lens_from_info
 from sensor_msgs.msg import CameraInfo
 
 TAGS = '[%s]' % ', '.join(
