@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Calibrate a camera from a video or photos of a flat sheet of tags.
 
-This program needs no roscore. Move the sheet, or the camera before it, so that
+This program needs no roscore. Move the sheet, or the camera in front of it, so that
 the tags are seen in all parts of the frame, near and far, and tilted. All tags
 have the same size; where they are on the sheet need not be known. The result is
 a YAML file as camera_info_manager reads it, for example by

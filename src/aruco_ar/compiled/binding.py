@@ -170,7 +170,7 @@ def refine_pairs(points: Numbers, rays: Numbers, weights: Numbers, rotations: Nu
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             darkest: float, lightest: float) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes, (PLANES, h, w) float32.
+    """(h, w), where something seems to stand in front of the wall, and the planes, (PLANES, h, w) float32.
 
     wall.c says what the arguments and the planes are.
     """

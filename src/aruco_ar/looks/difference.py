@@ -1,4 +1,4 @@
-"""What differs from the wall by more than light and noise can explain: something stands before it."""
+"""What differs from the wall by more than light and noise can explain: something stands in front of it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ NO_PATTERN, FEW_PATTERN = 6.0, 2.0
 
 @dataclass(frozen=True)
 class Difference:
-    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
+    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand in front of it.
 
     ``planes``: (8, h, w) float32, what the C function compare has found out about each pixel; see wall.c.
     """
@@ -81,7 +81,7 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             unshaded: float = 1.0) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
+    """(h, w), where something seems to stand in front of the wall, and the planes of the C function compare."""
     return binding.compare(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
@@ -180,7 +180,7 @@ def _usual(light: Floats, free: Booleans) -> Floats:
 
 
 def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
-    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is before it.
+    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is in front.
 
     ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
     the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes

@@ -69,7 +69,7 @@ class HiddenTags:
         ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to paint on, of the same size; it
         may be the frame itself. ``area``: the Area in the frame. ``tags``: those in sight. ``sure``: whether
         the frame shows where the area is. If not, nothing is learned from it. ``keep``: whether things that
-        stand before the wall stay in front. ``noisy``: adds the camera's noise to an image, if given.
+        stand in front of the wall stay in front. ``noisy``: adds the camera's noise to an image, if given.
         """
         if sure:
             self._find(area, tags)

@@ -98,7 +98,7 @@ def test_while_a_deep_shadow_comes_or_leaves_or_crosses_all_of_the_wall_is_paint
         assert is_painted(painted(keeps, frame, number), inside) > 0.99
 
 
-def test_a_hand_before_a_fine_pattern_stays_in_front(checkered):
+def test_a_hand_in_front_of_a_fine_pattern_stays_in_front(checkered):
     drive, keeps = Drive(checkered(16)), stage(foreground='keep')
     for number in range(5 * FRAMES_PER_S):
         frame, inside = drive.frame(number)

@@ -1,4 +1,4 @@
-"""Frames of a sheet of tags as somebody moves it before a camera, and the Lens of a calibration file."""
+"""Frames of a sheet of tags as somebody moves it in front of a camera, and the Lens of a calibration file."""
 import cv2
 import numpy as np
 import yaml
