@@ -156,8 +156,8 @@ class LensSettings(TagSettings):
         "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
     rectified: Union[str, bool] = switch(
         AUTO,
-        'whether the frames have no distortion any more. auto: so if the name of their topic begins with '
-        'image_rect')
+        'whether the frames have no distortion any more. auto: they have none if the name of their topic '
+        'begins with image_rect')
 
 
 @dataclass(frozen=True)
@@ -189,8 +189,8 @@ class PictureSettings(AreaSettings):
         1.0, 0, 1, 'how opaque the picture is; with 0 only the frame is seen, with 1 only the picture')
     foreground: str = choice(
         PAINT, FOREGROUNDS,
-        'what happens to things that stand before the wall. paint: they are painted over. keep: they stay in '
-        'front of the picture')
+        'what happens to things that stand in front of the wall. paint: they are painted over. keep: they stay '
+        'in front of the picture')
     light: str = choice(
         FULL, LIGHTS,
         'light in which the picture is painted. full: it has its own colors. match: it has the light and the '
