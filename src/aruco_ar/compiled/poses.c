@@ -240,8 +240,8 @@ static void refine_pair(const Object *object, double *rotations, double *transla
     }
 }
 
-/* Refine both poses of each of so many objects, which have the same number of points and the same deviations. The
-   arrays of the objects, and of their poses, are one after the other. Returns 0 if there is not enough memory. */
+/* Refine both poses of each of ``objects`` objects, which have the same number of points and the same deviations.
+   The arrays of the objects, and of their poses, are one after the other. Returns 0 if there is not enough memory. */
 EXPORT int unit5_refine_pairs(int64_t objects, int points, int deviations, const double *point, const double *ray,
                               const double *weight, const double *spread, double *rotations, double *translations,
                               double *amounts, double *squares, double *covariances)

@@ -105,10 +105,10 @@ EXPORT int unit5_compare(const uint8_t *seen, const float *look, const float who
 
 /* Learn the wall where nothing is in front.
 
-   seen, look, whole, variance: see compare; planes: what it wrote. wall: where the wall is seen; certain: where that is
-   sure. known: where the look is known; seconds: for how long it was seen. passed: seconds since the frame before;
-   settle: the most that counts. rate, variance_rate: the weights of this frame in the running means. Changes look,
-   variance, known and seconds. */
+   seen, look, whole, variance: see compare; planes: what it wrote. wall: where the wall is seen; certain: where it is
+   certainly seen. known: where the look is known; seconds: for how long it was seen. passed: seconds since the frame
+   before; settle: the most that counts. rate, variance_rate: the weights of this frame in the running means. Changes
+   look, variance, known and seconds. */
 EXPORT void unit5_learn(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
                         const uint8_t *certain, int64_t count, float passed, float settle, float rate,
                         float variance_rate, float *look, float *variance, uint8_t *known, float *seconds)

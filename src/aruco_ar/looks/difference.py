@@ -24,7 +24,7 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
-# A pattern is recognized in windows of these widths, if it correlates with the wall's by at least so much. The
+# The widths of the windows in which a pattern is recognized, and the least correlation with the wall's. The
 # large window also shows what a glare has made pale.
 WINDOWS = (15, 0.8), (61, 0.7)
 FIT = 0.25            # a pixel fits if it is off by less than noise plus this share of the pattern's deviation
