@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Calibrates a camera while it runs, from a flat sheet of tags or a ChArUco board.
 
-Move the sheet before the camera, or the camera before the sheet, and hold still
-now and then. The image shows where in the frame the sheet has been seen, and the
+Move the sheet in front of the camera, or the camera in front of the sheet, and
+hold still now and then. The image shows where in the frame the sheet has been seen, and the
 node says what is missing. The service ~save then writes the calibration.
 """
 import os

@@ -50,7 +50,7 @@ MANUAL_TOPICS = [
     ('odom', 'nav_msgs/Odometry', "the robot's true pose"),
     ('/tf', 'tf2_msgs/TFMessage', 'the same pose: odom -> base_link'),
     ('/tf_static', 'tf2_msgs/TFMessage', 'base_link -> camera_rgb_optical_frame, odom -> wall'),
-    ('~tags', 'unit5/TagArray', 'true corners of all tags before the camera'),
+    ('~tags', 'unit5/TagArray', 'true corners of all tags in front of the camera'),
     ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
 
 
@@ -90,7 +90,8 @@ class WallCameraSettings(Settings):
     shutter: float = number(
         0.0, 0, 100, 'milliseconds within which the rows of a frame are read, one after the other')
     visitor: str = choice(
-        NOBODY, VISITORS, 'who moves before the wall: nobody, a person who walks past, or a hand that writes')
+        NOBODY, VISITORS,
+        'who moves in front of the wall: nobody, a person who walks past, or a hand that writes')
     jpeg: float = number(0.0, 0, 100, 'quality of the JPEG compression that each frame goes through; 0: none')
 
 

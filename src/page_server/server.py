@@ -45,11 +45,11 @@ class PageSettings(Settings):
 
     address: str = text(
         '127.0.0.1', 'an IP address, or localhost',
-        'address at which the page is served. 127.0.0.1: to this machine only. 0.0.0.0: to its whole network',
-        live=False)
+        'address at which the page is served. 127.0.0.1: only this machine can open the page. 0.0.0.0: its '
+        'whole network can', live=False)
     port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
     drive: Any = switch(
-        AUTO, 'whether the page may drive the robot; auto: if it is served to this machine only')
+        AUTO, 'whether the page may drive the robot. auto: it may if it is served to this machine only')
     linear: float = number(0.3, 0, 2, 'speed at which the page drives the robot, in m/s')
     angular: float = number(0.8, 0, 8, 'speed at which the page turns the robot, in rad/s')
 

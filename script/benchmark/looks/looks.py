@@ -20,7 +20,7 @@ SECONDS = 8
 JUDGED = 4       # every fourth frame is judged; the first second is left out
 FIRST_S = 1.0
 SIGHT = slice(30, 350), slice(60, 580)  # rows and columns of the frame around the area
-SURE_LEVELS = 30  # where picture and frame differ by so much, a pixel shows how much of it was painted
+SURE_LEVELS = 30  # where picture and frame differ by this much, a pixel shows how much of it was painted
 PICTURE = os.path.join(PACKAGE, 'images', 'earth.jpg')
 METHODS = {'course': None, 'ours': {}, '+ keep': {'foreground': 'keep'}, '+ match': {'light': 'match'},
            '+ both': {'foreground': 'keep', 'light': 'match'}}

@@ -173,7 +173,7 @@ def refine_pose_pairs(
 
 def compare_wall(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
                  darkest: float, lightest: float) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes, (PLANES, h, w) float32.
+    """(h, w), where something seems to stand in front of the wall, and the planes, (PLANES, h, w) float32.
 
     unit5.h says what the arguments are, and wall.c what the planes are.
     """

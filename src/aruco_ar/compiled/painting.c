@@ -94,7 +94,7 @@ static float distorted_cover_of(const Line sides[4], const float *here, const fl
     return larger(cover, 0);
 }
 
-/* Whether a run of pixels in a row is clearly inside of all sides, 1, or outside of one, -1; 0 if that is not sure.
+/* Whether a run of pixels in a row is clearly inside of all sides, 1, or outside of one, -1; 0 if neither is clear.
    ``here``: the positions. The first and the last show it, since the distance hardly bends along a run. */
 static int side_of_run(const Line sides[4], const float *here, int count)
 {

@@ -116,8 +116,8 @@ class PictureSettings(AreaSettings):
         1.0, 0, 1, 'how opaque the picture is; with 0 only the frame is seen, with 1 only the picture')
     foreground: str = choice(
         PAINT, FOREGROUNDS,
-        'what happens to things that stand before the wall. paint: they are painted over. keep: they stay in '
-        'front of the picture')
+        'what happens to things that stand in front of the wall. paint: they are painted over. keep: they stay '
+        'in front of the picture')
     light: str = choice(
         FULL, LIGHTS,
         'light in which the picture is painted. full: it has its own colors. match: it has the light and the '

@@ -102,7 +102,7 @@ def _check_clock():
     clock = _get('/use_sim_time', False)
     if not isinstance(clock, bool):
         rospy.logwarn('The parameter /use_sim_time is %s, but it must be true or false. This node takes it for '
-                      '%s; others may not. Set it: rosparam set use_sim_time false.',
+                      '%s; other nodes may not. Set it: rosparam set use_sim_time false.',
                       quoted(clock), str(bool(clock)).lower())
 
 

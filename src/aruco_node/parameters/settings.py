@@ -101,8 +101,8 @@ class LensSettings(settings.LensSettings, TagSettings):
         "topic of the camera's calibration; auto: camera_info beside the camera's images", live=False)
     rectified: Union[str, bool] = switch(
         AUTO,
-        'whether the frames have no distortion any more. auto: so if the name of their topic begins with '
-        'image_rect')
+        'whether the frames have no distortion any more. auto: they have none if the name of their topic '
+        'begins with image_rect')
 
 
 @dataclass(frozen=True)

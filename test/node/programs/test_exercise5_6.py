@@ -23,7 +23,7 @@ def test_the_function_paints_what_exercise_5_6_paints(frame, earth, fit, lens):
         result.images[0], overlay(frame, earth, area, fit=fit, opacity=settings.opacity))
 
 
-def test_what_comes_before_the_wall_stays_in_front_in_the_walls_light(frame):
+def test_what_is_in_front_of_the_wall_stays_there_in_the_walls_light(frame):
     """The same steps in detail: test/plain/looks."""
     white = np.full((40, 60, 3), 255, np.uint8)
     runner = Runner(EXERCISE, [PictureSettings(foreground='keep', light='match')], lambda _: Still(white))

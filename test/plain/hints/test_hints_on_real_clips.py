@@ -13,7 +13,7 @@ WIDEST_PX, FRAMES_PER_S, LONG_S = 960, 10, 10
 
 
 def shown(name, change, seconds=None, dictionary=None, any_ids=False):
-    """All that is said of a clip, looped until so many seconds are over. Each search is done at once."""
+    """All that is said of a clip, looped until ``seconds`` are over. Each search is done at once."""
     if not os.path.isdir(real.CLIPS):
         pytest.skip('the folder %s with clips is missing' % os.path.normpath(real.CLIPS))
     clip, = (clip for clip in real.clips_of(real.CLIPS) if os.path.basename(clip.path) == name)

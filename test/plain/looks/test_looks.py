@@ -1,4 +1,4 @@
-"""What stands before the wall stays in front of the picture, and the picture takes the wall's light."""
+"""What stands in front of the wall stays in front of the picture, and the picture takes the wall's light."""
 from dataclasses import replace
 
 import cv2
@@ -85,7 +85,7 @@ def with_sheet(wall, path):
 
 
 def assert_in_front(image, frame, things, inside):
-    """Assert that the picture is painted all around things that stand before it, and not over them."""
+    """Assert that the picture is painted all around things that stand in front of it, and not over them."""
     assert is_kept(image, frame, core(things) & inside) > 0.97
     assert is_painted(image, around(things, inside, 9)) > 0.99
 
@@ -124,7 +124,7 @@ def test_a_hand_that_is_there_from_the_first_frame_stays_in_front_on_a_blank_wal
             assert_in_front(image, frame, things, inside)
 
 
-def test_a_hand_before_a_painting_stays_in_front(wall, package):
+def test_a_hand_in_front_of_a_painting_stays_in_front(wall, package):
     drive, keeps = Drive(with_sheet(wall, package + '/images/earth.jpg')), stage(foreground='keep')
     for number in range(30):
         frame, inside = drive.frame(number)

@@ -1,1 +1,1 @@
-"""Nodes before a camera: starting them, and comparing what they publish."""
+"""Nodes in front of a camera: starting them, and comparing what they publish."""

@@ -22,7 +22,7 @@ RATE = 30
 
 class Relay(NodeTest):
     def relay(self, kind, *arguments):
-        """Start camera_relay before a camera with this type of message, and a camera_info for 1280 x 960."""
+        """Start camera_relay with a camera of this type of message, and a camera_info for 1280 x 960."""
         self.images, self.connections = self.camera(CAMERA + '/compressed' * (kind is CompressedImage), kind)
         self.calibrations, self.others = self.camera('/camera/rgb/camera_info', CameraInfo)
         self.node = self.start('camera_relay.py', *arguments)
