@@ -130,7 +130,7 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
 
 def warp_picture(levels: Sequence[Image], to_picture: Floats, mask: Image,
                  positions: Image | None = None) -> Image:
-    """See warp in painting/paint.py. ``levels``: see Picture.levels. ``to_picture``: (3, 3), the other direction."""
+    """See warp in painting/paint.py. ``levels``: see Picture. ``to_picture``: (3, 3), the other direction."""
     check_array('picture', levels[0], np.uint8, *PICTURE)
     height, width, channels = levels[0].shape
     if max(height, width) > MAX_PICTURE_SIDE_PX:
