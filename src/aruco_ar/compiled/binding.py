@@ -25,14 +25,16 @@ _C = load()
 
 
 class _Image(ctypes.Structure):
-    """The C structure Image of image.h, for an Image that was checked; it must be kept until this was used."""
+    """The C structure Image of image.h."""
 
     _fields_ = [('pixels', ctypes.c_void_p), ('row', ctypes.c_int64), ('width', ctypes.c_int),
                 ('height', ctypes.c_int), ('channels', ctypes.c_int)]
 
-    def __init__(self, image: Image) -> None:
-        height, width, channels = (*image.shape, 1)[:3]
-        super().__init__(image.ctypes.data, image.strides[0], width, height, channels)
+
+def _image(image: Image) -> _Image:
+    """For an Image that was checked; it must be kept until this was used."""
+    height, width, channels = image.shape if image.ndim == 3 else (*image.shape, 1)
+    return _Image(image.ctypes.data, image.strides[0], width, height, channels)
 
 
 class _Array:
@@ -80,7 +82,7 @@ def compare_tags(frame: Image, quads: Numbers, cells: Image, samples: int) -> Fl
     frame, quads, cells = _tags(frame, quads, cells)
     _check_samples(samples)
     likeness = np.empty(len(quads), np.float32)
-    _compare_tags(_Image(frame), len(quads), quads, cells.shape[1], cells, samples, likeness)
+    _compare_tags(_image(frame), len(quads), quads, cells.shape[1], cells, samples, likeness)
     return likeness
 
 
@@ -101,7 +103,7 @@ def sample_cells(frame: Image, quads: Numbers, count: int, margin: int) -> Float
         raise InputError('A tag %d cells wide cannot be sampled without %s cells at its rim; choose less than '
                          'half of its width, and at least -%d.' % (count, margin, MAX_CELLS))
     gray = np.empty((len(quads), (count - 2 * margin)**2), np.float32)
-    _sample_cells(_Image(frame), len(quads), quads, count, margin, gray)
+    _sample_cells(_image(frame), len(quads), quads, count, margin, gray)
     return gray
 
 
@@ -111,7 +113,7 @@ def guess_tags(frame: Image, quads: Numbers, count: int, known: Numbers, contras
     known = _quads('quadrilaterals of known tags', known)
     _check_count(count)
     guesses = np.empty(len(quads), np.uint8)
-    _guess_tags(_Image(frame), len(quads), quads, count, len(known), known, contrast, guesses)
+    _guess_tags(_image(frame), len(quads), quads, count, len(known), known, contrast, guesses)
     return guesses
 
 
@@ -124,7 +126,7 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
     corners = _numbers(corners, np.float64)
     check_array('corners', corners, np.float64, (4, 2))
     mask = np.zeros(frame.shape, np.uint8)
-    _draw_mask(_Image(mask), corners, *_positions_and_row(positions, mask))
+    _draw_mask(_image(mask), corners, *_positions_and_row(positions, mask))
     return mask
 
 
@@ -142,8 +144,8 @@ def warp_picture(levels: Sequence[Image], to_picture: Floats, mask: Image,
     to_picture = _numbers(to_picture, np.float64)
     check_array('homography', to_picture, np.float64, (3, 3))
     warped = np.zeros((*mask.shape[:2], channels), np.uint8)
-    images = (_Image * len(levels))(*map(_Image, levels))
-    _warp_picture(_Image(warped), _Image(mask), images, len(levels), to_picture,
+    images = (_Image * len(levels))(*map(_image, levels))
+    _warp_picture(_image(warped), _image(mask), images, len(levels), to_picture,
                   *_positions_and_row(positions, mask))
     return warped
 
@@ -226,7 +228,7 @@ def _fit(frame: Any, quads: Any, cells: Any, whole: Any = None,
     count = len(quads)
     fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
     likeness = np.empty(count, np.float32)
-    _fit_tags(_Image(frame), count, quads, cells.shape[1], cells, fitted, found, likeness, samples, whole)
+    _fit_tags(_image(frame), count, quads, cells.shape[1], cells, fitted, found, likeness, samples, whole)
     return fitted, found, likeness
 
 

@@ -411,7 +411,7 @@ TOO_SHORT = '''
 import numpy
 from aruco_ar.compiled import binding
 mask, corners = numpy.zeros((46, 61), numpy.uint8), numpy.float64([[0, 0], [60, 0], [60, 60], [0, 60]])
-image = binding._Image(mask)
+image = binding._image(mask)
 image.height = 47
 binding._draw_mask(image, corners, None, 0)
 '''
