@@ -2,7 +2,7 @@
 
 The field says the parameter's default, what it is for, and which values it
 takes. All else is made from that. reconfigure makes what dynamic_reconfigure
-offers, and manual makes what ``--help`` prints. script/launch_args makes the
+offers, and manual makes what ``--help`` prints. script/remake/launch_args makes the
 arguments of the launch files. The checks at a node's start and the tables of
 the documentation also come from it.
 """

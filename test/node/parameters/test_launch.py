@@ -11,7 +11,7 @@ from aruco_node.parameters.parameters import Number, parameters_of, read
 from hostile.parameters import validation
 from roslaunch.config import load_config_default
 
-SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
+SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'remake', 'launch_args'))
 FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
 STARTED = sorted(set(FILES) - {'exercise'})  # a part of the others
 # The values that a file gives to some nodes, whatever its argument of that name says.
@@ -46,11 +46,11 @@ def test_the_arguments_match_the_settings_of_the_nodes(name):
         if line not in text:
             found = re.search('.*<arg name="%s" .*' % argument, text)
             fail(name, 'the argument "%s" does not match the settings of its node. It is\n%s\n'
-                       'but must be\n%sscript/launch_args writes it.'
+                       'but must be\n%sscript/remake/launch_args writes it.'
                  % (argument, found.group() if found else '  missing', line))
     if SCRIPT['rewritten'](text, FILES[name]) != text:
-        fail(name, 'the arguments are in another order than the parameters. script/launch_args puts them in '
-                   'order.')
+        fail(name, 'the arguments are in another order than the parameters. script/remake/launch_args puts '
+                   'them in order.')
 
 
 @pytest.mark.parametrize('name', STARTED)
@@ -85,4 +85,4 @@ def test_all_launch_files_are_compared():
         # The launch files of programs that are no nodes of ours have their options, not parameters.
         if 'pkg="unit5"' in SCRIPT['read'](name) and name not in {*FILES, 'artag_generator', 'video_camera'}:
             fail(name, 'no test compares its arguments with the parameters of its nodes. Add it to FILES in '
-                       'script/launch_args.')
+                       'script/remake/launch_args.')
