@@ -64,7 +64,7 @@ def coefficients(value):
 
 @dataclass(frozen=True)
 class WallCameraSettings(Settings):
-    """The parameters. After a change of their defaults or words, run script/launch_args."""
+    """The parameters. After a change of their defaults or words, run script/remake/launch_args."""
 
     wall: str = text(
         'config/wall.yaml', 'the path of a YAML file, which may be within the package',

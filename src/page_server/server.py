@@ -41,7 +41,7 @@ DIAGNOSTICS_MS = 250
 
 @dataclass(frozen=True)
 class PageSettings(Settings):
-    """The parameters of the page. After a change of their defaults or words, run script/launch_args."""
+    """The parameters of the page. After a change of their defaults or words, run script/remake/launch_args."""
 
     address: str = text(
         '127.0.0.1', 'an IP address, or localhost',

@@ -1,6 +1,6 @@
 """The settings of what this package does: how tags are found, and what is painted between them.
 
-After a change of a default or of words, run script/launch_args: it writes them
+After a change of a default or of words, run script/remake/launch_args: it writes them
 into the launch files.
 """
 from __future__ import annotations

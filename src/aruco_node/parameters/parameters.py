@@ -2,7 +2,7 @@
 
 All that ROS has of them is made from that. reconfigure makes what
 dynamic_reconfigure offers, and manual makes what ``--help`` prints.
-script/launch_args makes the arguments of the launch files. The checks at a
+script/remake/launch_args makes the arguments of the launch files. The checks at a
 node's start and the tables of the documentation also come from it.
 """
 from aruco_ar.settings.declaration import checked, parameters_of, parsed

@@ -1,6 +1,6 @@
 """The parameters of the nodes that take frames, and the entries of areas files.
 
-After a change of a parameter's default or words, run script/launch_args: it
+After a change of a parameter's default or words, run script/remake/launch_args: it
 writes them into the launch files.
 """
 from dataclasses import dataclass

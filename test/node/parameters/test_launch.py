@@ -11,7 +11,7 @@ from aruco_node.parameters.parameters import read
 from hostile.parameters import validation
 from roslaunch.config import load_config_default
 
-SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
+SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'remake', 'launch_args'))
 FILES, FOLDER, argument_of = SCRIPT['FILES'], SCRIPT['FOLDER'], SCRIPT['argument_of']
 # The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
@@ -45,11 +45,11 @@ def test_the_arguments_match_the_settings_of_the_nodes(name):
     for argument, wanted in FILES[name].items():
         if found.get(argument) != wanted:
             fail(name, 'the argument "%s" does not match the settings of its node. It is\n%s\n'
-                       'but must be\n%s\nscript/launch_args writes it.'
+                       'but must be\n%s\nscript/remake/launch_args writes it.'
                  % (argument, ' '.join(found.get(argument, ['missing'])), ' '.join(wanted)))
     if SCRIPT['rewritten'](text, FILES[name]) != text:
         fail(name, 'the arguments are in another order than the parameters, or not in columns. '
-                   'script/launch_args puts them in order.')
+                   'script/remake/launch_args puts them in order.')
 
 
 @pytest.mark.parametrize('name', FILES)
@@ -88,4 +88,4 @@ def test_all_launch_files_are_compared():
         if 'pkg="unit5"' in SCRIPT['read'](name) and \
                 name not in {*FILES, 'exercise', 'artag_generator', 'video_camera'}:
             fail(name, 'no test compares its arguments with the parameters of its nodes. Add it to FILES in '
-                       'script/launch_args.')
+                       'script/remake/launch_args.')

@@ -21,7 +21,7 @@ from aruco_node.messages.images import compressed_from_frame, frame_from_compres
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
-from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
+from rig.accuracy.drives import FRAMES_PER_S, LIVELY, drive
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header

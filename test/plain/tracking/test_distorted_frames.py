@@ -8,7 +8,7 @@ from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.walls.wall import Poster
-from benchmark.simulated.drives import LIVELY, WALL, drive
+from rig.accuracy.drives import LIVELY, WALL, drive
 
 pytestmark = pytest.mark.long
 LENSES = {'k1 = -0.3': {'distortion': [-0.3, 0.0, 0.0, 0.0, 0.0]},

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from aruco_ar.walls.wall import Poster
-from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 from rig.accuracy.areas import assert_never_wrong, follow, later, rms
+from rig.accuracy.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 
 ALL = WALL.area
 BLANK = replace(WALL, plaster=0)
