@@ -50,7 +50,7 @@ class MissedTags:
         """
         if self._detector is None:
             return None
-        if has_area or len(seen) >= FOUR or self._since is None or stamp < self._since:
+        if has_area or len(seen) >= FOUR or self._since is None:
             self.reset()
             self._since = stamp
         missed = self._searches.take()
