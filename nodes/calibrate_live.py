@@ -35,12 +35,12 @@ class LiveCalibration(FrameNode):
         self._sheet = CharucoBoard(dictionary, *read_board(charuco)) if charuco else TagSheet(dictionary)
         self._saving = threading.Lock()  # of two calls of ~save, the later one writes the newer lens
         self._solver, self._searcher = ThreadPoolExecutor(1, 'solver'), ThreadPoolExecutor(1, 'hints')
-        self._begin((0, 0))
+        self._reset((0, 0))
 
     def process(self, frame, header, stamp):
         progress, view = self._progress, self._sheet.view(frame)
         if progress.collection.size != frame.shape[1::-1]:
-            progress = self._begin(frame.shape[1::-1])
+            progress = self._reset(frame.shape[1::-1])
         views = progress.collection.views
         before = len(views)
         search = progress.update(frame, stamp, view)
@@ -50,7 +50,7 @@ class LiveCalibration(FrameNode):
             self._solver.submit(self._solve, progress, len(views))
         return Answer([progress.collection.draw(frame, view)], lambda: None)
 
-    def begin_anew(self):
+    def forget_last_frames(self):
         self._progress.forget_last_frames()
 
     def report(self):
@@ -63,8 +63,8 @@ class LiveCalibration(FrameNode):
         rospy.Service('~save', Trigger, self._on_save, error_handler=note_fault)
         rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
 
-    def _begin(self, size):
-        """Begin anew, for frames of a size, (width, height). Returns the new CalibrationProgress."""
+    def _reset(self, size):
+        """Forget all views. New frames have a size, (width, height). Returns the new CalibrationProgress."""
         self._progress = progress = CalibrationProgress(size, self._sheet)
         return progress
 
@@ -98,7 +98,7 @@ class LiveCalibration(FrameNode):
         return TriggerResponse(True, 'It is saved as %s.' % path)
 
     def _on_reset(self, request):
-        self.between_frames(lambda: self._begin((0, 0)))
+        self.between_frames(lambda: self._reset((0, 0)))
         return TriggerResponse(True, 'All views are forgotten.')
 
 

@@ -73,8 +73,8 @@ class TagPoses(CameraNode):
             self._tf_listener.unregister()
             self._tf_listener = None
 
-    def begin_anew(self):
-        super().begin_anew()
+    def forget_last_frames(self):
+        super().forget_last_frames()
         self._problems = {}
 
     def look(self, frame, stamp, is_searched):

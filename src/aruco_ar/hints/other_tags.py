@@ -84,7 +84,7 @@ class OtherTags:
         # When wanted tags were last found that may be false, and how many others then count.
         self._doubtful, self._least = float('-inf'), FOUR
         self.has_looked = self._wanted_frames >= SURE
-        self._searches.begin_anew()
+        self._searches.reset()
 
     def update(self, frame: Image, stamp: float, seen: AbstractSet[int],
                has_area: bool) -> Callable[[], None] | None:

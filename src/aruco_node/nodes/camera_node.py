@@ -110,7 +110,7 @@ class CameraNode(FrameNode):
         if self._calibration is not None:
             self._calibration.update_subscription(wanted)
 
-    def begin_anew(self):
+    def forget_last_frames(self):
         self._hints.reset()
         self.lens = self.lens_fault = None
 

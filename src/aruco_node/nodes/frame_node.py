@@ -49,8 +49,8 @@ class FrameNode:
 
     It subscribes to the camera, drops stale frames, publishes answers, takes snapshots, and reports
     diagnostics. What frames are processed with changes only in ``between_frames``. A subclass implements
-    ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``, ``update_subscriptions``, ``begin_anew``,
-    ``prepare``, ``offer_services`` and ``report``.
+    ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``, ``update_subscriptions``,
+    ``forget_last_frames``, ``prepare``, ``offer_services`` and ``report``.
     """
 
     result_topics: Sequence[str] = ()  # resolved names of the topics that are published besides images
@@ -109,7 +109,7 @@ class FrameNode:
     def update_subscriptions(self, wanted):
         """Subscribe to topics other than the camera's, or leave them. Called about once a second."""
 
-    def begin_anew(self):
+    def forget_last_frames(self):
         """Forget what is true only of the last frames. Called when the node begins or ceases to listen."""
 
     def prepare(self, settings):
@@ -191,16 +191,16 @@ class FrameNode:
         self.update_subscriptions(wanted)
         if wanted and self._subscriber is None:
             self._silent_since = time.monotonic()
-            self._restart()
+            self._forget_frames()
             self._subscriber = subscribe_newest(self._topic, self._message_class, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = self._frame_problem = None
-            self._restart()
+            self._forget_frames()
 
-    def _restart(self):
-        self._count.restart()
-        self.between_frames(self.begin_anew)
+    def _forget_frames(self):
+        self._count.forget_last_frames()
+        self.between_frames(self.forget_last_frames)
 
     @fault_barrier
     def _try_other_transport(self):
