@@ -1,7 +1,7 @@
 """All that a user of a camera may have overlooked."""
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Mapping, Protocol
 
 from aruco_ar.tracking.frame_clock import FrameClock
 from aruco_ar.tracking.sight import Sight
@@ -12,6 +12,18 @@ from .missed_tags import MissedTags
 from .other_tags import USUAL_BORDER, OtherTags
 from .same_ids import SameIds
 from .shortfall import Shortfall
+
+
+class Watcher(Protocol):
+    """What watches for one thing that keeps tags from being found.
+
+    ``hint``: a sentence about it with the remedy; None without it.
+    """
+
+    hint: str | None
+
+    def reset(self) -> None:
+        """Forget the frames before."""
 
 
 class Hints:
@@ -31,12 +43,14 @@ class Hints:
         self._missed_tags = MissedTags(detection)
         self._same_ids, self._light, self._shortfall = SameIds(), Light(), Shortfall()
         self._area_hints = AreaHints(ids, upright)
+        # Of several warnings, the first one counts.
+        self._warnings: tuple[Watcher, ...] = (self._same_ids, self._other_tags, self._missed_tags, self._light,
+                                               self._shortfall)
         self._needs_area, self._clock = needs_area, FrameClock()
 
     @property
     def warning(self) -> str | None:
-        watched = self._same_ids, self._other_tags, self._missed_tags, self._light, self._shortfall
-        return next((each.hint for each in watched if each.hint), None)
+        return next((each.hint for each in self._warnings if each.hint), None)
 
     @property
     def notes(self) -> dict[str, str]:
@@ -44,12 +58,9 @@ class Hints:
 
     def reset(self) -> None:
         """Begin anew, after a pause without frames."""
-        self._other_tags.reset()
-        self._missed_tags.reset()
-        self._same_ids.reset()
-        self._light.reset()
-        self._shortfall.reset()
         self._area_hints.reset()
+        for each in self._warnings:
+            each.reset()
 
     def may_search(self, stamp: float) -> bool:
         """Whether a frame with that stamp, seconds, may be searched: then nothing must be drawn into it."""
