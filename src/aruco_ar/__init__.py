@@ -5,8 +5,9 @@ finds the area between them, and overlay paints the picture into the area. A
 Tracker finds the area in a sequence of frames. The package ``aruco_node``
 connects this one to ROS.
 
-The subpackages are base, compiled, geometry, tags, settings, walls, tracking, poses,
-painting, looks, hints, calibration, and simulation. The module ``exercise`` says what an exercise is.
+The subpackages are base, compiled, geometry, settings, tags, walls, tracking,
+poses, painting, looks, hints, calibration, and simulation. The module
+``exercise`` says what an exercise is, and ``runner`` runs it.
 """
 from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
 from .base.errors import InputError

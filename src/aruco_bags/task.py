@@ -9,8 +9,9 @@ import numpy as np
 import rosbag
 from aruco_ar import InputError, PoseEstimator, find_area
 from aruco_ar.base.files import in_package
-from aruco_ar.exercise import AREA, PICTURE, Exercise, Runner
+from aruco_ar.exercise import AREA, PICTURE, Exercise
 from aruco_ar.painting.sources import Still, open_source
+from aruco_ar.runner import Runner
 from aruco_node.messages.camera_info import lens_from_info
 from aruco_node.messages.images import compressed_from_frame, tags_from_pixels
 from aruco_node.messages.pose_messages import pose_message

@@ -1,5 +1,6 @@
 """Runs an exercise as a node."""
-from aruco_ar.exercise import AREA, LENS, PICTURE, Runner
+from aruco_ar.exercise import AREA, LENS, PICTURE
+from aruco_ar.runner import Runner
 
 from aruco_node.parameters.settings import TOPIC, AreaSettings, LensSettings, PictureSettings, TagSettings
 from aruco_node.process.memory import keep_memory

@@ -1,6 +1,6 @@
 """Exercise 5.6 as it runs in its node, on frames."""
-from aruco_ar.exercise import Runner
 from aruco_ar.painting.sources import Still
+from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import PictureSettings
 from exercise5_6 import EXERCISE
 

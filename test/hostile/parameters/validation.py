@@ -10,7 +10,8 @@ import numpy as np
 import yaml
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
-from aruco_ar.exercise import AREA, PICTURE, TAGS, Exercise, Result, Runner
+from aruco_ar.exercise import AREA, PICTURE, TAGS, Exercise, Result
+from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import LEARN
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall

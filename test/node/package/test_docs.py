@@ -9,7 +9,7 @@ import sys
 import cv2
 import numpy as np
 import pytest
-from aruco_ar.exercise import Runner
+from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import AreaSettings
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera

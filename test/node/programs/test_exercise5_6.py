@@ -2,9 +2,10 @@
 import numpy as np
 import pytest
 from aruco_ar import Lens, Tracker, overlay
-from aruco_ar.exercise import Runner, Scene
+from aruco_ar.exercise import Scene
 from aruco_ar.painting.picture import Picture
 from aruco_ar.painting.sources import Still
+from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.simulation.robot import Camera
 from exercise5_6 import EXERCISE, paint_picture

@@ -5,11 +5,11 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Area, Lens, Tracker, area_mask
-from aruco_ar.exercise import Runner
 from aruco_ar.looks.hanging import Hanging
 from aruco_ar.painting.paint import warp
 from aruco_ar.painting.place import find_place
 from aruco_ar.painting.sources import Still
+from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
