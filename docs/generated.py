@@ -12,8 +12,9 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
+from aruco_ar.settings.declaration import parameters_of
 from aruco_node.parameters import settings
-from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_node.parameters.parameters import ros_values
 from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

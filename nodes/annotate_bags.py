@@ -16,13 +16,14 @@ import time
 import aruco_program  # noqa: F401  before all else
 import yaml
 from aruco_ar import InputError
+from aruco_ar.settings.declaration import parameters_of
 from aruco_bags.bag_reader import PIECE_S
 from aruco_bags.job import jobs_of, locked
 from aruco_bags.task import Task, check_picture
 from aruco_bags.workers import work, workers
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.nodes.manual import parameter_rows, table
-from aruco_node.parameters.parameters import parameters_of, read
+from aruco_node.parameters.parameters import read
 from aruco_node.parameters.settings import BagSettings
 
 MAX_PIECE_S = 100000
@@ -32,7 +33,7 @@ FOLDER = SOURCE if os.path.isdir(SOURCE) else HERE  # of the exercises; an insta
 EXERCISES = [number.replace('_', '.')
              for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(FOLDER))))]
 # These parameters of nodes do not affect what is made of bags.
-OF_NODES = ('transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
+OF_NODES = ('image_transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
             'robot_frame')
 PARAMETERS = [name for name in parameters_of(BagSettings) if name not in OF_NODES]
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Calibrate a camera from a video or photos of a flat sheet of tags.
 
-This program needs no roscore. Move the sheet, or the camera before it, so that
+This program needs no roscore. Move the sheet, or the camera in front of it, so that
 the tags are seen in all parts of the frame, near and far, and tilted. All tags
 have the same size; where they are on the sheet need not be known. The result is
 a YAML file as camera_info_manager reads it, for example by
@@ -22,11 +22,11 @@ from aruco_ar.calibration.camera_file import camera_yaml
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_ar.calibration.views import is_spread
 from aruco_ar.hints.other_tags import OtherTags, Words
-from aruco_ar.painting.picture import ORIENTATION
+from aruco_ar.painting.picture_file import ORIENTATION
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 MAX_FRAMES = 400   # of a video, evenly chosen
-STILLS = 5         # in so many frames, evenly chosen, tags are looked for that are not those of the sheet
+STILLS = 5         # number of frames, evenly chosen, in which tags are looked for that are not the sheet's
 WORDS = Words('calibrate_camera', '--dictionary %s', None)
 OTHER_SHEET = 'Is it the right dictionary (--dictionary NAME)? Are the tags large and sharp, and not mirrored?'
 OTHER_BOARD = ('Are the dictionary (--dictionary NAME) and the squares right, those across first (--charuco '
@@ -52,7 +52,7 @@ def parse(argv):
     option('--out', metavar='FILE', default='camera.yaml', help='the YAML file to write (default: camera.yaml)')
     option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
     option('--charuco', type=board, metavar='5x7:0.75',
-           help="the sheet is a ChArUco board of so many squares; the number after the colon is the side of a "
+           help="the sheet is a ChArUco board: its squares across and down, and after the colon the side of a "
                 "marker, as a share of a square's")
     option('--fisheye', action='store_true', help='the lens is a fisheye')
     option('--name', default='camera', help='the name of the camera in the YAML file (default: camera)')
@@ -155,7 +155,7 @@ def main(argv):
         print('%d frames of %d x %d pixels' % (len(views), *size))
         if turned:
             print('%d of the files, such as "%s", ask to be turned when they are shown. They are used as the '
-                  'camera stored them, and the lens is for frames stored so' % (len(turned), turned[0]))
+                  'camera stored them, and the lens is for frames as stored' % (len(turned), turned[0]))
         found = calibrate(views, size, args.fisheye, sheet.points)
         write_whole(args.out, camera_yaml(found.lens, args.name).encode())
     except InputError as error:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Calibrates a camera while it runs, from a flat sheet of tags or a ChArUco board.
 
-Move the sheet before the camera, or the camera before the sheet, and hold still
-now and then. The image shows where in the frame the sheet has been seen, and the
+Move the sheet in front of the camera, or the camera in front of the sheet, and
+hold still now and then. The image shows where in the frame the sheet has been seen, and the
 node says what is missing. The service ~save then writes the calibration.
 """
 import os
@@ -14,8 +14,8 @@ import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import path_of, write_whole
 from aruco_ar.calibration.calibrate import MIN_VIEWS
+from aruco_ar.calibration.calibration_progress import SHOW, CalibrationProgress
 from aruco_ar.calibration.camera_file import camera_yaml
-from aruco_ar.calibration.progress import SHOW, Progress
 from aruco_ar.calibration.sheets import CharucoBoard, TagSheet, read_board
 from aruco_node.health.faults import fault_barrier, note_fault
 from aruco_node.nodes.frame_node import Answer, FrameNode
@@ -35,12 +35,12 @@ class LiveCalibration(FrameNode):
         self._sheet = CharucoBoard(dictionary, *read_board(charuco)) if charuco else TagSheet(dictionary)
         self._saving = threading.Lock()  # of two calls of ~save, the later one writes the newer lens
         self._solver, self._searcher = ThreadPoolExecutor(1, 'solver'), ThreadPoolExecutor(1, 'hints')
-        self._begin((0, 0))
+        self._reset((0, 0))
 
     def process(self, frame, header, stamp):
         progress, view = self._progress, self._sheet.view(frame)
         if progress.collection.size != frame.shape[1::-1]:
-            progress = self._begin(frame.shape[1::-1])
+            progress = self._reset(frame.shape[1::-1])
         views = progress.collection.views
         before = len(views)
         search = progress.update(frame, stamp, view)
@@ -50,8 +50,8 @@ class LiveCalibration(FrameNode):
             self._solver.submit(self._solve, progress, len(views))
         return Answer([progress.collection.draw(frame, view)], lambda: None)
 
-    def begin_anew(self):
-        self._progress.begin_anew()
+    def forget_last_frames(self):
+        self._progress.forget_last_frames()
 
     def report(self):
         level, sentence, values = super().report()
@@ -63,9 +63,9 @@ class LiveCalibration(FrameNode):
         rospy.Service('~save', Trigger, self._on_save, error_handler=note_fault)
         rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
 
-    def _begin(self, size):
-        """Begin anew, for frames of a size, (width, height). Returns the new Progress."""
-        self._progress = progress = Progress(size, self._sheet)
+    def _reset(self, size):
+        """Forget all views. New frames have a size, (width, height). Returns the new CalibrationProgress."""
+        self._progress = progress = CalibrationProgress(size, self._sheet)
         return progress
 
     @fault_barrier
@@ -98,7 +98,7 @@ class LiveCalibration(FrameNode):
         return TriggerResponse(True, 'It is saved as %s.' % path)
 
     def _on_reset(self, request):
-        self.between_frames(lambda: self._begin((0, 0)))
+        self.between_frames(lambda: self._reset((0, 0)))
         return TriggerResponse(True, 'All views are forgotten.')
 
 

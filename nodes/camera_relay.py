@@ -5,7 +5,8 @@ On a robot it compresses them to JPEG, so that they fit through the network.
 On a base station it decodes them, once for all nodes there.
 """
 import aruco_program  # noqa: F401  before all else
-from aruco_node.nodes.calibration import InfoSubscriber, info_topics
+from aruco_node.messages.camera_info import info_topics
+from aruco_node.nodes.camera_lens import InfoSubscriber
 from aruco_node.nodes.frame_node import CAMERA, Answer, FrameNode
 from aruco_node.nodes.manual import CAMERA_TOPICS, FRAME_SERVICES, Manual, image_topics
 from aruco_node.nodes.node import run_node

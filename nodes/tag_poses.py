@@ -6,31 +6,27 @@ sight, of the area, of the camera and of the robot. It publishes them as
 messages, TF frames and markers for RViz, and draws axes on the frame.
 """
 import time
-from dataclasses import dataclass, field, replace
-from typing import Any, Dict, List, Optional
 
 import aruco_program  # noqa: F401  before all else
 import rospy
 import tf2_ros
 import yaml
-from aruco_ar import InputError, PoseEstimator
 from aruco_ar.base.errors import shorten
-from aruco_ar.base.files import in_package
-from aruco_ar.exercise import TRACKER, Exercise, Result, find_tags
+from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.painting.marks import mark_poses
-from aruco_ar.poses.wall_watch import WallWatch
-from aruco_ar.tags.tag import DICTIONARIES
-from aruco_ar.walls.wall import load_wall
+from aruco_ar.poses.pose_runner import PoseRunner
+from aruco_ar.settings.settings import LEARN
 from aruco_node.health.diagnostics import ERROR, WARN
 from aruco_node.health.faults import log_once
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages import pose_messages
 from aruco_node.messages.frame_names import WALL_FRAME, frame_name
 from aruco_node.nodes.camera_node import CameraNode
+from aruco_node.nodes.frame_node import Answer
 from aruco_node.nodes.manual import camera_manual
 from aruco_node.nodes.node import run_node
 from aruco_node.parameters.parameters import AUTO
-from aruco_node.parameters.settings import ID, LEARN, PoseSettings
+from aruco_node.parameters.settings import ID, PoseSettings
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.tf import Broadcaster, OthersFrames
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -44,24 +40,6 @@ TOPICS = [('~poses', TagPoseArray, 'every tag: id, corners, center, pose with co
           ('~robot_pose', PoseWithCovarianceStamped, 'the robot in the frame of the wall')]
 # The TF frame of a learned wall. A known wall has another name, since the origin of a learned one is a tag.
 LEARNED_WALL_FRAME = 'learned_wall'
-# After a change of one of these parameters, the places of the tags are learned anew.
-RELEARN_AFTER = 'dictionary', 'tag_size', 'tag_sizes', 'wall'
-
-
-@dataclass(frozen=True)
-class PoseResult(Result):
-    """A Result with poses.
-
-    ``lens``: the Lens of the frame, None until the camera's calibration is known. ``poses``: a TagPose for
-    each tag, by id. ``area_pose``: an AreaPose. ``camera``: the camera's pose relative to the wall. Each of
-    the two is None if it is not known. ``problems``: sentences about what is wrong, by kind.
-    """
-
-    lens: Optional[Any] = None
-    poses: List[Any] = field(default_factory=list)
-    area_pose: Optional[Any] = None
-    camera: Optional[Any] = None
-    problems: Dict[str, str] = field(default_factory=dict)
 
 
 class TagPoses(CameraNode):
@@ -70,10 +48,9 @@ class TagPoses(CameraNode):
     needs_calibration = True
 
     def __init__(self):
-        super().__init__(Exercise('tag_poses', self._locate, [TRACKER]), PoseSettings)
-        self._wall = _load_wall(self.settings)
-        self._estimator, self._watch = self._new_estimator(self.settings, self._wall)
+        super().__init__(['image'], PoseSettings, True, lambda settings: PoseRunner(*settings))
         self._problems = {}  # sentences about what is wrong, by kind
+        self._lens_check = LensCheck()
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
         self._transforms = Broadcaster()
@@ -96,40 +73,40 @@ class TagPoses(CameraNode):
             self._tf_listener.unregister()
             self._tf_listener = None
 
-    def begin_anew(self):
-        super().begin_anew()
+    def forget_last_frames(self):
+        super().forget_last_frames()
         self._problems = {}
 
-    def prepare(self, settings):
-        apply_to_stages = super().prepare(settings)
-        if all(getattr(settings, name) == getattr(self.settings, name) for name in RELEARN_AFTER):
-            return apply_to_stages
-        wall = self._wall if settings.wall == self.settings.wall else _load_wall(settings)
-        estimator, watch = self._new_estimator(settings, wall)
+    def look(self, frame, stamp, is_searched):
+        return self.runner.run(frame, stamp, self.lens)
 
-        def apply():
-            apply_to_stages()
-            self._wall, self._estimator, self._watch = wall, estimator, watch
-        return apply
-
-    def reset(self):
-        super().reset()
-        self._estimator, self._watch = self._new_estimator(self.settings, self._wall)
-
-    def answer(self, results, header):
-        result, = results  # PoseSettings have no areas file, so there is one area
-        answer = super().answer(results, header)
+    def answer_to(self, sight, poses, header):
+        problems = {}
+        if self.lens_fault is not None:
+            problems[self.lens_fault.kind] = self.explain(self.lens_fault)
+        if poses.misfit:
+            problems[poses.misfit] = poses.misfit
 
         def publish():
-            problems = dict(result.problems)
-            if result.lens is not None:
-                self._publish_poses(result, header, problems)
-            answer.publish()
+            if sight.lens is not None:
+                self._publish_poses(sight, poses, header, problems)
             for kind, sentence in problems.items():
                 log_once(kind, sentence, rospy.logwarn)
             self._problems = problems
-        return replace(answer, publish=publish,
-                       is_complete=result.lens is not None or bool(result.problems))
+        image = sight.frame
+        if self.is_image_wanted('image'):
+            image = mark_poses(image, sight.tags, poses.tags, sight.lens, sight.areas[0].area)
+        return Answer([image], publish, is_complete=sight.lens is not None or bool(problems))
+
+    def further_checks(self, sight):
+        others = {tag_id for tag_id, _ in self.settings.tag_sizes}
+        check = self._lens_check.update(sight.stamp, [tag for tag in sight.tags if tag.id not in others],
+                                        sight.lens)
+        return [] if check is None else [check]
+
+    @property
+    def warning(self):
+        return super().warning or self._lens_check.hint
 
     def report(self):
         level, sentence, values = super().report()
@@ -137,64 +114,35 @@ class TagPoses(CameraNode):
         # Missing poses matter more than dropped frames, but less than an error.
         return (WARN, problems[0], values) if problems and level < ERROR else (level, sentence, values)
 
-    def _locate(self, scene):
-        """The step of this node's Exercise: the PoseResult of a Scene."""
-        tags, area = find_tags(scene), scene.tracker.update(scene.frame, scene.stamp)
-        problems: Dict[str, str] = {}
-        lens = self.lens
-        if self.lens_fault is not None:
-            problems[self.lens_fault.kind] = self.explain(self.lens_fault)
-        poses, area_pose, camera = [], None, None
-        if lens is not None:
-            estimator = self._estimator
-            poses = sorted(estimator.update(tags, lens, scene.stamp), key=lambda pose: pose.id)
-            camera = estimator.camera()
-            area_pose = None if area is None else estimator.area(area, lens)
-            misfit = self._watch.check(poses, camera, scene.stamp)
-            if misfit:
-                problems[misfit] = misfit
-        image = scene.image
-        if self.is_image_wanted('image'):
-            image = mark_poses(image, tags, poses, lens, area)
-        return PoseResult([image], tags, area, lens, poses, area_pose, camera, problems)
-
-    def _new_estimator(self, settings, wall):
-        """(PoseEstimator, WallWatch). Raises InputError if the wall's tags are of another dictionary."""
-        if wall is not None and DICTIONARIES[wall.dictionary] != DICTIONARIES[settings.dictionary]:
-            raise InputError('The wall "%s" has tags of the dictionary %s, but the node looks for tags of %s. '
-                             "Give the wall's dictionary: dictionary:=%s."
-                             % (settings.wall, wall.dictionary, settings.dictionary, wall.dictionary))
-        return PoseEstimator(settings.tag_size, dict(settings.tag_sizes), wall), WallWatch(wall, settings.wall)
-
     def explain(self, fault):
         return 'Tags are found, but no poses: %s.' % fault
 
-    def _publish_poses(self, result, header, problems):
+    def _publish_poses(self, sight, poses, header, problems):
         """Publish the poses on the topics that somebody listens to. Adds to ``problems`` what is missing."""
         publish = {name: publisher.publish for name, publisher in self._publishers.items()
                    if publisher.get_num_connections()}
         if 'poses' in publish:
-            publish['poses'](pose_messages.tag_poses(result.poses, result.lens, header))
-        if 'area' in publish and result.area_pose is not None:
-            publish['area'](pose_messages.area_pose(result.area_pose, result.lens, header))
+            publish['poses'](pose_messages.tag_poses(poses.tags, sight.lens, header))
+        if 'area' in publish and poses.area is not None:
+            publish['area'](pose_messages.area_pose(poses.area, sight.lens, header))
         if 'markers' in publish:
-            publish['markers'](pose_messages.markers(result.poses, result.area_pose, header))
+            publish['markers'](pose_messages.markers(poses.tags, poses.area, header))
         camera_frame = header.frame_id.lstrip('/')
         if camera_frame:
-            self._publish_transforms(result.poses, header)
+            self._publish_transforms(poses.tags, header)
         else:
             problems['frame_id'] = 'The frames of the camera have no frame_id, so no TF frames of tags are ' \
                                    'published. Set frame_id in the camera driver.'
-        if result.camera is None:
+        if poses.camera is None:
             return
         name = self.settings.wall_frame
         if name == AUTO:
             name = LEARNED_WALL_FRAME if self.settings.wall == LEARN else WALL_FRAME
         wall = frame_name(name)
         if 'camera_pose' in publish:
-            publish['camera_pose'](pose_messages.stamped(result.camera, header.stamp, wall))
+            publish['camera_pose'](pose_messages.stamped(poses.camera, header.stamp, wall))
         if 'robot_pose' in publish and camera_frame:
-            robot = self._robot(result.camera, camera_frame, header.stamp, problems)
+            robot = self._robot(poses.camera, camera_frame, header.stamp, problems)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
@@ -245,13 +193,6 @@ class TagPoses(CameraNode):
         if not names:
             return 'No TF frames are published. Start robot_state_publisher or a static_transform_publisher.'
         return 'Set robot_frame to one of the TF frames that there are: %s.' % shorten(', '.join(names), 200)
-
-
-def _load_wall(settings):
-    """The Wall that settings name, or None if it is learned. Raises InputError if the file holds no wall."""
-    if settings.wall == LEARN:
-        return None
-    return load_wall(in_package(settings.wall))
 
 
 if __name__ == '__main__':

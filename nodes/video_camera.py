@@ -109,7 +109,7 @@ def _other_sources():
                if name.isdigit() and fault_of_webcam(DEVICE + name) is None]
     if webcams:
         return 'There are: source:=%s.' % ', source:='.join(webcams)
-    return 'No other is connected. A video or a photo will do: source:=/full/path/of/wall.mp4.'
+    return 'No other webcam is connected. A video or a photo will do: source:=/full/path/of/wall.mp4.'
 
 
 def wait_for_source(text, folder):

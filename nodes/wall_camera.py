@@ -11,6 +11,7 @@ import numpy as np
 import rospy
 import tf2_ros
 from aruco_ar.base.files import in_package
+from aruco_ar.settings.declaration import Number, Settings, choice, number, parsed, text
 from aruco_ar.simulation.figures import NOBODY, VISITORS
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import (
@@ -31,7 +32,6 @@ from aruco_node.messages.wall_messages import fixed_transforms, observe, robot_t
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import read_settings, run_node
-from aruco_node.parameters.parameters import Number, choice, number, parsed, text
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.process.memory import keep_memory
 from aruco_node.ros_internals.subscribers import tolerant
@@ -50,7 +50,7 @@ MANUAL_TOPICS = [
     ('odom', 'nav_msgs/Odometry', "the robot's true pose"),
     ('/tf', 'tf2_msgs/TFMessage', 'the same pose: odom -> base_link'),
     ('/tf_static', 'tf2_msgs/TFMessage', 'base_link -> camera_rgb_optical_frame, odom -> wall'),
-    ('~tags', 'unit5/TagArray', 'true corners of all tags before the camera'),
+    ('~tags', 'unit5/TagArray', 'true corners of all tags in front of the camera'),
     ('~area', 'geometry_msgs/PolygonStamped', 'true corners of the area')]
 
 
@@ -63,7 +63,7 @@ def coefficients(value):
 
 
 @dataclass(frozen=True)
-class WallCameraSettings:
+class WallCameraSettings(Settings):
     """The parameters. After a change of their defaults or words, run script/remake/launch_args."""
 
     wall: str = text(
@@ -90,7 +90,8 @@ class WallCameraSettings:
     shutter: float = number(
         0.0, 0, 100, 'milliseconds within which the rows of a frame are read, one after the other')
     visitor: str = choice(
-        NOBODY, VISITORS, 'who moves before the wall: nobody, a person who walks past, or a hand that writes')
+        NOBODY, VISITORS,
+        'who moves in front of the wall: nobody, a person who walks past, or a hand that writes')
     jpeg: float = number(0.0, 0, 100, 'quality of the JPEG compression that each frame goes through; 0: none')
 
 

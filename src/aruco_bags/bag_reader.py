@@ -10,9 +10,9 @@ from typing import Any, Dict, Optional
 import genpy
 import rosbag
 from aruco_ar.base.errors import InputError
+from aruco_node.messages.camera_info import info_topics
 from aruco_node.messages.images import TRANSPORTS
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
-from aruco_node.nodes.calibration import info_topics
 from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
 

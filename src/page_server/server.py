@@ -4,17 +4,18 @@ import logging
 import mimetypes
 import os
 import socket
-from dataclasses import dataclass, field
-from typing import Any, List, NamedTuple, Optional
+from dataclasses import dataclass
+from typing import Any, Dict, NamedTuple, Set
 
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
+from aruco_ar.settings.declaration import Settings, number, text
 from aruco_node.health.diagnostics import OK, Diagnostics
 from aruco_node.health.faults import note_fault
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.node import read_settings
-from aruco_node.parameters.parameters import AUTO, number, switch, text
+from aruco_node.parameters.parameters import AUTO, switch
 from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -39,16 +40,16 @@ DIAGNOSTICS_MS = 250
 
 
 @dataclass(frozen=True)
-class PageSettings:
+class PageSettings(Settings):
     """The parameters of the page. After a change of their defaults or words, run script/remake/launch_args."""
 
     address: str = text(
         '127.0.0.1', 'an IP address, or localhost',
-        'address at which the page is served. 127.0.0.1: to this machine only. 0.0.0.0: to its whole network',
-        live=False)
+        'address at which the page is served. 127.0.0.1: only this machine can open the page. 0.0.0.0: its '
+        'whole network can', live=False)
     port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
     drive: Any = switch(
-        AUTO, 'whether the page may drive the robot; auto: if it is served to this machine only')
+        AUTO, 'whether the page may drive the robot. auto: it may if it is served to this machine only')
     linear: float = number(0.3, 0, 2, 'speed at which the page drives the robot, in m/s')
     angular: float = number(0.8, 0, 8, 'speed at which the page turns the robot, in rad/s')
 
@@ -80,19 +81,25 @@ TILES = [('5.1', 'The wall with its tags', CAMERA, 'exercise5_2/tags'),
          ('', 'Calibration', 'calibrate_live/image', 'calibrate_live/tags')]  # while it is published
 
 
-@dataclass
 class Parts:
-    """What the handlers share. ``drive_control`` is None if driving is off."""
+    """What the handlers share.
 
-    topics: Topics
-    drive_control: Optional[DriveControl]
-    tiles: List[Tile]
-    choices: Choices = field(init=False)  # this and the next one are set later, since they notify the browsers
-    advice: Advice = field(init=False)
-    browsers: Any = field(default_factory=set)
-    uploads: Any = field(default_factory=set)
-    viewers: Any = field(default_factory=dict)  # {handler that sends frames by HTTP: its connection}
-    last_state: Any = None  # the state that was last sent to the browsers
+    ``drive_control`` is None if driving is off. ``browsers``, ``uploads``: the handlers of open websockets and
+    of pictures on their way. ``viewers``: {handler that sends frames by HTTP: its connection}.
+    """
+
+    def __init__(self, drive_control, tiles, loop):
+        """``tiles``: a list of Tile. ``loop``: the event loop of the server."""
+        self.drive_control, self.tiles = drive_control, tiles
+        self.browsers: Set[Live] = set()
+        self.uploads: Set[Picture] = set()
+        self.viewers: Dict[Any, Any] = {}
+        self._last_state = None  # the state that was last sent to the browsers
+
+        def tell():
+            loop.call_soon_threadsafe(self.tell_browsers)
+        self.topics, self.choices = Topics(), Choices(tell)
+        self.advice = Advice([tile.node for tile in tiles], tell)
 
     def tags_beside(self, name):
         """The SharedTopic with the tags in sight on an image topic, or None if there is none."""
@@ -108,8 +115,8 @@ class Parts:
     def tell_browsers(self):
         """Send the state to all browsers, if it has changed."""
         state = self.state()
-        if state != self.last_state:
-            self.last_state = state
+        if state != self._last_state:
+            self._last_state = state
             for browser in list(self.browsers):
                 browser.tell({'state': state})
 
@@ -176,11 +183,7 @@ def serve():
     Reconfigurer(settings, drive_control.set_speeds if drive_control else lambda settings: None)
     tiles = [Tile(number, title, rospy.resolve_name(topic), rospy.resolve_name(tags))
              for number, title, topic, tags in TILES]
-    parts = Parts(Topics(), drive_control, tiles)
-
-    def tell():
-        loop.call_soon_threadsafe(parts.tell_browsers)
-    parts.choices, parts.advice = Choices(tell), Advice([tile.node for tile in tiles], tell)
+    parts = Parts(drive_control, tiles, loop)
     # This timer is needed because nodes announce changes of their parameters, but not that they end.
     PeriodicCallback(parts.tell_browsers, STATE_MS).start()
     server = _listen(application(parts), parts.viewers, address, port)

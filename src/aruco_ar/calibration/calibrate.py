@@ -1,7 +1,7 @@
 """The lens of a camera, from views of a flat sheet."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners
 
 from .calibrated import SIDES, TRY_FISHEYE, Calibrated
-from .layout import learn_layout
+from .sheet_layout import Layout, learn_layout
 from .views import MIN_POINTS, View, cells_of, different_views, is_spread
 
 MIN_VIEWS = 8
@@ -20,8 +20,8 @@ LEAST = 0.002               # between two views (see View.describe) that are bot
 ROUNDS = 3, 16              # of lens and layout in turn, at least and at most
 SMALL_GAIN = 0.995          # no further round if the error is not less than this share of the one before
 HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
-OUTLIER = 3.0               # a view whose error is so many times the usual one is left out
-BETTER = 0.998              # a lens with more coefficients must fit held-out views so much better
+OUTLIER = 3.0               # a view is left out if its error is more than OUTLIER times the usual one
+BETTER = 0.998              # a lens with more coefficients must lower the error of held-out views to this share
 MAX_FOCAL_DEVIATION = 0.02  # standard deviation of the focal length, as a share of it
 MAX_BEND_PX = 3.0           # by which bent edges move a corner
 MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
@@ -40,46 +40,38 @@ FISHEYE = (ALWAYS | cv2.fisheye.CALIB_FIX_K2 | cv2.fisheye.CALIB_FIX_K3 | cv2.fi
 
 
 def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = False,
-              board: dict[int, Floats] | None = None) -> Calibrated:
+              board: Layout | None = None) -> Calibrated:
     """The lens of a camera. Raises InputError if the views do not tell it.
 
     ``views``: of the same flat sheet; at least MIN_VIEWS of them differ (see different_views). ``size``:
     (width, height) of the frames. ``fisheye``: OpenCV's fisheye model instead of a pinhole with distortion.
-    ``board``: {key: (n, 2) float64}, where the points are on the sheet, in squares. Without it, the sheet has
-    tags, and is learned from the views, too.
+    ``board``: the layout in squares. Without it, the sheet has tags, and is learned from the views, too.
     """
     views = [view for view in views if is_spread(view, board)]
     different = len(different_views(views, size))
-    few = '%d of the %d views of the sheet differ; at least %d must.' % (different, len(views), MIN_VIEWS)
+    few = '%d of the %d views of the sheet differ, but at least %d different ones are needed.' % (
+        different, len(views), MIN_VIEWS)
     views = different_views(views, size, LEAST)
     if len(views) < MIN_VIEWS:
         raise InputError('%s %s' % (few, SURE))
     models = FISHEYE if fisheye else PINHOLE
     solver = _Solver(size, fisheye)
-    solver.layout = board or {}
-    kept = _learned(solver, views, models, board)
-    tested = kept[::HELD_OUT]
-    learned = [view for number, view in enumerate(kept) if number % HELD_OUT]
-    best, held_out = models[0], np.inf
-    for model in models:
-        error = solver.error(solver.solve(learned, model)[0], tested)
-        if error < held_out * BETTER:
-            best, held_out = model, error
-    lens, errors = solver.solve(kept, best)
-    rms = _root_mean_square(errors)
+    kept, layout = _learned(solver, views, models, board)
+    model, held_out = _best_model(solver, kept, layout, models)
+    solved = solver.solve(kept, layout, model)
+    lens, rms = solved.lens, _root_mean_square(solved.errors)
     if not np.isfinite(rms + held_out):
         raise solver.no_lens
-    deviation = solver.focal_deviation
     focal = lens.matrix[0, 0]
-    fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but others do, ' \
-           'too.' % (rms, held_out)
+    fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but other ' \
+           'lenses do, too.' % (rms, held_out)
     if different < MIN_VIEWS:
         raise InputError('%s %s %s' % (few, fits, SURE))
-    if deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
+    if solved.focal_deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
         raise InputError('The views do not tell the focal length. %s %s' % (fits, SURE))
-    seen, untilted = cells_of(kept, size), _untilted(solver.normals)
-    return Calibrated(lens, rms, held_out, len(kept), float(seen.mean()), _doubt(solver, kept, best),
-                      unseen_parts(seen), untilted)
+    seen = cells_of(kept, size)
+    return Calibrated(lens, rms, held_out, len(kept), float(seen.mean()), _doubt(solver, kept, layout, model),
+                      unseen_parts(seen), _untilted(solved.normals))
 
 
 def unseen_parts(seen: Booleans) -> tuple[str, ...]:
@@ -99,35 +91,54 @@ def _untilted(normals: Floats) -> tuple[str, ...]:
 
 
 def _learned(solver: _Solver, views: Sequence[View], models: Sequence[int],
-             board: dict[int, Floats] | None) -> list[View]:
-    """Those of the views that fit each other, straightened. Raises InputError.
-
-    Without a ``board``, it sets the solver's layout.
-    """
+             board: Layout | None) -> tuple[list[View], Layout]:
+    """Those of the views that fit each other, straightened, and the layout. Raises InputError."""
     lens, kept, before = _without_distortion(views, solver.size), list(views), np.inf
+    layout = board or {}
     for number in range(ROUNDS[1]):
-        straight = kept if board else [_straightened(view, lens) for view in kept]
+        straight = kept
         if not board:
-            solver.layout = _layout(straight, lens)
-            kept, straight = _with_sheet(kept, solver.layout), _with_sheet(straight, solver.layout)
+            straight = [_straightened(view, lens) for view in kept]
+            layout = _layout(straight, lens)
+            kept, straight = _with_sheet(kept, layout), _with_sheet(straight, layout)
             if len(kept) < MIN_VIEWS:
-                raise InputError('Only %d views show the tags of one sheet; at least %d must. %s'
+                raise InputError('Only %d views show the tags of one sheet, but at least %d are needed. %s'
                                  % (len(kept), MIN_VIEWS, SURE))
-        new_lens, errors = solver.solve(straight, models[-1] if number else models[0])
+        solved = solver.solve(straight, layout, models[-1] if number else models[0])
+        errors = solved.errors
         known = errors[np.isfinite(errors)]
         if not len(known):
             break
-        lens, within = new_lens, errors < OUTLIER * np.median(known)
+        lens, within = solved.lens, errors < OUTLIER * np.median(known)
         if np.count_nonzero(within) >= MIN_VIEWS:
             kept = [view for view, is_within in zip(kept, within) if is_within]
         error = np.mean(errors[within])
         if number >= ROUNDS[0] and error > SMALL_GAIN * before:
             break
         before = error
-    return kept if board else [_straightened(view, lens) for view in kept]
+    return kept if board else [_straightened(view, lens) for view in kept], layout
 
 
-def _layout(views: Sequence[View], lens: Lens) -> dict[int, Floats]:
+def _best_model(solver: _Solver, views: Sequence[View], layout: Layout,
+                models: Sequence[int]) -> tuple[int, float]:
+    """The simplest model that fits views held out nearly best, and how far their points are off, pixels."""
+    tested = views[::HELD_OUT]
+    learned = [view for number, view in enumerate(views) if number % HELD_OUT]
+    best, held_out = models[0], np.inf
+    for model in models:
+        error = _error_in_new(solver.solve(learned, layout, model).lens, tested, layout)
+        if error < held_out * BETTER:
+            best, held_out = model, error
+    return best, held_out
+
+
+def _error_in_new(lens: Lens, views: Sequence[View], layout: Layout) -> float:
+    """How far points are off in views that the lens is not from, pixels."""
+    placed = (_points(view, layout) for view in views)
+    return _root_mean_square(np.array([pose_error(lens, sheet[:, :2], pixels) for sheet, pixels in placed]))
+
+
+def _layout(views: Sequence[View], lens: Lens) -> Layout:
     """See learn_layout. A lens that is not known well yet may not see all tags where they are."""
     quads = [{key: lens.undistort(points) for key, points in view.points.items()} for view in views]
     seen = [{key: quad for key, quad in view.items() if np.all(np.isfinite(quad))} for view in quads]
@@ -135,7 +146,7 @@ def _layout(views: Sequence[View], lens: Lens) -> dict[int, Floats]:
     return learn_layout(seen) if seen else {}
 
 
-def _with_sheet(views: Sequence[View], layout: dict[int, Floats]) -> list[View]:
+def _with_sheet(views: Sequence[View], layout: Layout) -> list[View]:
     """The views that show enough of the sheet, and not only other tags."""
     return [view for view in views
             if sum(len(points) for key, points in view.points.items() if key in layout) >= MIN_POINTS]
@@ -147,10 +158,10 @@ def _root_mean_square(errors: Floats) -> float:
     return float(np.sqrt(np.mean(known**2))) if len(known) else np.inf
 
 
-def _doubt(solver: _Solver, views: Sequence[View], model: int) -> float:
+def _doubt(solver: _Solver, views: Sequence[View], layout: Layout, model: int) -> float:
     """By how many pixels the lens of some views may be off at the corners of the frame: see Calibrated."""
     try:
-        one, other = (solver.solve(views[half::2], model)[0] for half in range(2))
+        one, other = (solver.solve(views[half::2], layout, model).lens for half in range(2))
     except InputError:
         return np.inf
     return float(corners_apart(one, other).max()) / 2
@@ -190,31 +201,37 @@ def _without_distortion(views: Sequence[View], size: tuple[int, int]) -> Lens:
     return Lens(width, height, matrix, np.zeros(5))
 
 
+class _Solved(NamedTuple):
+    """A lens, and how it sees the views that it is from.
+
+    ``errors``: (n,) pixels, how far the points of each view are off. ``normals``: (n, 3), of the sheet in each
+    view. ``focal_deviation``: pixels, the standard deviation of the focal length; 0 for a fisheye, of which
+    OpenCV does not tell it.
+    """
+
+    lens: Lens
+    errors: Floats
+    normals: Floats
+    focal_deviation: float
+
+
 class _Solver:
-    """OpenCV's calibration. ``layout``: where the points are on the sheet; set it first."""
+    """OpenCV's calibration."""
 
     def __init__(self, size: tuple[int, int], fisheye: bool) -> None:
         self.size, self._fisheye = size, fisheye
         # OpenCV begins with a shorter focal length, for which a corner of the frame may be behind the camera.
         focal, (x, y) = FISHEYE_GUESS * max(size), (np.array(size) - 1) / 2
         self._fisheye_guess = np.array([[focal, 0, x], [0, focal, y], [0, 0, 1]])
-        self.layout: dict[int, Floats] = {}
-        self.focal_deviation = 0.0
-        self.normals = np.zeros((0, 3))  # of the sheet in the last views that were solved
 
     @property
     def no_lens(self) -> InputError:
         return InputError(NO_LENS if self._fisheye else NO_LENS + TRY_FISHEYE)
 
-    def _points(self, view: View) -> tuple[Floats, Floats]:
-        """(n, 3) on the sheet and (n, 2) pixels."""
-        keys = [key for key in view.points if key in self.layout]
-        flat = np.concatenate([self.layout[key] for key in keys])
-        return np.column_stack([flat, np.zeros(len(flat))]), np.concatenate([view.points[key] for key in keys])
-
-    def solve(self, views: Sequence[View], flags: int) -> tuple[Lens, Floats]:
-        """The Lens, and for each view how far its points are off, (n,) pixels. Raises InputError."""
-        sheets, pixels = zip(*(self._points(view) for view in views))
+    def solve(self, views: Sequence[View], layout: Layout, flags: int) -> _Solved:
+        """The lens of views. ``flags``: what is fixed in it. Raises InputError."""
+        sheets, pixels = zip(*(_points(view, layout) for view in views))
+        focal_deviation = 0.0
         try:
             if self._fisheye:
                 _, matrix, distortion, turns, shifts = cv2.fisheye.calibrate(
@@ -225,22 +242,23 @@ class _Solver:
                     [sheet.astype(np.float32) for sheet in sheets],
                     [points.astype(np.float32) for points in pixels], self.size, NO_ARRAY, NO_ARRAY,
                     flags=flags)
-                self.focal_deviation = float(deviations[0, 0])
+                focal_deviation = float(deviations[0, 0])
         except cv2.error:
             raise self.no_lens from None
         if not np.all(np.isfinite(matrix)) or not np.all(np.isfinite(distortion)):
             raise self.no_lens
         lens = Lens(*self.size, np.asarray(matrix, np.float64), np.asarray(distortion, np.float64).ravel()[:5],
                     self._fisheye)
-        self.normals = np.array([cv2.Rodrigues(np.asarray(turn))[0][:, 2] for turn in turns])
-        errors = [_error(lens, sheet, points, turn, shift)
-                  for sheet, points, turn, shift in zip(sheets, pixels, turns, shifts)]
-        return lens, np.array(errors)
+        normals = np.array([cv2.Rodrigues(np.asarray(turn))[0][:, 2] for turn in turns])
+        errors = np.array([_error(lens, *each) for each in zip(sheets, pixels, turns, shifts)])
+        return _Solved(lens, errors, normals, focal_deviation)
 
-    def error(self, lens: Lens, views: Sequence[View]) -> float:
-        """How far points are off in views that the lens is not from, pixels."""
-        return _root_mean_square(np.array([pose_error(lens, sheet[:, :2], points)
-                                           for sheet, points in map(self._points, views)]))
+
+def _points(view: View, layout: Layout) -> tuple[Floats, Floats]:
+    """The points of a view: (n, 3) on the sheet and (n, 2) pixels."""
+    keys = [key for key in view.points if key in layout]
+    flat = np.concatenate([layout[key] for key in keys])
+    return np.column_stack([flat, np.zeros(len(flat))]), np.concatenate([view.points[key] for key in keys])
 
 
 def pose_error(lens: Lens, sheet: Floats, points: Floats) -> float:

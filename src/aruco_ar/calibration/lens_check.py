@@ -14,7 +14,7 @@ from aruco_ar.tags.tag import Tag
 
 from .calibrate import pose_error
 from .collection import STILL
-from .layout import learn_layout
+from .sheet_layout import learn_layout
 from .views import ALIKE, MIN_POINTS, View
 
 EVERY_S = 0.3           # at most one frame is considered within this time
@@ -32,9 +32,9 @@ class LensCheck:
     """
 
     def __init__(self) -> None:
-        self._begin(None)
+        self._reset(None)
 
-    def _begin(self, lens: Lens | None) -> None:
+    def _reset(self, lens: Lens | None) -> None:
         self._lens = lens
         self._before: Floats | None = None  # what the last frame shows: see View.describe
         self._result: tuple[Lens | None, str | None] = lens, None
@@ -59,7 +59,7 @@ class LensCheck:
         tenths of a second; it may be called in another thread, and changes the hint.
         """
         if lens is not self._lens:
-            self._begin(lens)
+            self._reset(lens)
         if lens is not None and self._checks == len(CHECKED) and self.hint:
             self._collect()  # a later check may withdraw the hint
         if lens is None or self._checks == len(CHECKED):

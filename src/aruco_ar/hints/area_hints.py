@@ -8,6 +8,8 @@ import numpy as np
 from aruco_ar.tags.tag import Tag, listed
 from aruco_ar.tracking.area import Area
 
+from .lasting import Lasting
+
 LASTING_S = 2.0  # a hint is given when it has been true for this time
 GONE_S = 1.0     # and withdrawn after this time: more tags than those of the area are not found in every frame
 NEAR = 0.1       # a corner this near to a tag's center is at that tag; a share of the area's shortest side
@@ -20,24 +22,22 @@ class AreaHints:
     def __init__(self, ids: Sequence[int], upright: str | None) -> None:
         """``ids``: those that the area's tags must have, if any. ``upright``: see Tracker; None without one."""
         self._ids, self._upright = ids, upright
+        self._lasting: Lasting[str, str] = Lasting(LASTING_S, GONE_S)
         self.reset()
 
     def reset(self) -> None:
         """Forget the frames before."""
         self.sentences: dict[str, str] = {}
-        self._true: dict[str, tuple[float, float, str]] = {}  # since when, when last, and the sentence
+        self._lasting.reset()
 
     def update(self, stamp: float, tags: Sequence[Tag], area: Area | None) -> None:
         """Take in a frame at a time, seconds, with the tags in sight and the Area, if it is known."""
-        found = {}
+        found: dict[str, str | None] = {}
         if area is not None:
             found = {MANY_TAGS: None if self._ids else _choice(tags, area),
                      UPSIDE_DOWN: _upside_down(area) if self._upright == 'tags' else None}
-        self._true = {kind: true for kind, true in self._true.items() if 0 <= stamp - true[1] <= GONE_S}
-        self._true.update((kind, (self._true.get(kind, (stamp,))[0], stamp, sentence))
-                          for kind, sentence in found.items() if sentence)
-        self.sentences = {kind: sentence for kind, (since, _, sentence) in self._true.items()
-                          if stamp - since >= LASTING_S}
+        true = {kind: sentence for kind, sentence in found.items() if sentence}
+        self.sentences = self._lasting.update(stamp, true)
 
 
 def _choice(tags: Sequence[Tag], area: Area) -> str | None:

@@ -27,19 +27,18 @@ class Light:
     def reset(self) -> None:
         """Forget the frames before."""
         self.hint: str | None = None
-        self._since: float | None = None  # since when the light is bad
-        self._looked, self._problem = float('-inf'), ''
+        self._looked, self._problem, self._since = float('-inf'), '', 0.0  # when, what is wrong, and since when
 
     def update(self, frame: Image, stamp: float, found: bool) -> None:
         """Take in a frame, (h, w, 3) BGR uint8, at a time, seconds. ``found``: whether a tag is in sight."""
         if found:
             self.reset()
             return
-        if 0 <= stamp - self._looked < PAUSE_S:
+        if stamp - self._looked < PAUSE_S:
             return
         self._looked, problem = stamp, _problem_of(frame)
-        if not problem or problem != self._problem or self._since is None or stamp < self._since:
-            self._since, self._problem = stamp, problem
+        if problem != self._problem:
+            self._problem, self._since = problem, stamp
         self.hint = problem if problem and stamp - self._since >= WAIT_S else None
 
 

@@ -39,7 +39,7 @@ class MissedTags:
         self._since: float | None = None  # when four tags or an area were last in sight, or at first
         self._hits = self._tries = 0
         self._missed: Found = frozenset()
-        self._searches.begin_anew()
+        self._searches.reset()
 
     def update(self, frame: Image, stamp: float, seen: AbstractSet[int],
                has_area: bool) -> Callable[[], None] | None:
@@ -50,7 +50,7 @@ class MissedTags:
         """
         if self._detector is None:
             return None
-        if has_area or len(seen) >= FOUR or self._since is None or stamp < self._since:
+        if has_area or len(seen) >= FOUR or self._since is None:
             self.reset()
             self._since = stamp
         missed = self._searches.take()

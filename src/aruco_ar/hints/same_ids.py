@@ -8,6 +8,8 @@ import numpy as np
 from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
+from .lasting import Lasting
+
 LASTING_S = 2.0  # a hint is given when an id has been several times in sight for this time
 GONE_S = 0.5     # an id of which this was not seen for this time is not several times in sight any more
 
@@ -19,23 +21,20 @@ class SameIds:
     """
 
     def __init__(self) -> None:
+        self._lasting: Lasting[int, None] = Lasting(LASTING_S, GONE_S)
         self.reset()
 
     def reset(self) -> None:
         """Forget the frames before."""
         self.hint: str | None = None
-        self._seen: dict[int, tuple[float, float]] = {}  # for each such id: since when, and when last
+        self._lasting.reset()
 
     def update(self, stamp: float, tags: Sequence[Tag], has_area: bool) -> None:
         """Take in the tags of a frame at a time, seconds. ``has_area``: whether the area is known."""
         if has_area:
             self.reset()
             return
-        self._seen = {tag_id: (since, last) for tag_id, (since, last) in self._seen.items()
-                      if 0 <= stamp - last <= GONE_S}
-        for tag_id in _several_times(tags):
-            self._seen[tag_id] = self._seen.get(tag_id, (stamp,))[0], stamp
-        ids = sorted(tag_id for tag_id, (since, _) in self._seen.items() if stamp - since >= LASTING_S)
+        ids = sorted(self._lasting.update(stamp, dict.fromkeys(_several_times(tags))))
         self.hint = None if not ids else (
             '%s several times in sight: %s. Nothing shows which one is meant, so the area does not use %s. '
             'Hang up four tags with different ids, each once.' % (

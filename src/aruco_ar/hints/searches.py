@@ -9,7 +9,7 @@ import cv2
 
 from aruco_ar.base.arrays import Image
 
-LARGE_PX = 1000  # larger frames are shrunk: their longer side is then so long
+LARGE_PX = 1000  # larger frames are shrunk until their longer side is LARGE_PX
 SHARE = 0.05     # of the time: the searches take no more, unless they are sooner
 
 Found = FrozenSet[int]  # ids of tags
@@ -24,12 +24,12 @@ class Searches(Generic[Item]):
         self._pause = self._wait = pause
         self._began = float('-inf')
         self._running = False
-        self._begun_anew = 0  # how often: a search that began before that is of no use
+        self._resets = 0  # a search that began before the last one is of no use
         self._result: tuple[int, frozenset[Item]] | None = None
 
-    def begin_anew(self) -> None:
+    def reset(self) -> None:
         """Forget what was found, and what is being found."""
-        self._begun_anew += 1
+        self._resets += 1
 
     def take(self) -> frozenset[Item] | None:
         """What the last search found, once; None if there is nothing new."""
@@ -37,8 +37,8 @@ class Searches(Generic[Item]):
         if result is None:
             return None
         self._result = None
-        begun_anew, found = result
-        return found if begun_anew == self._begun_anew else None
+        resets, found = result
+        return found if resets == self._resets else None
 
     def is_due(self, stamp: float, factor: float = 1.0) -> bool:
         """Whether to search in a frame at a time, seconds. ``factor``: of the usual pause."""
@@ -51,12 +51,12 @@ class Searches(Generic[Item]):
     def start(self, stamp: float, find: Callable[[], frozenset[Item]]) -> Callable[[], None]:
         """The work of a search in a frame at a time, seconds, for another thread: it calls ``find``."""
         self._began, self._running = stamp, True
-        return partial(self._search, self._begun_anew, find)
+        return partial(self._search, self._resets, find)
 
-    def _search(self, begun_anew: int, find: Callable[[], frozenset[Item]]) -> None:
+    def _search(self, resets: int, find: Callable[[], frozenset[Item]]) -> None:
         began = time.thread_time()
         try:
-            self._result = begun_anew, find()
+            self._result = resets, find()
         finally:
             self._wait = max(self._pause, (time.thread_time() - began) / SHARE)
             self._running = False  # last of all: another thread looks at it first

@@ -1,7 +1,8 @@
-"""What differs from the wall by more than light and noise can explain: something stands before it."""
+"""What differs from the wall by more than light and noise can explain: something stands in front of it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -24,7 +25,7 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
-# A pattern is recognized in windows of these widths, if it correlates with the wall's by at least so much. The
+# The widths of the windows in which a pattern is recognized, and the least correlation with the wall's. The
 # large window also shows what a glare has made pale.
 WINDOWS = (15, 0.8), (61, 0.7)
 FIT = 0.25            # a pixel fits if it is off by less than noise plus this share of the pattern's deviation
@@ -38,9 +39,9 @@ NO_PATTERN, FEW_PATTERN = 6.0, 2.0
 
 @dataclass(frozen=True)
 class Difference:
-    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
+    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand in front of it.
 
-    ``planes``: (8, h, w) float32, what the C function compare has found out about each pixel; see wall.c.
+    ``planes``: (8, h, w) float32, what unit5_compare_wall has found out about each pixel; see wall.c.
     """
 
     front: Booleans
@@ -63,26 +64,47 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     wall, contrast = _lit_wall(aligned, whole)
     still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
     front &= still_front
-    gray, wall_gray, light, _, excess, step, noise, rims = planes
-    free = ~usable | _shows_pattern(seen, gray, wall, noise, front)
+    pixels = _Planes(*planes)
+    free = ~usable | _shows_pattern(seen, pixels.gray, wall, pixels.noise, front)
     front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
                              cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
-    if front.any():
-        front |= _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
-        unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
-        weak = excess > 0.5
-        around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
-        front |= _connected((around > 0.5) & (excess > 0.25), front)
-        front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
-        front |= closed(front, BRIDGE_PX) & (weak | unusual)
-        front &= ~free
-    return Difference(front, planes)
+    return Difference(_completed(front, pixels, usable, free) if front.any() else front, planes)
+
+
+class _Planes(NamedTuple):
+    """What the C function compare has found out about each pixel, (h, w) float32 each; see wall.c."""
+
+    gray: Floats
+    wall_gray: Floats
+    light: Floats
+    error: Floats
+    excess: Floats
+    step: Floats
+    noise: Floats
+    rims: Floats
+
+
+def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Booleans) -> Booleans:
+    """(h, w): the pixels surely in front, (h, w), and around them those with weaker evidence.
+
+    ``usable``: (h, w), where the wall is known. ``free``: (h, w), where nothing is in front.
+    """
+    light, wall_gray, excess, step, noise, rims = (
+        pixels.light, pixels.wall_gray, pixels.excess, pixels.step, pixels.noise, pixels.rims)
+    front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+    unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
+    weak = excess > 0.5
+    around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
+    front |= _connected((around > 0.5) & (excess > 0.25), front)
+    front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
+    front |= closed(front, BRIDGE_PX) & (weak | unusual)
+    return front & ~free
 
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             unshaded: float = 1.0) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
-    return binding.compare(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
+    """(h, w), where something seems to stand in front of the wall, and the planes: see wall.c."""
+    return binding.compare_wall(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
 def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
@@ -180,7 +202,7 @@ def _usual(light: Floats, free: Booleans) -> Floats:
 
 
 def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
-    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is before it.
+    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is in front.
 
     ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
     the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes

@@ -1,11 +1,11 @@
-"""What the wall itself looks like, learned from frames in which other things stand before it.
+"""What the wall itself looks like, learned from frames in which other things stand in front of it.
 
 All images here show the area rectified, straight from the front. There the
 wall stands still, though the camera moves.
 """
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, NamedTuple
 
 import cv2
 import numpy as np
@@ -51,14 +51,21 @@ DIM = 0.2                       # in less light than this, the color of the ligh
 NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
 
 
+class _Earlier(NamedTuple):
+    """An earlier frame. ``front``: (h, w), where things were in front. ``unlit``: see _unlit."""
+
+    front: Booleans
+    unlit: Floats
+
+
 class WallModel:
     """The wall's look: at each pixel, the color that was seen there for the longest time.
 
     ``look``: (h, w, 3) float32, BGR, in the light in which the wall was first seen; empty before that.
     ``light``: (3,) float32, the light on the whole wall in the last frame, as factors of ``look``.
-    ``front``: (h, w) float32, 0 to 1: how much things before the wall cover. ``free``: (h, w), where the last
-    frame shows the wall for sure. ``plain``: (h, w), where the wall has its one color; None if it is not blank.
-    ``begun``: how often a wall was learned anew.
+    ``front``: (h, w) float32, 0 to 1: how much things in front of the wall cover. ``free``: (h, w), where the
+    last frame certainly shows the wall. ``plain``: (h, w), where the wall has its one color; None if it is not
+    blank. ``begun``: how often a wall was learned anew.
     """
 
     def __init__(self) -> None:
@@ -74,7 +81,7 @@ class WallModel:
         self.plain: Booleans | None = None
         self._front_share = 1.0
         self._age = 0.0
-        self._earlier: list[tuple[Booleans, Floats]] = []
+        self._earlier: list[_Earlier] = []
 
     def update(self, image: Image, valid: Booleans, tags: Callable[[], Booleans], passed: float,
                settle: float) -> None:
@@ -89,11 +96,8 @@ class WallModel:
             self._begin(seen, valid, tags)
         before = self.light
         found = self._compare(seen, valid, passed)
-        known = self._known & valid & (self._seen_s >= KNOWN_S)
-        share = np.count_nonzero(found.front & known) / max(np.count_nonzero(known), 1)
-        change = np.maximum(self.light, DIM) / np.maximum(before, DIM)
-        if (share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE) or \
-                (change.max() > ANOTHER_COLOR * change.min() and self._front_share < HARDLY):
+        share = self._share_in_front(found.front, valid)
+        if self._is_another(share, before):
             self._begin(seen, valid, tags)
             found = self._compare(seen, valid, passed)
         self._front_share = share
@@ -102,16 +106,15 @@ class WallModel:
         self.free = valid & self._known & ~(grown(front, NEAR_PX) if count else front)
         lit = _times(self.look, self.light) if count else self.look  # before it is learned further
         self._learn_wall(seen, found, valid & ~front, passed, settle)
-        self.front = np.zeros(valid.shape, np.float32)
         if count:
-            self._learn_front(np.asarray(seen, np.float32), labels, count, passed)
-            front &= self._seen_s >= KNOWN_S
-            self.front = soft_rim(np.asarray(image, np.float32), lit, front)
-        self._before = labels > 0
+            self._learn_front(self._unlit(seen), labels, count, passed)
+            self.front = soft_rim(np.asarray(image, np.float32), lit, front & (self._seen_s >= KNOWN_S))
+        else:
+            self.front = np.zeros(valid.shape, np.float32)
+        self._before = front
         self._age += passed
         if self._age >= STILL_S:
-            unlit = _times(np.asarray(seen, np.float32), 1 / self.light)
-            self._earlier, self._age = [self._earlier[1], (self._before, unlit)], 0.0
+            self._earlier, self._age = [self._earlier[1], _Earlier(front, self._unlit(seen))], 0.0
 
     def _begin(self, seen: Image, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
@@ -125,8 +128,7 @@ class WallModel:
         self._was_wall = np.zeros(shape, bool)      # whether that other look was once the wall's
         self._variance = np.full(shape, VARIANCE, np.float32)
         self._before = np.zeros(shape, bool)        # where something was in front in the frame before
-        # The same at two earlier times, and the frames of these times, in the light of the look.
-        self._earlier = [(self._before, self.look.copy())] * 2
+        self._earlier = [_Earlier(self._before, self.look.copy())] * 2
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
@@ -147,6 +149,21 @@ class WallModel:
         unshaded = max(1.0, self._unshaded / float(self.light.mean()))
         return difference(seen, self.look, self.light, self._variance, usable, unshaded)
 
+    def _share_in_front(self, front: Booleans, valid: Booleans) -> float:
+        """The share of the known wall in a frame that something seems to stand in front of."""
+        known = self._known & valid & (self._seen_s >= KNOWN_S)
+        return np.count_nonzero(front & known) / max(np.count_nonzero(known), 1)
+
+    def _is_another(self, front_share: float, light_before: Floats) -> bool:
+        """Whether the wall or the light is another one than in the frame before: see ANOTHER_SHARE."""
+        change = np.maximum(self.light, DIM) / np.maximum(light_before, DIM)
+        return bool((front_share > ANOTHER_SHARE and self._front_share < BEFORE_SHARE)
+                    or (change.max() > ANOTHER_COLOR * change.min() and self._front_share < HARDLY))
+
+    def _unlit(self, seen: Image) -> Floats:
+        """(h, w, 3) float32: a frame, (h, w, 3) uint8, in the light of the look."""
+        return _times(np.asarray(seen, np.float32), 1 / self.light)
+
     def _measure_light(self, seen: Image, sample: Booleans, passed: float) -> None:
         """Measure the light on the whole wall. ``sample``: which of every SAMPLE_PX-th pixels may show it."""
         colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
@@ -166,29 +183,34 @@ class WallModel:
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
         self._count = min(self._count + 1, MEAN_OF)
-        binding.learn(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
-                      VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
+        binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
+                           VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
         usual = np.median(self._variance[::SAMPLE_PX, ::SAMPLE_PX])
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 
-    def _learn_front(self, seen: Floats, labels: Integers, count: int, passed: float) -> None:
-        """Learn what stays in front. It becomes the wall when it has been seen for longer than the wall was."""
-        front = labels > 0
-        unlit = _times(seen, 1 / self.light)
+    def _learn_front(self, unlit: Floats, labels: Integers, count: int, passed: float) -> None:
+        """Learn what stays in front. It becomes the wall when it has been seen for longer than the wall was.
+
+        ``unlit``: see _unlit. ``labels``, ``count``: the things in front, see parts_of.
+        """
+        front, earlier = labels > 0, self._earlier[0]
         same = front & (largest_difference(unlit, self._other) < SAME_LEVELS)
-        before, unlit_before = self._earlier[0]
-        still = still_parts(labels, count, before, _changed(unlit, unlit_before), MOVED_SHARE)
+        still = still_parts(labels, count, earlier.front, _changed(unlit, earlier.unlit), MOVED_SHARE)
         stays = same & (still | (self._seen_s < SURE_S))
         self._other_s += np.float32(passed) * stays
-        other = front & ~same
-        self._other[other], self._other_s[other], self._was_wall[other] = unlit[other], 0, False
         self._other_s[same & ~stays & ~self._was_wall] = 0
+        new = front & ~same
+        self._other[new], self._other_s[new], self._was_wall[new] = unlit[new], 0, False
         wins = (same & self._was_wall) | (front & (self._other_s > self._seen_s))
         if wins.any():
-            self.look[wins], self._other[wins] = self._other[wins], self.look[wins]
-            self._seen_s[wins], self._other_s[wins] = self._other_s[wins], self._seen_s[wins]
-            self._was_wall[wins] = True
-            self._variance[wins] = VARIANCE
+            self._swap_looks(wins)
+
+    def _swap_looks(self, where: Booleans) -> None:
+        """Make the other look that of the wall, and the wall's the other one, at some pixels, (h, w)."""
+        self.look[where], self._other[where] = self._other[where], self.look[where]
+        self._seen_s[where], self._other_s[where] = self._other_s[where], self._seen_s[where]
+        self._was_wall[where] = True
+        self._variance[where] = VARIANCE
 
 
 def _times(image: Floats, factors: Floats) -> Floats:

@@ -121,7 +121,7 @@ class PoseEstimator:
         self._clock.advance(stamp)
         seen = self._seen_tags(tags, lens) if tags else None
         if seen is None:
-            self._wall.clear()
+            self._wall.see_no_tags()
             return []
         count = Counter(seen.ids)
         single = np.array([number for number, tag_id in enumerate(seen.ids) if count[tag_id] == 1], int)

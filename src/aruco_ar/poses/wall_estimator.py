@@ -55,7 +55,7 @@ class WallEstimator:
 
     def reset(self) -> None:
         """Forget what was learned, and all earlier frames."""
-        self.clear()
+        self.see_no_tags()
         self._places = Places(self._wall)
         self._belief = Belief()
         # How many times in a row a tag, or a group of tags, was seen in one plane.
@@ -71,7 +71,7 @@ class WallEstimator:
         # The time when the camera's place was last known, and that place.
         self._last: tuple[float, Floats] | None = None
 
-    def clear(self) -> None:
+    def see_no_tags(self) -> None:
         """Set the results of the last frame to those of a frame without tags.
 
         ``fit`` is a WallFit or None. ``tag_poses`` is {id: (pose, other pose, the other one's weight)}, of the
@@ -82,7 +82,7 @@ class WallEstimator:
 
     def update(self, seen: SeenTags, now: float) -> None:
         """Estimate the wall's pose in a frame by its tags. ``now``: seconds."""
-        self.clear()
+        self.see_no_tags()
         seen = self._most_useful(seen)
         known = [number for number, tag_id in enumerate(seen.ids) if tag_id in self._places]
         trusted = [number for number in known if seen.ids[number] not in self._elsewhere]

@@ -10,7 +10,7 @@ of the far side stays as predicted from the frame before.
 from __future__ import annotations
 
 from copy import copy
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
@@ -31,6 +31,23 @@ CALM_S = 1.0           # without a tag in sight, the assumed speed decays with t
 JERK_TURN, JERK_SHIFT = 0.05, 0.03  # a sudden turn and shift of the camera, in rad and distances to the wall
 CONVERGED_PX = 0.5     # after a correction by more than this, the measurement is linearized again
 MAX_ITERATIONS = 3     # number of such linearizations in a correction, at most
+
+
+class Comparison(NamedTuple):
+    """What a measurement of n points, compared with the prediction, tells about the corners.
+
+    This is the information form of the filter: it inverts an (8, 8) matrix, not a (2n, 2n) one.
+    ``information``: (8, 8), how well the measurement alone determines them. ``weighted``: (8, 2n), the
+    derivatives by which it does, divided by the measurement's variances. ``shrink``: (8, 8),
+    inv(1 + information @ covariance). ``toward``: (8,), the correction of the corners, which is still to be
+    multiplied by the covariance. ``unlikeliness``: see AreaMotion.unlikeliness.
+    """
+
+    information: Floats
+    weighted: Floats
+    shrink: Floats
+    toward: Floats
+    unlikeliness: float
 
 
 class AreaMotion:
@@ -116,24 +133,24 @@ class AreaMotion:
         """
         before, p = self._place, self._covariance
         compared = self._compare(points, pixels, deviation, before, p)
-        if compared[4] > limit:
+        if compared.unlikeliness > limit:
             p = self._covariance_with_bias()  # a bias in all frames so far may explain the difference
             compared = self._compare(points, pixels, deviation, before, p)
-            if compared[4] > limit:
+            if compared.unlikeliness > limit:
                 return False
         for iteration in range(MAX_ITERATIONS):
             if iteration:
                 compared = self._compare(points, pixels, deviation, before, p)
-            information, weighted, shrink, toward, _ = compared
-            change = p[:, :8] @ toward
+            change = p[:, :8] @ compared.toward
             step = before + change[:8] - self._place
             self._place = before + change[:8]
             if np.abs(step).max() < CONVERGED_PX:
                 break
         self._speed = self._speed + change[8:]
-        gain = p[:8, :8] @ shrink
-        self._biased = self._biased - gain @ (information @ self._biased) + gain @ _bias_effect(weighted, bias)
-        p = p - p[:, :8] @ (shrink @ information) @ p[:8]
+        gain = p[:8, :8] @ compared.shrink
+        self._biased = (self._biased - gain @ (compared.information @ self._biased)
+                        + gain @ _bias_effect(compared.weighted, bias))
+        p = p - p[:, :8] @ (compared.shrink @ compared.information) @ p[:8]
         self._covariance = (p + p.T) / 2
         return True
 
@@ -142,7 +159,8 @@ class AreaMotion:
 
         It is the squared Mahalanobis distance, divided by how many numbers were measured.
         """
-        return self._compare(points, pixels, deviation, self._place, self._covariance_with_bias())[4]
+        covariance = self._covariance_with_bias()
+        return self._compare(points, pixels, deviation, self._place, covariance).unlikeliness
 
     def _covariance_with_bias(self) -> Floats:
         """The covariance, (16, 16), including the biases."""
@@ -151,15 +169,8 @@ class AreaMotion:
         return p
 
     def _compare(self, points: Floats, pixels: Floats, deviation: Floats,
-                 before: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats, Floats, float]:
-        """Compare a measurement with the prediction: the corners ``before``, (8,), and the covariance.
-
-        Returns the measurement's information about the corners, (8, 8); its
-        weighted derivatives, (8, 2n); inv(1 + information @ covariance), (8, 8);
-        the correction of the corners, (8,), which is still to be multiplied by
-        the covariance; and the unlikeliness. This is the information form of the
-        filter: it inverts an (8, 8) matrix, not a (2n, 2n) one.
-        """
+                 before: Floats, covariance: Floats) -> Comparison:
+        """Compare a measurement with the prediction: the corners ``before``, (8,), and the covariance."""
         seen, slope = self._linearize(points)
         weight = np.repeat(deviation ** -2.0, 2)
         weighted, p = slope.T * weight, covariance[:8, :8]
@@ -168,7 +179,8 @@ class AreaMotion:
         off = (pixels - seen).ravel() + slope @ (self._place - before)
         gradient: Floats = weighted @ off
         toward = shrink @ gradient
-        return information, weighted, shrink, toward, (off @ (weight * off) - gradient @ p @ toward) / len(off)
+        unlikeliness = (off @ (weight * off) - gradient @ p @ toward) / len(off)
+        return Comparison(information, weighted, shrink, toward, unlikeliness)
 
     def _linearize(self, points: Floats) -> tuple[Floats, Floats]:
         """The pixels of points of the plane, (n, 2) each, and their derivatives by the corners, (2n, 8)."""

@@ -51,9 +51,9 @@ class Texture:
     def __init__(self, lens: Lens | None = None) -> None:
         """``lens``: the Lens of the frames, or None. With a lens, positions are undistorted pixels."""
         self._lens = lens
-        self.forget()
+        self.reset()
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Forget the template and its points."""
         self._points = np.empty((0, 2), np.float32)  # pixels of the template
         self._places = np.empty((0, 2))              # the same points in the plane of the area
@@ -75,7 +75,7 @@ class Texture:
         if not len(self._points):
             self._learn(frame, corners, tags)
         elif not self._confirm(frame, corners):
-            self.forget()
+            self.reset()
             self._due = now + LEARN_AGAIN_S
         if len(self._points):
             self._due = now + CHECKS_S[min(self._checks, len(CHECKS_S) - 1)]

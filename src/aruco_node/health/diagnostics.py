@@ -71,8 +71,8 @@ class FrameCount:
         self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
         self.misses_tags = False  # whether no tag was in sight for NO_TAGS_S at the last report
 
-    def restart(self):
-        """Start measuring again. Frames of a pause do not count as dropped."""
+    def forget_last_frames(self):
+        """Forget what is true only of the last frames. Frames of a pause do not count as dropped."""
         with self._lock:
             self._sequence, self._tag_seen, self._has_area = None, time.monotonic(), None
             self._recent.clear()

@@ -49,8 +49,8 @@ class FrameNode:
 
     It subscribes to the camera, drops stale frames, publishes answers, takes snapshots, and reports
     diagnostics. What frames are processed with changes only in ``between_frames``. A subclass implements
-    ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``, ``update_subscriptions``, ``begin_anew``,
-    ``prepare``, ``offer_services`` and ``report``.
+    ``process``. It may extend ``decode``, ``is_due``, ``is_wanted``, ``update_subscriptions``,
+    ``forget_last_frames``, ``prepare``, ``offer_services`` and ``report``.
     """
 
     result_topics: Sequence[str] = ()  # resolved names of the topics that are published besides images
@@ -63,7 +63,7 @@ class FrameNode:
         """
         self.settings = read_settings(kind_of_settings)
         self.camera = rospy.resolve_name(CAMERA)
-        self._use_transport('raw' if self.settings.transport == AUTO else self.settings.transport)
+        self._use_transport('raw' if self.settings.image_transport == AUTO else self.settings.image_transport)
         self._subscriber = None
         self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
         self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
@@ -109,7 +109,7 @@ class FrameNode:
     def update_subscriptions(self, wanted):
         """Subscribe to topics other than the camera's, or leave them. Called about once a second."""
 
-    def begin_anew(self):
+    def forget_last_frames(self):
         """Forget what is true only of the last frames. Called when the node begins or ceases to listen."""
 
     def prepare(self, settings):
@@ -165,7 +165,7 @@ class FrameNode:
         while not rospy.is_shutdown():
             self._subscribe_if_wanted()
             silence = time.monotonic() - self._silent_since
-            if self.settings.transport == AUTO and \
+            if self.settings.image_transport == AUTO and \
                     silence > (OTHER_TRANSPORT_S if self._subscriber is not None else SILENCE_S):
                 self._try_other_transport()
             if silence > SILENCE_S:
@@ -191,16 +191,16 @@ class FrameNode:
         self.update_subscriptions(wanted)
         if wanted and self._subscriber is None:
             self._silent_since = time.monotonic()
-            self._restart()
+            self._forget_frames()
             self._subscriber = subscribe_newest(self._topic, self._message_class, self._on_message)
         elif not wanted and self._subscriber is not None:
             self._subscriber.unregister()
             self._subscriber = self._frame_problem = None
-            self._restart()
+            self._forget_frames()
 
-    def _restart(self):
-        self._count.restart()
-        self.between_frames(self.begin_anew)
+    def _forget_frames(self):
+        self._count.forget_last_frames()
+        self.between_frames(self.forget_last_frames)
 
     @fault_barrier
     def _try_other_transport(self):

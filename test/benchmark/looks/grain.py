@@ -5,7 +5,7 @@ from aruco_ar import Tag
 from aruco_ar.base.progress import tell
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.looks.grain import edge_variance
-from aruco_ar.looks.look import GRAINS
+from aruco_ar.settings.settings import GRAINS
 
 from .painter import Painter
 from .scenes import Scene
@@ -53,7 +53,7 @@ def run():
         painters = {each: Painter(picture, grain=each) for each in GRAINS}
         found = {each: [] for each in ('printed', *GRAINS)}
         for moment in scene.moments(picture, SECONDS):
-            results = {each: painter.paint(moment.bare, moment.stamp).images[0]
+            results = {each: painter.paint(moment.bare, moment.stamp)[1]
                        for each, painter in painters.items()}
             results['printed'] = moment.printed
             if moment.stamp >= FIRST_S:

@@ -36,7 +36,7 @@ def run():
         painters = [Painter(black, scene.lens, opacity=0.0, foreground='keep', tags=tags)
                     for tags in ('show', 'hide')]
         for number, moment in enumerate(scene.moments(black, SECONDS)):
-            shown, hidden = (painter.paint(moment.bare, moment.stamp).images[0] for painter in painters)
+            shown, hidden = (painter.paint(moment.bare, moment.stamp)[1] for painter in painters)
             if number % JUDGED:
                 continue
             found += tags_in(shown), tags_in(hidden)

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from aruco_ar import Area, InputError, area_mask, load_picture
 from aruco_ar.base.progress import progress, tell
-from aruco_ar.looks.look import FOREGROUNDS
+from aruco_ar.settings.settings import FOREGROUNDS
 from rig import PACKAGE
 
 from benchmark.course import Course
@@ -20,7 +20,7 @@ SECONDS = 8
 JUDGED = 4       # every fourth frame is judged; the first second is left out
 FIRST_S = 1.0
 SIGHT = slice(30, 350), slice(60, 580)  # rows and columns of the frame around the area
-SURE_LEVELS = 30  # where picture and frame differ by so much, a pixel shows how much of it was painted
+SURE_LEVELS = 30  # where picture and frame differ by this much, a pixel shows how much of it was painted
 PICTURE = os.path.join(PACKAGE, 'images', 'earth.jpg')
 METHODS = {'course': None, 'ours': {}, '+ keep': {'foreground': 'keep'}, '+ match': {'light': 'match'},
            '+ both': {'foreground': 'keep', 'light': 'match'}}
@@ -93,7 +93,7 @@ def run_scene(scene, picture):
         results = {'course': course.paint(moment.bare)[0]}
         for name, painter in painters.items():
             start = time.perf_counter()
-            results[name] = painter.paint(moment.bare, moment.stamp).images[0]
+            results[name] = painter.paint(moment.bare, moment.stamp)[1]
             times[name].append(1000 * (time.perf_counter() - start))
         if moment.stamp < FIRST_S or number % JUDGED:
             continue
@@ -138,7 +138,7 @@ def run_arm(clips):
             for name, depth in real_arm.SHEETS:
                 painters, sums = [Painter(picture, foreground=each) for each in FOREGROUNDS], np.zeros(6)
                 for moment in real_arm.ArmScene(arm, depth).moments(picture, SECONDS):
-                    images = [painter.paint(moment.bare, moment.stamp).images[0] for painter in painters]
+                    images = [painter.paint(moment.bare, moment.stamp)[1] for painter in painters]
                     inside = area_mask(moment.bare, Area(np.float32(moment.corners)))[..., 0] == 255
                     if moment.stamp >= FIRST_S:
                         sums += judge_front(moment, inside, *images)

@@ -1,4 +1,4 @@
-"""A real arm that writes: cut out of a published clip, before a sheet of paper on the simulated wall."""
+"""A real arm that writes: cut out of a published clip, in front of a sheet of paper on the simulated wall."""
 import os
 import tempfile
 from dataclasses import replace

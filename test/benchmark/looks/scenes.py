@@ -15,8 +15,8 @@ UNTAGGED = replace(WALL, tags=tuple(replace(tag, side=1e-4) for tag in WALL.tags
 PATH = Path(Pose(-2.25, 0.12, -0.05), ((4, 0.05, -0.03), (4, -0.05, 0.03)))
 
 # ``bare``, ``printed``, ``untagged`` (the bare wall without tags): (h, w, 3) BGR uint8.
-# ``corners``: (4, 2), the area's. ``front``: (h, w) float32, the share of each pixel that something before
-# the wall covers.
+# ``corners``: (4, 2), the area's. ``front``: (h, w) float32, the share of each pixel that something in
+# front of the wall covers.
 Moment = namedtuple('Moment', 'stamp bare printed untagged corners front')
 
 

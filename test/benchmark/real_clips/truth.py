@@ -15,7 +15,7 @@ from aruco_ar import DICTIONARIES
 from aruco_ar.base.progress import progress
 from aruco_ar.tags.tag import Tag
 
-SMALL_PX, LARGER = 700, 3   # a narrower frame is enlarged so many times before tags are read
+SMALL_PX, LARGER = 700, 3   # a narrower frame is enlarged LARGER times before tags are read
 REACH_PX = 3.0              # an edge is searched this far to both sides
 ACROSS = np.arange(-REACH_PX, REACH_PX + 0.01, 0.25)
 ROUNDS = 12                 # of fitting places in the plane and homographies to each other

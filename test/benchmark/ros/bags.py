@@ -51,7 +51,7 @@ def run():
 
 
 def record(path, frames, seconds, message_of, suffix):
-    """Write a bag that repeats the frames for so many seconds."""
+    """Write a bag that repeats the frames for ``seconds``."""
     with rosbag.Bag(path, 'w') as bag:
         messages = [message_of(frame, Header(frame_id='eye')) for frame in frames]
         for number in range(seconds * FRAMES_PER_S):

@@ -45,7 +45,7 @@ def run():
 def measure(pid, receive):
     """Receive frames for SECONDS: (latencies in ms, seconds of processor time).
 
-    ``receive``: a function of seconds that receives for so long, and returns the latencies in seconds.
+    ``receive``: a function that receives for a number of seconds, and returns the latencies in seconds.
     """
     receive(WARM_UP_S)
     began = processor_seconds(pid)

@@ -15,7 +15,7 @@ USUAL = {'noise': 2.0, 'blur': 0.5, 'light': 0.3}
 
 
 def _drive_with_covered(count):
-    """A drive that covers each group of so many tags, one group after the other."""
+    """A drive that covers each group of ``count`` tags, one group after the other."""
     groups = list(combinations(WALL.area, count))
     covered, counts = in_turn(groups)
     return drive(SLOW, 2 * CYCLE * len(groups), covered, counts, **USUAL)

@@ -10,13 +10,14 @@ import numpy as np
 import yaml
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
-from aruco_ar.exercise import PICTURE, TRACKER, Stage, find_tags
+from aruco_ar.exercise import AREA, PICTURE, TAGS, Exercise, Result, Runner
+from aruco_ar.settings.settings import LEARN
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall
-from aruco_node.nodes.calibration import Calibration
+from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.nodes.pictures import open_picture
 from aruco_node.parameters.parameters import read, ros_values
-from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
+from aruco_node.parameters.settings import PictureSettings, load_areas
 from page_server.access import is_loopback
 from rig.processes.started import program
 
@@ -59,7 +60,7 @@ def taken(kind, name, value):
     elif 'search' in has:
         _look(settings)
     if 'camera_info' in has:
-        Calibration(settings, '/camera/rgb/image_raw')
+        CameraLens(settings, '/camera/rgb/image_raw')
     if has.get('wall', LEARN) != LEARN:
         load_wall(os.path.join(package_folder(), os.path.expanduser(settings.wall)))
     if has.get('path', 'none') != 'none':
@@ -81,13 +82,11 @@ def area_taken(path, name, value):
 
 
 def _look(settings):
-    stage = Stage([TRACKER] * hasattr(settings, 'hold') + [PICTURE] * hasattr(settings, 'picture'), settings,
-                  open_picture)
+    needs = [TAGS] + [AREA] * hasattr(settings, 'hold') + [PICTURE] * hasattr(settings, 'picture')
+    runner = Runner(Exercise('any', lambda scene: Result([scene.image], scene.tags), needs), [settings],
+                    open_picture)
     for stamp in 0.0, 0.1:
-        scene = stage.scene(FRAME, FRAME, stamp)
-        find_tags(scene)
-        if scene.tracker is not None:
-            scene.tracker.update(FRAME, stamp)
+        runner.run(FRAME, stamp)
 
 
 def refusal(take, *arguments):

@@ -14,7 +14,7 @@ def launch(*arguments, **environment):
 
 
 def test_the_launch_file_lists_its_arguments_without_gazebo():
-    assert 'place the ROSbot before the wall' in launch('--ros-args', 'unit5', 'wall_gazebo.launch')
+    assert 'place the ROSbot in front of the wall' in launch('--ros-args', 'unit5', 'wall_gazebo.launch')
 
 
 def test_the_launch_file_starts_gazebo_and_the_rosbot(package, tmp_path):

@@ -1,11 +1,14 @@
 """The package for ROS: catkin_lint, launch arguments, the benchmark, what nodes load, an install space."""
+import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 from xml.etree import ElementTree
 
 import pytest
+from aruco_ar.compiled.compiler import flags, sources
 from rig.processes.started import program
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
@@ -64,10 +67,14 @@ def test_an_install_space_is_complete(package, tmp_path):
     prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
     for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,
                      '-DCATKIN_DEVEL_PREFIX=%s/devel' % build, '-DCATKIN_ENABLE_TESTING=OFF',
-                     '-DPYTHON_EXECUTABLE=' + sys.executable],
+                     '-DPYTHON_EXECUTABLE=' + sys.executable, '-DCMAKE_EXPORT_COMPILE_COMMANDS=ON'],
                     ['cmake', '--build', build, '--target', 'install']):
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert done.returncode == 0, done.stdout
+    with open(build + '/compile_commands.json') as file:
+        commands = {each['file']: shlex.split(each['command']) for each in json.load(file)}
+    for path in sources():  # see test_compiled.py, too
+        assert set(flags()) < set(commands[path]), path
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'

@@ -339,7 +339,7 @@ def test_results_of_other_code_are_made_again(package, frames, tmp_path):
     run = [str(tmp_path / 'unit5'), tmp_path / 'out', tmp_path / 'brief.bag', '--exercise', '5.2',
            '--workers', '1']
     assert 'Wrote' in annotate(*run) and 'is done already' in annotate(*run)
-    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/edges.c':
+    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/tag_edges.c':
         with open(str(tmp_path / 'unit5' / 'src' / edited), 'a') as code:
             code.write('\n')
         assert 'is done already' not in annotate(*run), edited
@@ -352,6 +352,6 @@ def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):
     assert '{5.2,5.3,5.4,5.5,5.6}' in output and '5_2 is the same as 5.2' in output
     listed = re.findall(r'^  _(\w+) +(\S+)', output, re.MULTILINE)
     assert dict(listed)['likeness'] == '0.76'
-    only_of_nodes = {'transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
-                     'robot_frame'}
+    only_of_nodes = {'image_transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame',
+                     'wall_frame', 'robot_frame'}
     assert {name for name, _ in listed} == set(ros_values(BagSettings())) - only_of_nodes

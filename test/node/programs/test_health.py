@@ -14,7 +14,7 @@ def clock(monkeypatch):
 
 def run_frames(count, clock, period, pipeline, numbers, tags=4):
     """Let these frames arrive, one each ``period``; each is answered after ``pipeline`` seconds."""
-    count.restart()
+    count.forget_last_frames()
     for number in numbers:
         began = clock[0]
         missing = count.on_arrival(number)

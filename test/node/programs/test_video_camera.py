@@ -113,7 +113,7 @@ def test_a_device_that_gives_no_images_is_named_with_the_reason_and_the_cameras_
 
 def test_a_device_that_gives_no_images_and_is_the_only_one(webcams):
     device = webcams({'0': None})
-    with pytest.raises(InputError, match='%s0 is not a camera. No other is connected. A video' % device):
+    with pytest.raises(InputError, match='%s0 is not a camera. No other webcam is connected. A video' % device):
         find_source('0')
 
 

@@ -6,7 +6,7 @@ from aruco_ar import InputError, Lens
 from aruco_ar.calibration.calibrate import MIN_VIEWS, _untilted, calibrate, corners_apart, unseen_parts
 from aruco_ar.calibration.calibrated import TRY_FISHEYE, Calibrated
 from aruco_ar.calibration.collection import FEW, FULL, LIKE, MOVING, Collection
-from aruco_ar.calibration.layout import learn_layout
+from aruco_ar.calibration.sheet_layout import learn_layout
 from aruco_ar.calibration.views import MAX_VIEWS, View, cells_of, different_views
 from rig.accuracy.views import LENSES, MATRIX, SIZE, sheet, views_of
 
@@ -147,7 +147,7 @@ def test_views_of_tags_on_another_wall_are_left_out(random):
     wall = [View({100 + key: points for key, points in view.points.items()}) for view in wall]
     found = calibrate(views + wall, SIZE)
     assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01) and found.views <= len(views)
-    with pytest.raises(InputError, match='Only 7 views show the tags of one sheet; at least 8 must'):
+    with pytest.raises(InputError, match='Only 7 views show the tags of one sheet, but at least 8 are needed'):
         calibrate(views[:7] + wall[:6], SIZE)
 
 

@@ -109,7 +109,7 @@ class WorkerFault(NodeTest):
         self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 0.5)
 
     def test_poses_are_published_again_after_the_calibration_failed(self):
-        info = 'aruco_node.nodes.calibration:Calibration.lens'
+        info = 'aruco_node.nodes.camera_lens:CameraLens.lens'
         check = 'aruco_ar.poses.wall_watch:WallWatch.check'
         self.publish_camera_info()
         self.publisher, self.connections = self.camera()

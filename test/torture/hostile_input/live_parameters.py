@@ -10,8 +10,9 @@ import urllib.request
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.progress import progress
+from aruco_ar.settings.declaration import parameters_of
 from aruco_node.messages.images import image_from_frame
-from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_node.parameters.parameters import ros_values
 from dynamic_reconfigure.msg import Config
 from dynamic_reconfigure.srv import Reconfigure
 from hostile.parameters import validation, values

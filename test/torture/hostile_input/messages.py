@@ -60,7 +60,7 @@ class _Nodes:
         self._port = free_port()
         self._nodes = {}
         for name in [*OUTPUTS, 'page']:
-            arguments = ['_port:=%d' % self._port] if name == 'page' else ['_transport:=' + transport]
+            arguments = ['_port:=%d' % self._port] if name == 'page' else ['_image_transport:=' + transport]
             if name == 'screen':
                 arguments += ['__name:=screen', '_picture:=topic:' + CAMERA + suffix]
             self._nodes[name] = node('exercise5_6.py' if name == 'screen' else name + '.py', *arguments)

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import rosgraph
 from aruco_ar.base.progress import progress
-from aruco_node.parameters.parameters import parameters_of
+from aruco_ar.settings.declaration import parameters_of
 from aruco_node.parameters.settings import AREA_ENTRIES, PictureSettings
 from hostile.parameters import validation, values
 from hostile.parameters.configs import set_parameter

@@ -26,7 +26,7 @@ SLOW_SIZE = 1280, 720
 
 
 def run(seconds, seed):
-    """Process FRAMES, or for so many seconds, on all cores. Returns what was found."""
+    """Process FRAMES frames, or those of ``seconds`` if given, on all cores. Returns what was found."""
     rows, faults, first, began = defaultdict(list), defaultdict(list), 0, time.monotonic()
     last, end = (np.inf, began + seconds) if seconds else (EXTRA * FRAMES / PICTURES_EACH, np.inf)
     workers = os.cpu_count()

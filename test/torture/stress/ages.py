@@ -116,7 +116,7 @@ def wait_for_all(topics, seconds=WAIT_S):
 
 
 def measure_ages(topics, seconds):
-    """{topic: (n, 2)}: the ages of all messages that arrive within so many seconds, see Ages."""
+    """{topic: (n, 2)}: the ages of all messages that arrive within ``seconds``, see Ages."""
     listening = {topic: Ages(topic) for topic in topics}
     time.sleep(seconds)
     return {topic: each.stop() for topic, each in listening.items()}

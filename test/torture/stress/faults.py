@@ -51,7 +51,7 @@ def fill_disk():
 
 
 def kill_programs(seconds, seed):
-    """Terminate programs at random moments: COUNT of them, or for so many seconds."""
+    """Terminate programs at random moments: COUNT of them, or for ``seconds`` if given."""
     others = *kills.NODES, *kills.TOOLS, *kills.LAUNCHES
     end = None if seconds is None else time.monotonic() + seconds
     durations, found = [], []

@@ -30,7 +30,7 @@ def run(seconds, seed):
 
 
 def measure(case, names, seconds):
-    """Print how nodes answer a camera for so many seconds. Returns sentences about what was found."""
+    """Print how nodes answer a camera for ``seconds``. Returns sentences about what was found."""
     settings = dict(dict(width=640, height=480, rate=30), **case)
     title = '%(width)d x %(height)d at %(rate)d Hz' % settings
     topics = {'/%s/tags' % name: name for name in names}

@@ -7,6 +7,7 @@
 
    A profile is a row of samples from the middle of one cell to the middle of
    the next one. */
+#include "tag_cells.h"
 
 #define PROFILE 9        /* samples of a profile */
 #define UNKNOWNS 9       /* the eight coordinates of the corners, and the blooming of light cells into dark ones */
@@ -99,10 +100,7 @@ static void solve(double matrix[UNKNOWNS][UNKNOWNS], double vector[UNKNOWNS])
     }
 }
 
-/* The homography from the unit square to a quadrilateral; see homography_to. */
-typedef struct { Point right, down, start; float g, h; } Homography;
-
-static Homography homography_to(const Point quad[4])
+Homography homography_to(const Point quad[4])
 {
     Point one = minus(quad[1], quad[2]), other = minus(quad[3], quad[2]);
     Point rest = minus(minus(quad[0], quad[1]), minus(quad[3], quad[2]));
@@ -113,17 +111,7 @@ static Homography homography_to(const Point quad[4])
                         g, h};
 }
 
-/* Where it maps (x, y). */
-static inline Point mapped(const Homography *to, float x, float y)
-{
-    float scale = 1 / (to->g * x + to->h * y + 1);
-    return (Point){(to->right.x * x + to->down.x * y + to->start.x) * scale,
-                   (to->right.y * x + to->down.y * y + to->start.y) * scale};
-}
-
-/* Fit a quadrilateral to the edges between dark and light cells within a tag. Returns 0 if too many edges are
-   not found. */
-static int fit_cells(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4])
+int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4])
 {
     float blur[2] = {BLUR, BLUR};  /* in cells, to the right and down */
     memcpy(fitted, quad, 4 * sizeof(Point));

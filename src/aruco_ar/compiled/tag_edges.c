@@ -4,11 +4,9 @@
    lines across it, its profiles. The share of light samples tells where the
    edge crosses a profile, to some hundredths of a pixel, even if it is blurred.
 
-   This is in C because it would need hundreds of calls of NumPy for each frame.
-   binding.py calls it. */
-#include "export.h"
-#include "frame.h"
-#include "cells.h"
+   This is in C because it would need hundreds of calls of NumPy for each frame. */
+#include "tag_cells.h"
+#include "unit5.h"
 
 #define PROFILES 12       /* profiles along each edge */
 #define FIRST 0.08f       /* the positions of the first and the last profile along the edge, 0 to 1: a rounded */
@@ -34,8 +32,8 @@
 #define ACROSS 0.25f      /* a quadrilateral is looked at across its sides here, in the middle, and at 1 - this */
 
 #define POSITION(profile) (FIRST + (LAST - FIRST) * (profile) / (PROFILES - 1))
-EXPORT const int unit5_profile_count = PROFILES;
-EXPORT const float unit5_profile_positions[PROFILES] = {
+const int unit5_profile_count = PROFILES;
+const float unit5_profile_positions[PROFILES] = {
     POSITION(0), POSITION(1), POSITION(2), POSITION(3), POSITION(4), POSITION(5),
     POSITION(6), POSITION(7), POSITION(8), POSITION(9), POSITION(10), POSITION(11)};
 
@@ -126,17 +124,41 @@ static int offsets(float gray[PROFILES][SAMPLES], float reach, float offset[PROF
 }
 
 /* How many pixels the frame goes on from a point in a direction, a unit vector; negative outside of the frame. */
-static float room(const Frame *frame, Point at, Point direction)
+static float room(const Image *frame, Point at, Point direction)
 {
     float across = direction.x > 0 ? frame->width - 1 - at.x : at.x, size = fabsf(direction.x);
     float down = direction.y > 0 ? frame->height - 1 - at.y : at.y, other = fabsf(direction.y);
     return smaller(across / larger(size, 1e-6f), down / larger(other, 1e-6f));
 }
 
+/* Whether there are pixels on all sides of a point. */
+static int is_inside(const Image *frame, Point at)
+{
+    return at.x >= 0 && at.y >= 0 && at.x < frame->width - 1 && at.y < frame->height - 1;
+}
+
+/* The gray at points on a line from one point to another, both included. */
+static void gray_along(const Image *frame, Point from, Point to, int count, float *gray)
+{
+    Point step = minus(to, from);
+    step = (Point){step.x / (count - 1), step.y / (count - 1)};
+    if (is_inside(frame, from) && is_inside(frame, plus(from, count - 1, step))) {  /* usually, and faster */
+        int channels = frame->channels;
+        for (int i = 0; i < count; i++) {
+            Point at = plus(from, i, step);
+            int left = (int)at.x, top = (int)at.y;
+            gray[i] = gray_between(frame->pixels + top * frame->row + left * channels, channels, frame->row, channels,
+                                   at.x - left, at.y - top);
+        }
+    } else
+        for (int i = 0; i < count; i++)
+            gray[i] = gray_at(frame, plus(from, i, step));
+}
+
 /* Fit a quadrilateral by profiles that reach that many pixels to both sides of each edge. Returns 0 if one of the
    edges is not found. ``inverted``: it is white inside. An edge with a reach of 0 stays as it is. Also whether a
    margin ends within that reach. */
-static int fit_edges(const Frame *frame, const Point quad[4], int inverted, const float reach[4], Point fitted[4],
+static int fit_edges(const Image *frame, const Point quad[4], int inverted, const float reach[4], Point fitted[4],
                      int *narrow)
 {
     Point first[4], along[4];
@@ -184,7 +206,8 @@ static int fit_edges(const Frame *frame, const Point quad[4], int inverted, cons
 
 /* How far profiles reach from each edge of a quadrilateral that is ``cells`` cells wide: as far as the frame goes
    on, but at least the least that shows an edge. Returns how many pixels the frame goes on beyond the edges. */
-static float reaches(const Frame *frame, const Point quad[4], int cells, float coarse[4], float fine[4], float beyond[4])
+static float reaches(const Image *frame, const Point quad[4], int cells, float coarse[4], float fine[4],
+                     float beyond[4])
 {
     /* In a slanted view, cells are much narrower in one direction than in the other. */
     float area = fabsf(cross(minus(quad[2], quad[0]), minus(quad[3], quad[1]))) / 2, least = MAX_FINE_PX;
@@ -201,7 +224,7 @@ static float reaches(const Frame *frame, const Point quad[4], int cells, float c
 }
 
 /* Move a quadrilateral onto the edges of a tag that is ``cells`` cells wide. Returns 0 if an edge is not found. */
-static int fit_tag(const Frame *frame, const Point quad[4], int inverted, int cells, Point fitted[4], int *narrow)
+static int fit_tag(const Image *frame, const Point quad[4], int inverted, int cells, Point fitted[4], int *narrow)
 {
     float coarse[4], fine[4], beyond[4];
     reaches(frame, quad, cells, coarse, fine, beyond);
@@ -225,7 +248,7 @@ static int fit_tag(const Frame *frame, const Point quad[4], int inverted, int ce
 
 /* The correlation of what is seen in a quadrilateral with a tag's cells, (cells, cells), without a margin of that
    many cells. ``samples``: of each cell, in both directions. */
-static float correlation(const Frame *frame, const Point quad[4], int cells, const uint8_t *wanted, int margin,
+static float correlation(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, int margin,
                          int samples)
 {
     double sum = 0, squares = 0, wanted_sum = 0, wanted_squares = 0, products = 0;
@@ -246,24 +269,21 @@ static float correlation(const Frame *frame, const Point quad[4], int cells, con
             wanted_sum += cell * samples * samples;
             wanted_squares += cell * cell * samples * samples;
         }
-    int count = (cells - 2 * margin) * (cells - 2 * margin) * samples * samples;
+    int64_t count = (int64_t)(cells - 2 * margin) * (cells - 2 * margin) * samples * samples;
     double spread = (squares - sum * sum / count) * (wanted_squares - wanted_sum * wanted_sum / count);
     return (products - sum * wanted_sum / count) / sqrt(fmax(spread, 1e-6));
 }
 
-/* See compare_tags in edges.py. */
-EXPORT void unit5_compare_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                  const float *quads, int cells, const uint8_t *wanted, int samples, float *found)
+void unit5_compare_tags(const Image *frame, int count, const Point *quads, int cells, const uint8_t *wanted,
+                        int samples, float *likeness)
 {
-    Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++)
-        found[tag] = correlation(&frame, (const Point *)quads + 4 * tag, cells, wanted + tag * cells * cells, 0,
-                                 samples);
+        likeness[tag] = correlation(frame, quads + 4 * tag, cells, wanted + tag * cells * cells, 0, samples);
 }
 
 /* Fit a quadrilateral to the edges between a tag's cells, and, ``at_rim``, where the tag is at the frame's rim,
    to those of its edges that are well within the frame. Returns 0 if too few of them are found. */
-static int fit_inner(const Frame *frame, const Point quad[4], int inverted, int cells, const uint8_t *wanted,
+static int fit_inner(const Image *frame, const Point quad[4], int inverted, int cells, const uint8_t *wanted,
                      int at_rim, Point fitted[4])
 {
     Point inner[4];
@@ -280,30 +300,25 @@ static int fit_inner(const Frame *frame, const Point quad[4], int inverted, int 
     return 1;
 }
 
-/* See fit_tags and check_tags in edges.py. ``row``: the bytes from one row of the frame to the next. ``whole``: NULL,
-   or an array for the likeness of all of each tag, as compare_tags sees it. Only with it, ``wanted`` is changed: the
-   cells of a tag that is white on black are negated. */
-EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                           const float *quads, int cells, uint8_t *wanted, float *fitted, uint8_t *good,
-                           float *likeness, int samples, float *whole)
+void unit5_fit_tags(const Image *frame, int count, const Point *quads, int cells, uint8_t *wanted, Point *fitted,
+                    uint8_t *good, float *likeness, int samples, float *whole)
 {
-    Frame frame = {pixels, row, width, height, channels};
     for (int tag = 0; tag < count; tag++) {
         int narrow = 0;
-        const Point *quad = (const Point *)quads + 4 * tag;
-        Point *found = (Point *)fitted + 4 * tag;
+        const Point *quad = quads + 4 * tag;
+        Point *found = fitted + 4 * tag;
         uint8_t *own = wanted + tag * cells * cells;
-        if (whole && correlation(&frame, quad, cells, own, 0, 1) < 0)
+        if (whole && correlation(frame, quad, cells, own, 0, 1) < 0)
             for (int cell = 0; cell < cells * cells; cell++)
                 own[cell] = 255 - own[cell];
         int inverted = own[0] > 127;
-        good[tag] = fit_tag(&frame, quad, inverted, cells, found, &narrow);
+        good[tag] = fit_tag(frame, quad, inverted, cells, found, &narrow);
         const Point *first = good[tag] ? found : quad;
-        float coarse[4], fine[4], beyond[4], least = reaches(&frame, first, cells, coarse, fine, beyond);
+        float coarse[4], fine[4], beyond[4], least = reaches(frame, first, cells, coarse, fine, beyond);
         int at_rim = least < MIN_FINE_PX;
         if (!good[tag] || narrow || at_rim) {
             Point inner[4];
-            if (fit_inner(&frame, first, inverted, cells, own, at_rim, inner)) {
+            if (fit_inner(frame, first, inverted, cells, own, at_rim, inner)) {
                 memcpy(found, inner, sizeof inner);
                 good[tag] = 1;
             } else if (least < MIN_WITHIN_PX)
@@ -311,23 +326,19 @@ EXPORT void unit5_fit_tags(const uint8_t *pixels, int64_t row, int width, int he
         }
         if (!good[tag])
             memcpy(found, quad, 4 * sizeof(Point));
-        likeness[tag] = correlation(&frame, found, cells, own, 1, 1);
+        likeness[tag] = correlation(frame, found, cells, own, 1, 1);
         if (whole)
-            whole[tag] = correlation(&frame, found, cells, own, 0, samples);
+            whole[tag] = correlation(frame, found, cells, own, 0, samples);
     }
 }
 
-/* See sample_cells in edges.py. ``margin``: cells at the rim that are left out; if negative, cells around are
-   included. */
-EXPORT void unit5_sample_cells(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                               const float *quads, int cells, int margin, float *gray)
+void unit5_sample_cells(const Image *frame, int count, const Point *quads, int cells, int margin, float *gray)
 {
-    Frame frame = {pixels, row, width, height, channels};
     for (int number = 0; number < count; number++) {
-        Homography to = homography_to((const Point *)quads + 4 * number);
+        Homography to = homography_to(quads + 4 * number);
         for (int down = margin; down < cells - margin; down++)
             for (int right = margin; right < cells - margin; right++)
-                *gray++ = gray_at(&frame, mapped(&to, (right + 0.5f) / cells, (down + 0.5f) / cells));
+                *gray++ = gray_at(frame, mapped(&to, (right + 0.5f) / cells, (down + 0.5f) / cells));
     }
 }
 
@@ -349,7 +360,7 @@ static int is_at_one(const Point quad[4], int count, const Point *others)
 
 /* What a quadrilateral may be; see guess_tags in edges.py, also for the numbers. It is looked at across its sides, at
    three places along each. */
-static int guess(const Frame *frame, const Point quad[4], int cells, float contrast)
+static int guess(const Image *frame, const Point quad[4], int cells, float contrast)
 {
     int is_white = 1, is_uneven = 1, is_margin = 1;
     float darkest = 255, lightest = 0;
@@ -374,15 +385,12 @@ static int guess(const Frame *frame, const Point quad[4], int cells, float contr
     return is_white ? 1 : is_margin ? 3 : is_uneven ? 2 : 0;
 }
 
-/* See guess_tags in edges.py. */
-EXPORT void unit5_guess_tags(const uint8_t *pixels, int64_t row, int width, int height, int channels, int count,
-                             const float *quads, int cells, int known_count, const float *known, float contrast,
-                             uint8_t *guesses)
+void unit5_guess_tags(const Image *frame, int count, const Point *quads, int cells, int known_count, const Point *known,
+                      float contrast, uint8_t *guesses)
 {
-    Frame frame = {pixels, row, width, height, channels};
     for (int number = 0; number < count; number++) {
-        const Point *quad = (const Point *)quads + 4 * number;
-        int is_known = is_at_one(quad, known_count, (const Point *)known);
-        guesses[number] = is_known ? 0 : guess(&frame, quad, cells, contrast);
+        const Point *quad = quads + 4 * number;
+        int is_known = is_at_one(quad, known_count, known);
+        guesses[number] = is_known ? 0 : guess(frame, quad, cells, contrast);
     }
 }

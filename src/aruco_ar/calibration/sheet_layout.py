@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Mapping, Sequence
+from typing import Dict, Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -18,9 +18,11 @@ FIRST_DAMPING = 1e-3
 
 Quads = Mapping[int, Floats]  # {id: (4, 2) float64}: the corners of tags in one view, in undistorted pixels
 
+Layout = Dict[int, Floats]    # {key: (n, 2) float64}: where points are on their sheet, such as a tag's corners
 
-def learn_layout(views: Sequence[Quads]) -> dict[int, Floats]:
-    """{id: (4, 2) float64}: the corners of the tags on their sheet. The side of a tag is 1.
+
+def learn_layout(views: Sequence[Quads]) -> Layout:
+    """Where the corners of tags are on their sheet: {id: (4, 2) float64}. The side of a tag is 1.
 
     ``views``: at least two. All tags are squares of the same size. This alone tells how the sheet is tilted in
     each view, without any knowledge of the camera but that straight lines are straight. Tags that are never
@@ -86,17 +88,17 @@ def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Float
     sheet = {tag_id: _corners(poses[tag_id]) for tag_id in ids}
     maps = np.array([_homography([sheet[tag_id] for tag_id in view], list(view.values())) for view in views])
     maps /= maps[:, 2:, 2:]
-    seen = _Seen(np.array([number for number, view in enumerate(views) for _ in view]),
-                 np.array([ids.index(tag_id) for view in views for tag_id in view]),
-                 np.array([corners for view in views for corners in view.values()]))
-    damping, (off, slopes) = FIRST_DAMPING, seen.system(layout, maps)
+    sights = _Sights(np.array([number for number, view in enumerate(views) for _ in view]),
+                     np.array([ids.index(tag_id) for view in views for tag_id in view]),
+                     np.array([corners for view in views for corners in view.values()]))
+    damping, (off, slopes) = FIRST_DAMPING, sights.off_and_slopes(layout, maps)
     for _ in range(ROUNDS):
         normal, right = slopes.T @ slopes, slopes.T @ off
         step = np.linalg.solve(normal + damping * np.diag(normal.diagonal() + 1e-9), right)
         tags, rest = step[:3 * len(ids) - 3].reshape(-1, 3), step[3 * len(ids) - 3:].reshape(-1, 8)
         new_layout = layout + np.concatenate([np.zeros((1, 3)), tags])
         new_maps = maps + np.concatenate([rest, np.zeros((len(views), 1))], axis=1).reshape(-1, 3, 3)
-        new_off, new_slopes = seen.system(new_layout, new_maps)
+        new_off, new_slopes = sights.off_and_slopes(new_layout, new_maps)
         if not new_off @ new_off < off @ off:
             damping *= 10
             continue
@@ -107,38 +109,39 @@ def _refine(views: Sequence[Quads], poses: dict[int, Floats]) -> dict[int, Float
 
 
 @dataclass(frozen=True)
-class _Seen:
+class _Sights:
     """All n sights of tags: the numbers of ``view`` and ``tag``, (n,) each, and ``corners``, (n, 4, 2)."""
 
     view: Integers
     tag: Integers
     corners: Floats
 
-    def system(self, layout: Floats, maps: Floats) -> tuple[Floats, Floats]:
-        """(8n,) by what the corners are off, in sides of tags, and (8n, unknowns), the slopes.
+    def off_and_slopes(self, layout: Floats, maps: Floats) -> tuple[Floats, Floats]:
+        """By what the corners are off, (8n,) in sides of tags, and the slopes by the unknowns, (8n, unknowns).
 
         ``layout``: (tags, 3), as x, y, angle. ``maps``: (views, 3, 3), from the sheet to the image; the last
         entry of each is 1.
         """
         count, x, y, angle = len(self.view), *layout[self.tag].T[:, :, None]
-        scale = np.median(np.linalg.norm(self.corners[:, 1] - self.corners[:, 0], axis=1))
-        to_image = maps[self.view]
         turned = np.stack([SQUARE[:, 0] * np.cos(angle) - SQUARE[:, 1] * np.sin(angle),
                            SQUARE[:, 0] * np.sin(angle) + SQUARE[:, 1] * np.cos(angle)], axis=-1)  # (n, 4, 2)
         on_sheet = np.stack([turned[..., 0] + x, turned[..., 1] + y, np.ones((count, 4))], axis=-1)
+        to_image = maps[self.view]
         mapped = on_sheet @ to_image.swapaxes(1, 2)
         by_depth = 1 / mapped[..., 2:]
         pixels, point = mapped[..., :2] * by_depth, on_sheet * by_depth
-        slopes = np.zeros((count, 4, 2, 3 * len(layout) + 8 * len(maps)))  # with those of the first tag's pose
-        every, corner = np.arange(count)[:, None, None], np.arange(4)[:, None]
-        first = (3 * len(layout) + 8 * self.view)[:, None, None]
-        for axis in range(2):
-            slopes[every, corner, axis, first + 3 * axis + np.arange(3)] = point
-            slopes[every, corner, axis, first + np.arange(6, 8)] = -pixels[..., axis, None] * point[..., :2]
         by_place = (to_image[:, None, :2, :2] - pixels[..., None] * to_image[:, None, None, 2, :2]) \
             * by_depth[..., None]                                                     # (n, 4, 2, 2)
         by_angle = by_place @ np.stack([-turned[..., 1], turned[..., 0]], axis=-1)[..., None]
-        pose = 3 * self.tag[:, None, None] + np.arange(3)
-        for axis in range(2):
-            slopes[every, corner, axis, pose] = np.concatenate([by_place, by_angle], axis=3)[:, :, axis]
-        return (self.corners - pixels).ravel() / scale, slopes.reshape(8 * count, -1)[:, 3:] / scale
+        by_map = np.zeros((count, 4, 2, 8))
+        by_map[:, :, 0, :3] = by_map[:, :, 1, 3:6] = point
+        by_map[..., 6:] = -pixels[..., None] * point[:, :, None, :2]
+        # A tag's three unknowns change only its own corners, and a view's eight those in that view.
+        slopes = np.zeros((count, 4, 2, 3 * len(layout) + 8 * len(maps)))
+        for first, by_some in ((3 * self.tag, np.concatenate([by_place, by_angle], axis=3)),
+                               (3 * len(layout) + 8 * self.view, by_map)):
+            columns = first[:, None] + np.arange(by_some.shape[3])
+            np.put_along_axis(slopes, columns[:, None, None], by_some, axis=3)
+        of_unknowns = slopes.reshape(8 * count, -1)[:, 3:]  # the first tag is the origin
+        scale = np.median(np.linalg.norm(self.corners[:, 1] - self.corners[:, 0], axis=1))
+        return (self.corners - pixels).ravel() / scale, of_unknowns / scale

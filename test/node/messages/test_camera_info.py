@@ -3,8 +3,9 @@ import numpy as np
 import pytest
 from aruco_ar import InputError
 from aruco_ar.simulation.robot import Camera
+from aruco_node.messages.camera_info import info_topics, lens_from_info
 from aruco_node.messages.wall_messages import camera_info
-from aruco_node.nodes.calibration import Calibration, info_topics, lens_from_info
+from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.parameters.parameters import read
 from aruco_node.parameters.settings import PoseSettings
 from sensor_msgs.msg import CameraInfo
@@ -162,7 +163,7 @@ def test_a_wrong_camera_info_is_explained(message, words):
     ('/camera/image_rect', 'auto', True), ('/camera/image_rect', False, False), ('/usb/image', True, True)])
 def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
     settings = read(PoseSettings, {'rectified': setting}.get)
-    calibration = Calibration(settings, topic)
+    calibration = CameraLens(settings, topic)
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'
     assert info_topics('/sim/front/Scene') == ('/sim/front/camera_info', '/sim/front/Scene/camera_info')

@@ -20,7 +20,7 @@ SHOW = ('Show the sheet to the camera, in all parts of its image, tilted to all 
         'then.')
 
 
-class Progress:
+class CalibrationProgress:
     """The views of a sheet so far, and the best lens that they have told.
 
     ``collection``: the Collection. ``found``: the Calibrated, or None. ``why``: why the newest views tell no
@@ -47,7 +47,7 @@ class Progress:
         self._refused = self.collection.offer(view)
         return self._others.update(frame, stamp, set(), bool(view.points))
 
-    def begin_anew(self) -> None:
+    def forget_last_frames(self) -> None:
         """Forget what is true only of the last frames."""
         self._refused = ''
         self._others.reset()
@@ -97,7 +97,7 @@ class Progress:
     def _advice(self) -> str:
         """Why the newest view is not kept."""
         if self._refused == FEW:
-            return '%s It takes %s.' % (FEW, self._sheet.needs)
+            return '%s A view needs %s.' % (FEW, self._sheet.needs)
         return self._refused
 
 

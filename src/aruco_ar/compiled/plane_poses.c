@@ -1,11 +1,7 @@
-/* Refining the two poses of a flat object by the method of Levenberg and Marquardt. binding.py calls this for
-   geometry/plane_pose.py, which says what poses, weights and deviations are. All matrices are row by row. */
-#include <math.h>
-#include <stdint.h>
+/* Refining the two poses of a flat object by the method of Levenberg and Marquardt. */
 #include <stdlib.h>
-#include <string.h>
 
-#include "export.h"
+#include "unit5.h"
 
 #define MAX_STEPS 12              /* number of steps, at most */
 #define FIRST_DAMPING 1e-3
@@ -17,7 +13,7 @@
 #define SMALL_ANGLE 1e-9          /* rad: the sine of a smaller angle is the angle */
 #define MIN_EIGENVALUE 1e-12      /* added to a scaled information matrix: above rounding errors, below all else */
 
-EXPORT const double unit5_nearest = 1e-3;  /* meters: an object nearer to the camera than this, or behind it, cannot be seen */
+const double unit5_nearest = 1e-3;
 /* No pose is reported as less certain than this: standard deviations, meters and radians. */
 static const double most_uncertain[6] = {1e2, 1e2, 1e2, 1, 1, 1};
 
@@ -42,7 +38,7 @@ static double dot(const double *one, const double *other, int count)
     return sum;
 }
 
-static void cross(const double one[3], const double other[3], double product[3])
+static void cross3(const double one[3], const double other[3], double product[3])
 {
     product[0] = one[1] * other[2] - one[2] * other[1];
     product[1] = one[2] * other[0] - one[0] * other[2];
@@ -69,12 +65,13 @@ static void linearize(const Object *object, State *state)
         double x = (arm[0] + state->translation[0]) / depth, y = (arm[1] + state->translation[1]) / depth;
         for (int row = 0; row < 2; row++) {
             const double *w = weight + 2 * row;
-            double *by = object->spare + size * row;  /* first by the point's coordinates, which are those of the translation */
+            /* First by the point's coordinates, which are those of the translation. */
+            double *by = object->spare + size * row;
             errors[row] = w[0] * (ray[0] - x) + w[1] * (ray[1] - y);
             by[0] = w[0] / depth;
             by[1] = w[1] / depth;
             by[2] = -(w[0] * x + w[1] * y) / depth;
-            cross(arm, by, by + 3);
+            cross3(arm, by, by + 3);
             for (int each = 0; each < extra; each++) {
                 by[6 + each] = 0;
                 for (int axis = 0; axis < 3; axis++)
@@ -135,15 +132,15 @@ static void turn(const double angles[3], const double rotation[9], double turned
     }
     for (int column = 0; column < 3; column++) {
         double axis[3] = {rotation[column], rotation[3 + column], rotation[6 + column]}, once[3], twice[3];
-        cross(angles, axis, once);
-        cross(angles, once, twice);
+        cross3(angles, axis, once);
+        cross3(angles, once, twice);
         for (int row = 0; row < 3; row++)
             turned[3 * row + column] = axis[row] + sine * once[row] + versine * twice[row];
     }
 }
 
-/* Find the next step of a state. Returns whether it is worth making; least: the cost of the better pose; spare: see
-   Object. */
+/* Find the next step of a state. Returns whether it is worth making. ``least``: the cost of the better pose. ``spare``:
+   see Object. */
 static int find_step(const State *state, double damping, double least, int size, double *step, double *spare)
 {
     double *matrix = spare;
@@ -184,11 +181,10 @@ static void invert(const State *state, int size, double *covariance, double *spa
     }
 }
 
-/* Refine the two poses of an object: see refine in plane_pose.py.
+/* Refine the two poses of an object.
 
-   rotations: 2 x 9, translations: 2 x 3 and amounts: 2 x deviations are changed. squares: 2 x points and
-   covariances: 2 x size x size, with size = 6 + deviations, are written. memory: for
-   2 * size + 4 * (deviations + points + size + size * size) numbers. */
+   ``memory``: for 2 * size + 4 * (deviations + points + size + size * size) numbers, with size = 6 + deviations. For
+   the others, see unit5_refine_pose_pairs. */
 static void refine_pair(const Object *object, double *rotations, double *translations, double *amounts,
                         double *squares, double *covariances, double *memory)
 {
@@ -240,11 +236,9 @@ static void refine_pair(const Object *object, double *rotations, double *transla
     }
 }
 
-/* Refine both poses of each of so many objects, which have the same number of points and the same deviations. The
-   arrays of the objects, and of their poses, are one after the other. Returns 0 if there is not enough memory. */
-EXPORT int unit5_refine_pairs(int64_t objects, int points, int deviations, const double *point, const double *ray,
-                              const double *weight, const double *spread, double *rotations, double *translations,
-                              double *amounts, double *squares, double *covariances)
+int unit5_refine_pose_pairs(int64_t objects, int points, int deviations, const double *point, const double *ray,
+                            const double *weight, const double *spread, double *rotations, double *translations,
+                            double *amounts, double *squares, double *covariances)
 {
     int64_t size = 6 + deviations, spare = size * size + 2 * size;
     double *memory = malloc((spare + 2 * size + 4 * (deviations + points + size + size * size)) * sizeof(double));
