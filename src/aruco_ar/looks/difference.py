@@ -89,8 +89,7 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
 
     ``usable``: (h, w), where the wall is known. ``free``: (h, w), where nothing is in front.
     """
-    light, wall_gray, excess, step, noise, rims = (
-        pixels.light, pixels.wall_gray, pixels.excess, pixels.step, pixels.noise, pixels.rims)
+    _, wall_gray, light, _, excess, step, noise, rims = pixels
     front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
     unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
     weak = excess > 0.5

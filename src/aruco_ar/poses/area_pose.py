@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,21 +58,34 @@ def area_pose(fit: WallFit, area: Area, lens: Lens) -> AreaPose | None:
     found = _area_on(rotation_matrices(changes[:, 3:6]) @ rotation, translation + changes[:, :3], moved)
     if found is None:
         return None
-    points, axes, center, width, height = found
-    off = np.concatenate([center - center[0], rotation_vector(axes @ axes[0].T)], axis=1)
+    off = np.concatenate([found.center - found.center[0],
+                          rotation_vector(found.axes @ found.axes[0].T)], axis=1)
     slope = ((off[1:15] - off[15:]) / (2 * steps[:, None])).T
     spread = np.eye(14)
     spread[:6, :6] = covariance
-    one = axes[0], center[0], slope @ spread @ slope.T
-    found = _area_on(fit.rotation[1:], fit.translation[1:], rays[None])
-    other = one if found is None else (found[1][0], found[2][0], one[2])
-    return AreaPose(area.corners, points[0], one[0], one[1], mixture(one, other, fit.weight)[0],
-                    float(width[0]), float(height[0]))
+    one = found.axes[0], found.center[0], slope @ spread @ slope.T
+    by_other = _area_on(fit.rotation[1:], fit.translation[1:], rays[None])
+    other = one if by_other is None else (by_other.axes[0], by_other.center[0], one[2])
+    return AreaPose(area.corners, found.points[0], one[0], one[1], mixture(one, other, fit.weight)[0],
+                    float(found.width[0]), float(found.height[0]))
 
 
-def _area_on(rotation: Floats, translation: Floats,
-             rays: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats] | None:
-    """An area on m walls: corners (m, 4, 3), axes (m, 3, 3), centers (m, 3), widths and heights (m,); or None.
+class _OnWalls(NamedTuple):
+    """An area on m walls, in the optical frame.
+
+    ``points``: (m, 4, 3), its corners. ``axes``: (m, 3, 3), its rotations. ``center``: (m, 3). ``width``,
+    ``height``: (m,). All but the axes are in meters.
+    """
+
+    points: Floats
+    axes: Floats
+    center: Floats
+    width: Floats
+    height: Floats
+
+
+def _area_on(rotation: Floats, translation: Floats, rays: Floats) -> _OnWalls | None:
+    """An area on m walls, or None if a ray to it does not meet a wall.
 
     ``rotation``: (m, 3, 3) and ``translation``: (m, 3), the poses of the walls. ``rays``: (m, 4, 2), those to
     the area's corners.
@@ -92,4 +106,5 @@ def _area_on(rotation: Floats, translation: Floats,
         / np.einsum('mi,mi->m', cross, cross)
     center = corners[:, 0] + fraction[:, None] * diagonal
     axes = np.stack([right, np.cross(normal, right), normal], axis=2)
-    return corners, axes, center, (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2
+    width, height = (lengths[:, 0] + lengths[:, 2]) / 2, (lengths[:, 1] + lengths[:, 3]) / 2
+    return _OnWalls(corners, axes, center, width, height)

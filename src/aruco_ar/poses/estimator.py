@@ -7,7 +7,7 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Pose
+from aruco_ar.base.arrays import Booleans, Floats, Pose
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.recent import Recent
 from aruco_ar.geometry.lens import Lens
@@ -165,11 +165,9 @@ class PoseEstimator:
         real = np.isfinite(quads).all(axis=(1, 2))
         quads[~real] = 0
         rays = corner_rays(lens, quads)
-        across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
-        good = real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
-        good &= across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]  # clockwise, so seen from the front
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        keep = np.flatnonzero(good)
+        keep = np.flatnonzero(real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
+                              & _are_clockwise(quads))
         first_rotations, first_translations, is_posed = approximate_poses(square(sizes[keep]), rays[keep])
         keep = keep[is_posed]
         if not len(keep):
@@ -181,8 +179,7 @@ class PoseEstimator:
         rotation, translation, _, squares, covariance = refine(
             square(sizes), rays, weights, first_rotations[is_posed], first_translations[is_posed])
         costs = squares.sum(axis=2)
-        # The camera must be in front of the tag.
-        front = (np.einsum('npi,npi->np', rotation[..., 2], translation) < 0) & (translation[..., 2] > NEAR_M)
+        front = _are_in_front(rotation, translation)
         costs = np.where(front & np.isfinite(costs), costs, IMPOSSIBLE_COST)
         scale = self._scales([tags[number].id for number in keep], costs.min(axis=1))
         costs = costs / scale[:, None]
@@ -205,6 +202,18 @@ class PoseEstimator:
             self._noise[tag_id] = total, frames = total * FADE + min(cost, MAX_COST), frames * FADE + 1
             scales.append(max(1.0, (2 * PRIOR_FRAMES + total) / (2 * PRIOR_FRAMES + 2 * frames)))
         return np.array(scales)
+
+
+def _are_clockwise(quads: Floats) -> Booleans:
+    """(n,): whether corners, (n, 4, 2) pixels, go round as those of tags that are seen from the front."""
+    across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
+    return across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]
+
+
+def _are_in_front(rotation: Floats, translation: Floats) -> Booleans:
+    """(n, 2): whether tags with these poses, (n, 2, 3, 3) and (n, 2, 3), are before the camera and face it."""
+    is_facing = np.einsum('npi,npi->np', rotation[..., 2], translation) < 0
+    return is_facing & (translation[..., 2] > NEAR_M)
 
 
 def corner_deviation(quads: Floats) -> Floats:
