@@ -72,7 +72,10 @@ def test_what_tests_share_imports_only_what_is_below_it(folder, package):
 
 
 def test_no_test_imports_from_the_scripts(package):
-    assert not glob.glob(package + '/script/**/*.py', recursive=True)  # there is nothing to import
+    scripts = {os.path.basename(path)[:-len('.py')]
+               for path in glob.glob(package + '/script/**/*.py', recursive=True)}
+    for path in glob.glob(package + '/test/**/*.py', recursive=True):
+        assert not {name.split('.')[0] for name in imported(path, package, root='test')} & scripts, path
 
 
 @pytest.mark.parametrize('part', PARTS)
