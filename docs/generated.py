@@ -6,14 +6,15 @@ conf.py calls write_all; the pages of reference/ include what it writes.
 import glob
 import os
 import re
+import runpy
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
-import wall_camera
+from aruco_ar.settings.declaration import parameters_of
 from aruco_node.parameters import settings
-from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_node.parameters.parameters import ros_values
 from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -27,7 +28,7 @@ SETTINGS = [
     ('`tag_poses`', settings.PoseSettings, settings.AreaSettings),
     ('`calibrate_live`', settings.CalibrationSettings, settings.FrameSettings),
     ('`camera_relay`', settings.RelaySettings, settings.FrameSettings),
-    ('`wall_camera`', wall_camera.WallCameraSettings, None),
+    ('`wall_camera`', runpy.run_path(PACKAGE + '/nodes/wall_camera.py')['WallCameraSettings'], None),
     ('`page`', server.PageSettings, None),
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
@@ -99,7 +100,7 @@ def manuals(names):
 
 
 def manual(name):
-    path = os.path.join(PACKAGE, 'src', name + '.py')
+    path, = glob.glob('%s/*/%s.py' % (PACKAGE, name))
     done = subprocess.run([sys.executable, path, '--help'], env=dict(os.environ, COLUMNS='110'),
                           stdout=subprocess.PIPE, text=True, check=True)
     return done.stdout.strip()

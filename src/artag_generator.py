@@ -5,124 +5,35 @@ This program needs no roscore. Without arguments, it writes the tags that the
 course asks for: ids 1 to 4 of DICT_6X6_250, 700 x 700 pixels, as image_1.jpg to
 image_4.jpg in Tags/.
 """
-import argparse
-import os
 import sys
 
 import aruco_program  # noqa: F401  before all else
 import cv2
-from aruco_ar import InputError, draw_tag
-from aruco_ar.base.files import own_folder, write_whole
-from aruco_ar.base.progress import progress
-from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg, tags_around_picture
-from aruco_ar.tags.tag import DICTIONARY_NAMES
-
-MAX_ID = 10000  # no dictionary has an id above this
+from aruco_ar import get_dictionary
+from aruco_ar.tags.tag import add_margin
+from aruco_program.tag_command import run
 
 
-def read_ids(text):
-    """The ids in a text such as "1-4" or "1,4,7-9"."""
-    ids: list[int] = []
-    for part in text.split(','):
-        first, dash, last = part.partition('-')
-        try:
-            begin, end = int(first), int(last if dash else first)
-        except ValueError:
-            raise argparse.ArgumentTypeError('"%s" is not a list of ids; write for example 1-4 or 1,4,7'
-                                             % text) from None
-        if begin > end:
-            raise argparse.ArgumentTypeError('"%s" contains no id; write the smaller number first' % part)
-        if end > MAX_ID:
-            raise argparse.ArgumentTypeError('no dictionary has an id above %d, so there is no tag %d'
-                                             % (MAX_ID, end))
-        ids.extend(range(begin, end + 1))
-    return list(dict.fromkeys(ids))
+def draw_tags(options):
+    """Draw the tags, and make a file of each: its name and its bytes."""
+    # A dictionary lists patterns of black and white cells that are easy to tell apart. A pattern's place in
+    # the list is the tag's id. DICT_6X6_250 has 250 patterns of 6 x 6 cells, with the ids 0 to 249.
+    dictionary = get_dictionary(options.dictionary)
 
+    for tag_id in options.ids:  # 1, 2, 3, 4
+        # This draws the pattern and the black border around it. The side of the picture is the size, 700
+        # pixels. The width of the border is one cell, so that 8 x 8 cells share these pixels.
+        image = cv2.aruco.generateImageMarker(dictionary, tag_id, options.size, borderBits=options.border)
 
-def draw(form, args, tag_id):
-    """The bytes of the file of one tag. ``form``: jpg, png or svg."""
-    if form == 'svg':
-        return tag_svg(args.dictionary, tag_id, args.side, args.border, args.quiet).encode()
-    image = draw_tag(args.dictionary, tag_id, args.size, args.border, args.quiet)
-    # With JPEG's default quality, faint gray lines would appear along a tag's edges.
-    return cv2.imencode('.' + form, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1].tobytes()
+        # The detector looks for the step from black to white. On white paper, the tag needs no margin of its
+        # own, so quiet is 0 cells.
+        image = add_margin(image, dictionary.markerSize + 2 * options.border, options.quiet)
 
-
-def parse(argv):
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARY_NAMES))
-    option = parser.add_argument
-    option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
-    option('--ids', type=read_ids, default=[1, 2, 3, 4], help='such as 1-4 or 1,4,7 (default: 1-4)')
-    option('--size', type=int,
-           help='side of the tag in pixels, in a jpg or png (default: 700)')
-    option('--border', type=int, default=1, help='width of the black border in cells (default: 1); '
-                                                 'tell the nodes another width by border:=')
-    option('--quiet', type=int, help='width of the white margin around the tag in cells '
-                                     '(default: 0; 1 on a sheet)')
-    option('--format', choices=['jpg', 'png', 'svg'],
-           help='file format of the tags, but for a sheet; an svg has its size in millimeters (default: jpg)')
-    option('--output', metavar='FOLDER',
-           help="folder to write to, but for a sheet (default: the package's Tags/, or ./Tags)")
-    option('--sheet', metavar='FILE.pdf', help='write pages to print instead of pictures')
-    option('--page', choices=list(PAGES), help='paper for the sheet (default: A4)')
-    option('--side', type=float, metavar='MM',
-           help='side of the tags on a sheet or in an svg, in millimeters (default: 75, four a page; 50 around '
-                'a picture)')
-    option('--around-picture', action='store_true',
-           help='make the sheet a single page to put up as it is, with a tag in each corner')
-    args = parser.parse_args(argv)
-    if args.sheet is not None and not args.sheet.lower().endswith('.pdf'):
-        parser.error('--sheet takes the name of a PDF file, such as tags.pdf, not "%s"' % args.sheet)
-    if args.output == '':
-        parser.error('--output takes the name of a folder, not ""')
-    if args.around_picture and not args.sheet:
-        parser.error('--around-picture is for a sheet. Give the name of its file, too: --sheet tags.pdf')
-    refuse_unused(parser, args)
-    for name, value in (('size', 700), ('side', 50 if args.around_picture else 75), ('format', 'jpg'),
-                        ('page', 'A4'), ('quiet', 1 if args.sheet else 0)):
-        if getattr(args, name) is None:
-            setattr(args, name, value)
-    return args
-
-
-def refuse_unused(parser, args):
-    """End with a sentence if an option is given that has no effect on what is to be written."""
-    is_svg = args.format == 'svg'
-    for name, is_used, where in (
-            ('size', not (args.sheet or is_svg), 'a jpg or png; the side on a sheet or in an svg is --side MM'),
-            ('side', args.sheet or is_svg, 'a sheet or an svg; the side in a jpg or png is --size PIXELS'),
-            ('page', args.sheet, 'a sheet. Give the name of its file, too: --sheet tags.pdf'),
-            ('format', not args.sheet, 'single tags; a sheet is always a PDF'),
-            ('output', not args.sheet, 'single tags; write the folder of a sheet before its name: --sheet %s'
-             % os.path.join(args.output or '', os.path.basename(args.sheet or '')))):
-        if getattr(args, name) is not None and not is_used:
-            parser.error('--%s is for %s' % (name, where))
-
-
-def generate(args):
-    """(path, bytes) of each file. All are drawn before any is written, in case one of them is impossible."""
-    if args.sheet:
-        draw_pages = tags_around_picture if args.around_picture else tag_sheet
-        return [(args.sheet, draw_pages(args.dictionary, args.ids, args.side, args.page, args.border,
-                                        args.quiet))]
-    folder = args.output or own_folder('Tags')
-    return [(os.path.join(folder, 'image_%d.%s' % (tag_id, args.format)),
-             draw(args.format, args, tag_id)) for tag_id in progress(args.ids, 'tags')]
-
-
-def main(argv):
-    # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
-    args = parse([arg for arg in argv if not arg.startswith('__')])
-    try:
-        files = generate(args)
-        for path, data in files:
-            write_whole(path, data)
-            print('Wrote %s' % os.path.abspath(path))
-    except InputError as error:
-        sys.exit('artag_generator: %s' % error)
+        # With JPEG's default quality, faint gray lines would appear along a tag's edges.
+        data = cv2.imencode('.' + options.format, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1]
+        yield 'image_%d.%s' % (tag_id, options.format), data.tobytes()
 
 
 if __name__ == '__main__':
-    main(sys.argv[1:])
+    # All files are written into the folder Tags once the last tag is drawn.
+    run(draw_tags, __doc__, sys.argv[1:])

@@ -5,10 +5,10 @@ A tag is a black square. Light cells inside of it make a pattern that stands for
 a number, its id. For each tag, the detector returns the id and four corners,
 clockwise from the tag's own top left.
 """
-import aruco_node
+import aruco_program  # noqa: F401  before all else
 import cv2
 from aruco_ar import Detector
-from aruco_ar.exercise import Exercise, Result, detection
+from aruco_ar.exercise import Exercise, Result
 from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 
@@ -17,7 +17,7 @@ def detect_tags(scene):
     # The settings for the detector are the parameters dictionary, ids, search, correction, likeness,
     # min_side and border of the node: rosrun unit5 exercise5_2.py --help explains them. The dictionary
     # lists the patterns of all tags and their ids.
-    detector = Detector(**detection(scene.settings))
+    detector = Detector(**scene.settings.of_detector())
 
     # The detector calls cv2.aruco.ArucoDetector.detectMarkers, which searches for dark quadrilaterals
     # and reads the cells inside. Then the detector moves the corners onto the edges of the tag, to a
@@ -39,4 +39,5 @@ def detect_tags(scene):
 EXERCISE = Exercise('exercise5_2', detect_tags)
 
 if __name__ == '__main__':
+    import aruco_node
     aruco_node.run(EXERCISE)

@@ -5,15 +5,15 @@ The centers will be the corners of the area that we paint into. The polygon
 through them depends on their order. If we take them in the order in which the
 tags were found, the polygon usually crosses itself.
 """
-import aruco_node
+import aruco_program  # noqa: F401  before all else
 import cv2
-from aruco_ar.exercise import Exercise, Result, find_tags
+from aruco_ar.exercise import TAGS, Exercise, Result
 from aruco_ar.painting.marks import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
 
 
 def extract_centers(scene):
     """Mark the centers, and fill the polygon through them, in the order in which they were found."""
-    tags = find_tags(scene)  # exercise 5.2
+    tags = scene.tags  # exercise 5.2
 
     # A tag's center is where its diagonals cross. A camera keeps straight lines straight. So this
     # point shows the center of the real tag. The mean of the corners does not, if the tag is slanted.
@@ -29,7 +29,8 @@ def extract_centers(scene):
     return Result([image], tags)
 
 
-EXERCISE = Exercise('exercise5_3', extract_centers)
+EXERCISE = Exercise('exercise5_3', extract_centers, needs=[TAGS])
 
 if __name__ == '__main__':
+    import aruco_node
     aruco_node.run(EXERCISE)

@@ -8,8 +8,7 @@ import pytest
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import load_wall
-
-PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+from rig import PACKAGE
 
 
 def pytest_configure(config):

@@ -5,7 +5,7 @@ finds the area between them, and overlay paints the picture into the area. A
 Tracker finds the area in a sequence of frames. The package ``aruco_node``
 connects this one to ROS.
 
-The subpackages are base, compiled, geometry, tags, walls, tracking, poses,
+The subpackages are base, compiled, geometry, tags, settings, walls, tracking, poses,
 painting, looks, hints, calibration, and simulation. The module ``exercise`` says what an exercise is.
 """
 from .base import required  # noqa: F401  first: it explains which module is too old, before that module fails
@@ -14,7 +14,7 @@ from .geometry.lens import Lens
 from .geometry.ordering import largest_quadrilateral, order_coordinates
 from .painting.marks import fill_polygon, mark_centers, mark_tags
 from .painting.paint import area_mask, overlay, subtract
-from .painting.picture import load_picture
+from .painting.picture_file import load_picture
 from .poses.area_pose import AreaPose
 from .poses.estimator import CameraPose, PoseEstimator, TagPose
 from .tags.detector import Detector

@@ -1,101 +1,80 @@
 """What an exercise is: a function of a frame, called by a camera's node or for the frames of a bag."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Callable, Protocol, Sequence
 
-from .base.arrays import Image
+from .base.arrays import NO_ARRAY, Image
 from .geometry.lens import Lens
-from .looks.look import Look, asks_for_look
-from .tags.detector import Detector
+from .looks.hanging import Hanging, OnWall
+from .painting.paint import shares
+from .painting.picture import Picture
+from .painting.place import Place
+from .settings.settings import DetectionSettings, PictureSettings
 from .tags.tag import Tag
 from .tracking.area import Area
-from .tracking.tracker import Tracker
+from .tracking.observer import Observer, is_same_area
+from .tracking.sight import SeenArea, Sight
 
-TRACKER, PICTURE, LENS = 'tracker', 'picture', 'lens'  # what an exercise may need
-CORRECT = 'correct'  # this value of the parameter ``lens`` has the distortion corrected
-LENSES = CORRECT, 'ignore'
-# The parameters of a Detector.
-DETECTION = 'dictionary', 'ids', 'search', 'correction', 'likeness', 'min_side', 'border'
-# A change of one of these parameters makes a new tracker.
-TRACKER_PARAMETERS = (*DETECTION, 'upright')
+TAGS, LENS, AREA, PICTURE = 'tags', 'lens', 'area', 'picture'  # what an exercise may need
 
 
 @dataclass(frozen=True)
 class Scene:
     """One frame, and what an exercise may need to work on it.
 
-    ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to paint on, of the same size. It is
-    the frame itself, or a copy of it into which other areas have been painted already. ``stamp``: the frame's
-    time, seconds. ``settings``: the node's parameters. ``tracker``: the Tracker of the area. ``picture``:
-    (h, w, 3) BGR or (h, w, 4) BGRA uint8; it is None until the first picture has arrived. The tracker and the
-    picture are None for an exercise that does not need them. ``lens``: the Lens, if the camera is calibrated
-    and its lens bends straight lines, else None. ``look``: the Look of the picture on its wall, or None.
+    ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to
+    paint on, of the same size. It is the frame itself, or a copy of it into
+    which other areas have been painted already. ``settings``: the node's
+    parameters. ``tags``: those in sight, if the exercise needs them or the
+    area. ``area``: the Area, or None if it is not known or not needed.
+    ``picture``: the Picture to paint, or None if it is not needed or has not
+    arrived yet. ``lens``: the Lens, if the camera is calibrated and its lens
+    bends straight lines, else None. ``on_wall``: how the picture looks on its
+    wall, or None if the settings do not ask for that.
     """
 
     frame: Image
     image: Image
-    stamp: float
     settings: Any
-    tracker: Any = None
-    picture: Image | None = None
+    tags: Sequence[Tag] = ()
+    area: Area | None = None
+    picture: Picture | None = None
     lens: Lens | None = None
-    look: Look | None = None
+    on_wall: OnWall | None = None
 
-    def on_wall(self, picture: Image, mask: Image, area: Area, part: Area) -> tuple[Image, Image]:
-        """A warped picture as it looks on the wall, as far as the settings ask for it, and its mask.
+    def shares(self, warped: Image, place: Place) -> tuple[Image, Image]:
+        """What to add to the window of a Place to paint a warped picture, and what to subtract from it first.
 
-        ``area``: the Area in the frame. ``part``: the same, in the pixels of ``picture`` and ``mask``. For
-        these and the result, see Look.apply.
+        See painting.paint.shares. The settings may ask for more, such as that people stay in front.
         """
-        if self.look is None or not asks_for_look(self.settings):
-            return picture, mask
-        self.look.update(self.frame, self.stamp, area, self.tracker.tags, self.settings, self.tracker.located)
-        return self.look.apply(picture, mask, part, self.settings)
-
-    def hide_tags(self, area: Area) -> None:
-        """Cover the wall's tags in the image, if the settings ask for it. This comes after ``on_wall``."""
-        if self.look is not None and asks_for_look(self.settings):
-            self.look.hide_tags(self.frame, self.image, area, self.tracker.tags, self.settings,
-                                self.tracker.located)
+        mask = place.mask
+        if self.on_wall is not None:
+            warped, mask = self.on_wall.apply(warped, place)
+        return shares(place.window, warped, mask, self.settings.opacity)
 
 
 @dataclass(frozen=True)
 class Result:
-    """The result for one frame: an image for each topic, the tags in sight, and the Area, if it is known."""
+    """The result for one frame: an image for each topic, and the tags in sight."""
 
     images: Sequence[Image]
     tags: Sequence[Tag]
-    area: Area | None = None
 
 
 @dataclass(frozen=True)
 class Exercise:
     """An exercise by the name of its node. ``step`` turns a Scene into a Result.
 
-    ``needs``: TRACKER if it asks where the area is, PICTURE if it paints one, LENS if it needs only the
-    lens. ``topics``: the names of its image topics.
+    ``needs``: TAGS if it asks which tags are in sight, AREA if it asks where
+    the area is, PICTURE if it paints one, LENS if it asks only for the lens.
+    ``topics``: the names of its image topics.
     """
 
     name: str
     step: Callable[[Scene], Result]
     needs: Sequence[str] = ()
     topics: Sequence[str] = ('image',)
-
-
-def detection(settings: Any) -> dict[str, Any]:
-    """The arguments of a Detector as settings ask for them."""
-    return {name: getattr(settings, name) for name in DETECTION}
-
-
-def find_tags(scene: Scene) -> list[Tag]:
-    """The tags in a Scene's frame, found as its settings ask for: exercise 5.2."""
-    return Detector(**detection(scene.settings)).detect(scene.frame)
-
-
-def new_tracker(settings: Any) -> Tracker:
-    """A Tracker as settings ask for it. Raises InputError."""
-    return Tracker(hold=settings.hold, upright=settings.upright, **detection(settings))
 
 
 class Source(Protocol):
@@ -105,50 +84,87 @@ class Source(Protocol):
         """The picture to show at a time, seconds; None if there is none yet."""
 
 
-class Stage:
-    """What is kept from frame to frame for one area: the settings, the Tracker, and the picture's Source."""
+class Runner:
+    """Runs an Exercise on the frames of a camera, once for each area."""
 
-    def __init__(self, needs: Sequence[str], settings: Any, open_source: Callable[[str], Source],
-                 previous: Stage | None = None) -> None:
-        """Make a Stage for ``settings``, the node's parameters.
+    def __init__(self, exercise: Exercise, settings: Sequence[DetectionSettings],
+                 open_source: Callable[[str], Source], previous: Runner | None = None) -> None:
+        """``settings``: the node's parameters, for each area.
 
-        ``needs``: see Exercise. ``open_source``: a function that opens the Source that the parameter
-        ``picture`` names. ``previous``: the Stage with the settings before the change. Its tracker and its
-        source are kept if their own parameters are unchanged. Raises InputError.
+        ``open_source``: a function that opens the Source that the parameter ``picture`` names. ``previous``:
+        the Runner with the settings before a change. What it has learned and its sources are kept, as far as
+        their own settings are unchanged. Raises InputError.
         """
-        self.settings = settings
-        self._needs, self._open_source = needs, open_source
-        self.tracker: Tracker | None = None
-        self.source: Source | None = None
-        self.look: Look | None = None
-        if TRACKER in needs:
-            self.tracker = previous.tracker if previous and self._has_same(previous, TRACKER_PARAMETERS) else \
-                new_tracker(settings)
-        if PICTURE in needs:
-            self.source = previous.source if previous and self._has_same(previous, [PICTURE]) else \
-                open_source(settings.picture)
-            self.look = previous.look if previous and previous.tracker is self.tracker else Look()
+        self.needs, self._exercise, self._open_source = exercise.needs, exercise, open_source
+        self._observer: Observer = Observer(settings, TAGS in exercise.needs, AREA in exercise.needs,
+                                            None if previous is None else previous._observer)
+        opens = open_source if PICTURE in exercise.needs else None
+        before: Sequence[_Canvas | None] = [None] * len(settings) if previous is None else previous._canvases
+        self._canvases: list[_Canvas] = [_Canvas(own, opens, kept) for own, kept in zip(settings, before)]
 
-    def _has_same(self, other: Stage, parameters: Sequence[str]) -> bool:
-        return all(getattr(self.settings, name) == getattr(other.settings, name) for name in parameters)
+    @property
+    def sources(self) -> list[Source]:
+        """The sources of the pictures of all areas."""
+        return [canvas.source for canvas in self._canvases if canvas.source is not None]
 
-    def scene(self, frame: Image, image: Image, stamp: float, lens: Lens | None = None) -> Scene:
-        """The Scene of a frame; the arguments are those of Scene, and ``lens`` is any Lens, or None."""
-        if lens is not None and not (lens.bends and self.settings.lens == CORRECT):
-            lens = None
-        if self.tracker is not None:
-            self.tracker.hold, self.tracker.lens = self.settings.hold, lens
-        picture = None if self.source is None else self.source.at(stamp)
-        if picture is not None:
-            picture.setflags(write=False)  # so what is computed from it once is kept (see levels_of)
-        return Scene(frame, image, stamp, self.settings, self.tracker, picture, lens, self.look)
+    def run(self, frame: Image, stamp: float, lens: Lens | None = None,
+            keeps_frame: bool = False) -> tuple[Sight, Sequence[Image]]:
+        """The Sight of a frame, and what the exercise makes of it: an image for each of its topics.
 
-    def changed(self, settings: Any) -> Stage:
-        """A new Stage with changed settings. Raises InputError; this Stage is unchanged in either case."""
-        return Stage(self._needs, settings, self._open_source, self)
+        ``keeps_frame``: whether the frame must stay as it is. Otherwise it may be painted on. The other
+        arguments are those of Observer.look.
+        """
+        sight = self._observer.look(frame, stamp, lens)
+        image = frame.copy() if keeps_frame or len(self._canvases) > 1 else frame
+        seen_areas = sight.areas or [SeenArea(None, sight.tags)]
+        tags: list[Tag] = []
+        images: Sequence[Image] = [image]
+        for canvas, seen in zip(self._canvases, seen_areas):
+            result = self._exercise.step(canvas.scene(sight, seen, images[-1]))
+            tags, images = [*tags, *result.tags], result.images
+        return replace(sight, tags=tuple(tags)), images
+
+    def changed(self, settings: Sequence[DetectionSettings]) -> Runner:
+        """A new Runner with changed settings. This one is unchanged. Raises InputError."""
+        return Runner(self._exercise, settings, self._open_source, self)
 
     def reset(self) -> None:
         """Forget all that was learned from frames."""
-        for learned in self.tracker, self.look:
-            if learned is not None:
-                learned.reset()
+        self._observer.reset()
+        for canvas in self._canvases:
+            canvas.reset()
+
+
+class _Canvas:
+    """What is kept from frame to frame to paint one area. Without a picture, it keeps nothing."""
+
+    def __init__(self, settings: DetectionSettings, open_source: Callable[[str], Source] | None,
+                 previous: _Canvas | None) -> None:
+        """``open_source``: None if no picture is needed. The others are those of Runner, for this area."""
+        self._settings = settings
+        self.source: Source | None = None
+        self._hanging, self._picture = Hanging(), Picture(NO_ARRAY)
+        if open_source is None or not isinstance(settings, PictureSettings):
+            return
+        if previous is not None and isinstance(previous._settings, PictureSettings):
+            if is_same_area(previous._settings, settings):
+                self._hanging = previous._hanging
+            if previous._settings.picture == settings.picture:
+                self.source = previous.source
+        if self.source is None:
+            self.source = open_source(settings.picture)
+
+    def scene(self, sight: Sight, seen: SeenArea, image: Image) -> Scene:
+        """The Scene of the area in a frame. ``image``: what to paint on. Tags are hidden in it if asked for."""
+        pixels = None if self.source is None else self.source.at(sight.stamp)
+        scene = Scene(sight.frame, image, self._settings, seen.tags, seen.area, lens=sight.bending)
+        if pixels is None or not isinstance(self._settings, PictureSettings):
+            return scene
+        if pixels is not self._picture.pixels:
+            self._picture = Picture(pixels)
+        return replace(scene, picture=self._picture,
+                       on_wall=self._hanging.update(sight, seen, image, self._settings))
+
+    def reset(self) -> None:
+        """Forget what was learned of the wall."""
+        self._hanging.reset()

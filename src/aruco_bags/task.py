@@ -9,7 +9,7 @@ import numpy as np
 import rosbag
 from aruco_ar import InputError, PoseEstimator, find_area
 from aruco_ar.base.files import in_package
-from aruco_ar.exercise import PICTURE, TRACKER, Exercise, Stage
+from aruco_ar.exercise import AREA, PICTURE, Exercise, Runner
 from aruco_ar.painting.sources import Still, open_source
 from aruco_node.messages.camera_info import lens_from_info
 from aruco_node.messages.images import compressed_from_frame, tags_from_pixels
@@ -69,7 +69,7 @@ class _Annotator:
     def __init__(self, piece, task, rows, output):
         exercise, settings = task.exercise, task.settings
         self._piece, self._exercise, self._rows, self._output = piece, exercise, rows, output
-        self._stage = Stage(exercise.needs, settings, lambda picture: open_source(in_package(picture)))
+        self._runner = Runner(exercise, [settings], lambda picture: open_source(in_package(picture)))
         self._estimator = PoseEstimator(settings.tag_size, dict(settings.tag_sizes))
         self._rectified = is_rectified(settings, raw_topic(piece.topic))
         self._info = self._lens = self._size = None
@@ -117,12 +117,12 @@ class _Annotator:
     def _process(self, frame, stamp):
         """(images, tags, {id: TagPose}, area) of a frame."""
         self._update_lens(frame.shape[1::-1])
-        result = self._exercise.step(self._stage.scene(frame, frame, stamp, self._lens))
-        area = result.area if TRACKER in self._exercise.needs else find_area(result.tags)
+        sight, images = self._runner.run(frame, stamp, self._lens)
+        area = sight.areas[0].area if AREA in self._exercise.needs else find_area(sight.tags)
         poses = {}
         if self._lens is not None:
-            poses = {pose.id: pose for pose in self._estimator.update(result.tags, self._lens, stamp)}
-        return result.images, result.tags, poses, area
+            poses = {pose.id: pose for pose in self._estimator.update(sight.tags, self._lens, stamp)}
+        return images, sight.tags, poses, area
 
     def _write(self, header, time, stamp, images, tags, poses, area):
         for topic, image in zip(self._exercise.topics, images):

@@ -8,9 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
-from aruco_ar.looks.look import FOREGROUNDS, GRAINS, LIGHTS, TAGS
-from aruco_ar.painting.picture import decode_picture, open_header, resize
+from aruco_ar.painting.picture_file import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
+from aruco_ar.settings.settings import FOREGROUNDS, GRAINS, LIGHTS, TAGS
 from aruco_ar.simulation.figures import NOBODY
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame

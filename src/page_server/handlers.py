@@ -4,7 +4,7 @@ from contextlib import contextmanager, suppress
 from urllib.parse import quote
 
 from aruco_ar.base.errors import InputError
-from aruco_ar.painting.fit import FITS
+from aruco_ar.settings.settings import FITS
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 from tornado.iostream import StreamClosedError
 from tornado.web import Finish, RequestHandler, stream_request_body

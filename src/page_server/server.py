@@ -10,11 +10,12 @@ from typing import Any, Dict, NamedTuple, Set
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
+from aruco_ar.settings.declaration import Settings, number, text
 from aruco_node.health.diagnostics import OK, Diagnostics
 from aruco_node.health.faults import note_fault
 from aruco_node.nodes.frame_node import CAMERA
 from aruco_node.nodes.node import read_settings
-from aruco_node.parameters.parameters import AUTO, number, switch, text
+from aruco_node.parameters.parameters import AUTO, switch
 from aruco_node.parameters.reconfigure import Reconfigurer
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import PeriodicCallback
@@ -39,16 +40,16 @@ DIAGNOSTICS_MS = 250
 
 
 @dataclass(frozen=True)
-class PageSettings:
-    """The parameters of the page. After a change of their defaults or words, run script/launch_args."""
+class PageSettings(Settings):
+    """The parameters of the page. After a change of their defaults or words, run script/remake/launch_args."""
 
     address: str = text(
         '127.0.0.1', 'an IP address, or localhost',
-        'address at which the page is served. 127.0.0.1: to this machine only. 0.0.0.0: to its whole network',
-        live=False)
+        'address at which the page is served. 127.0.0.1: only this machine can open the page. 0.0.0.0: its '
+        'whole network can', live=False)
     port: float = number(8080, 1, 65535, 'port at which the page is served', live=False)
     drive: Any = switch(
-        AUTO, 'whether the page may drive the robot; auto: if it is served to this machine only')
+        AUTO, 'whether the page may drive the robot. auto: it may if it is served to this machine only')
     linear: float = number(0.3, 0, 2, 'speed at which the page drives the robot, in m/s')
     angular: float = number(0.8, 0, 8, 'speed at which the page turns the robot, in rad/s')
 
@@ -157,7 +158,7 @@ class Server(HTTPServer):
 
 
 class Files(BaseHandler, StaticFileHandler):
-    """The files in page/."""
+    """The files in web/."""
 
     def should_return_304(self):
         try:
@@ -208,14 +209,14 @@ def _note_faults(record):
 
 def application(parts):
     """The tornado Application with all handlers."""
-    page = os.path.join(package_folder(), 'page')
+    files = os.path.join(package_folder(), 'web')
     mimetypes.add_type('application/yaml', '.yaml')  # not all systems define it
     shared = {'parts': parts}
     return Application([
         ('/', Page, shared), ('/live', Live, shared), ('/picture', Picture, shared),
         ('/stream', Stream, shared), ('/stream_viewer', StreamViewer, shared), ('/snapshot', Snapshot, shared),
-        (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': page}),
-    ], default_handler_class=Unknown, default_handler_args=shared, template_path=page,
+        (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': files}),
+    ], default_handler_class=Unknown, default_handler_args=shared, template_path=files,
         log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
         websocket_max_message_size=64 * 1024)
 

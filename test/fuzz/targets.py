@@ -8,7 +8,7 @@ import tempfile
 
 import numpy as np
 from aruco_ar import InputError
-from aruco_ar.painting.picture import MAX_SIDE_PX
+from aruco_ar.painting.picture_file import MAX_SIDE_PX
 from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall

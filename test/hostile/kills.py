@@ -13,14 +13,14 @@ import cv2
 import psutil
 import rospy
 from aruco_node.messages.images import image_from_frame
+from rig import PACKAGE
 from rig.nodes.case import CAMERA, IMAGES, NODES, scene
 from rig.page.server import free_port
-from rig.processes.started import WAIT_S
+from rig.processes.started import WAIT_S, program
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
 
-FOLDER = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 MARK = 'UNIT5_STRUCK'
 ENDS_S = WAIT_S  # roslaunch waits 15 s for its nodes before it kills them
 SIGNALS = signal.SIGINT, signal.SIGTERM, signal.SIGKILL
@@ -64,13 +64,13 @@ def command_of(name):
     """(words, namespace): the command that starts a program, and a namespace of its own."""
     space = 'struck_%d' % next(NUMBERS)  # nodes with the same name would end each other
     if name in NODES:
-        return [os.path.join(FOLDER, 'src', name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
+        return [program(name + '.py'), 'camera/rgb/image_raw:=' + CAMERA, '_folder:=.',
                 '_port:=%d' % free_port()], space
     if name in TOOLS:
-        return [os.path.join(FOLDER, 'src', name.split()[0] + '.py'), *TOOLS[name]], space
+        return [program(name.split()[0] + '.py'), *TOOLS[name]], space
     if name in LAUNCHES:
         return [*name.replace(' ', ' unit5 ').split(), 'camera:=' + CAMERA], space
-    return [os.path.join(FOLDER, DEMO), '--seconds', '30', '--folder', 'demo'], ''
+    return [os.path.join(PACKAGE, DEMO), '--seconds', '30', '--folder', 'demo'], ''
 
 
 def strike(kill):
@@ -104,7 +104,7 @@ def strike(kill):
         output.seek(0)
         printed = output.read()
         # A traceback without lines of the package comes from the start of Python itself.
-        has_started = 'Traceback' not in printed or FOLDER + '/src' in printed
+        has_started = 'Traceback' not in printed or PACKAGE + '/src' in printed or PACKAGE + '/nodes' in printed
         if has_started and 'Traceback' in printed:
             found.append('it printed:\n' + printed[-3000:])
         # Python, rospy, bash and roslaunch use these exit codes for the signal; 0 means it had already ended.

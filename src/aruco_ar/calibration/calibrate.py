@@ -20,8 +20,8 @@ LEAST = 0.002               # between two views (see View.describe) that are bot
 ROUNDS = 3, 16              # of lens and layout in turn, at least and at most
 SMALL_GAIN = 0.995          # no further round if the error is not less than this share of the one before
 HELD_OUT = 5                # every fifth view is held out, to see how well a lens fits a view that is new to it
-OUTLIER = 3.0               # a view whose error is so many times the usual one is left out
-BETTER = 0.998              # a lens with more coefficients must fit held-out views so much better
+OUTLIER = 3.0               # a view is left out if its error is more than OUTLIER times the usual one
+BETTER = 0.998              # a lens with more coefficients must lower the error of held-out views to this share
 MAX_FOCAL_DEVIATION = 0.02  # standard deviation of the focal length, as a share of it
 MAX_BEND_PX = 3.0           # by which bent edges move a corner
 MAX_FOCAL = 10              # of the frame's longer side; views without tilt fit any long focal length
@@ -49,7 +49,8 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
     """
     views = [view for view in views if is_spread(view, board)]
     different = len(different_views(views, size))
-    few = '%d of the %d views of the sheet differ; at least %d must.' % (different, len(views), MIN_VIEWS)
+    few = '%d of the %d views of the sheet differ, but at least %d different ones are needed.' % (
+        different, len(views), MIN_VIEWS)
     views = different_views(views, size, LEAST)
     if len(views) < MIN_VIEWS:
         raise InputError('%s %s' % (few, SURE))
@@ -62,8 +63,8 @@ def calibrate(views: Sequence[View], size: tuple[int, int], fisheye: bool = Fals
     if not np.isfinite(rms + held_out):
         raise solver.no_lens
     focal = lens.matrix[0, 0]
-    fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but others do, ' \
-           'too.' % (rms, held_out)
+    fits = 'A lens fits them within %.2f px, and within %.2f px those that were held out, but other ' \
+           'lenses do, too.' % (rms, held_out)
     if different < MIN_VIEWS:
         raise InputError('%s %s %s' % (few, fits, SURE))
     if solved.focal_deviation > MAX_FOCAL_DEVIATION * focal or focal > MAX_FOCAL * max(size):
@@ -101,7 +102,7 @@ def _learned(solver: _Solver, views: Sequence[View], models: Sequence[int],
             layout = _layout(straight, lens)
             kept, straight = _with_sheet(kept, layout), _with_sheet(straight, layout)
             if len(kept) < MIN_VIEWS:
-                raise InputError('Only %d views show the tags of one sheet; at least %d must. %s'
+                raise InputError('Only %d views show the tags of one sheet, but at least %d are needed. %s'
                                  % (len(kept), MIN_VIEWS, SURE))
         solved = solver.solve(straight, layout, models[-1] if number else models[0])
         errors = solved.errors

@@ -10,7 +10,7 @@ TRY_FISHEYE = ' If straight lines look bent, the lens may be a fisheye: --fishey
 GOOD_COVERAGE = 0.8         # less does not tell what the lens does at the corners
 GOOD_ERROR = 1 / 1280       # of the frame's width: a lens that is off by more, or than GOOD_ERROR_PX, is bad
 GOOD_ERROR_PX = 1.0
-MAX_LISTED = 4              # so many parts of the frame are named; more are hard to read
+MAX_LISTED = 4              # number of parts of the frame that are named at most; more are hard to read
 SIDES = 'left side', 'right side', 'top', 'foot'
 GOOD_CORNERS_PX = 0.5       # see Calibrated.corners
 

@@ -97,7 +97,7 @@ class CalibrationProgress:
     def _advice(self) -> str:
         """Why the newest view is not kept."""
         if self._refused == FEW:
-            return '%s It takes %s.' % (FEW, self._sheet.needs)
+            return '%s A view needs %s.' % (FEW, self._sheet.needs)
         return self._refused
 
 

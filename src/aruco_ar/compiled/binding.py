@@ -24,37 +24,46 @@ MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int 
 _C = load()
 
 
-class _Frame(ctypes.Structure):
-    """The C structure Frame of frame.h."""
+class _Image(ctypes.Structure):
+    """The C structure Image of image.h."""
 
     _fields_ = [('pixels', ctypes.c_void_p), ('row', ctypes.c_int64), ('width', ctypes.c_int),
                 ('height', ctypes.c_int), ('channels', ctypes.c_int)]
 
 
-_ARRAY, _INT, _LONG, _FLOAT = ctypes.c_void_p, ctypes.c_int, ctypes.c_int64, ctypes.c_float
-_ARGUMENTS: dict[str, list[Any]] = {
-    'fit_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, *[_ARRAY] * 4, _INT, _ARRAY],
-    'compare_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _ARRAY, _INT, _ARRAY],
-    'sample_cells': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _INT, _ARRAY],
-    'guess_tags': [_ARRAY, _LONG, *[_INT] * 4, _ARRAY, _INT, _INT, _ARRAY, _FLOAT, _ARRAY],
-    'draw_mask': [_ARRAY, *[_INT] * 3, _ARRAY, _ARRAY, _LONG],
-    'warp': [_ARRAY, _ARRAY, *[_INT] * 3, _ARRAY, _INT, _ARRAY, _ARRAY, _LONG],
-    'refine_pairs': [_LONG, _INT, _INT, *[_ARRAY] * 9],
-    'compare': [*[_ARRAY] * 6, _INT, _INT, _FLOAT, _FLOAT, _ARRAY, _ARRAY],
-    'learn': [*[_ARRAY] * 5, _LONG, *[_FLOAT] * 4, *[_ARRAY] * 4],
-}
-_MAY_FAIL = 'refine_pairs', 'compare'  # these return 0 if there is not enough memory
+def _image(image: Image) -> _Image:
+    """For an Image that was checked; it must be kept until this was used."""
+    height, width, channels = image.shape if image.ndim == 3 else (*image.shape, 1)
+    return _Image(image.ctypes.data, image.strides[0], width, height, channels)
 
 
-def _function(name: str) -> Any:
+class _Array:
+    """The type of an argument of a C function that is an array, which was checked, or None for NULL."""
+
+    @staticmethod
+    def from_param(array: Any) -> Any:
+        return None if array is None else ctypes.c_void_p(array.ctypes.data)
+
+
+def _function(name: str, *arguments: Any, result: Any = None) -> Any:
+    """A function that unit5.h declares."""
     function = _C['unit5_' + name]
-    function.argtypes = _ARGUMENTS[name]
-    function.restype = _INT if name in _MAY_FAIL else None
+    function.argtypes, function.restype = arguments, result
     return function
 
 
-(_fit_tags, _compare_tags, _sample_cells, _guess_tags, _draw_mask, _warp, _refine_pairs, _compare,
- _learn) = map(_function, _ARGUMENTS)
+_IMAGE, _INT, _LONG, _FLOAT = ctypes.POINTER(_Image), ctypes.c_int, ctypes.c_int64, ctypes.c_float
+_TAGS = _IMAGE, _INT, _Array, _INT
+_fit_tags = _function('fit_tags', *_TAGS, *[_Array] * 4, _INT, _Array)
+_compare_tags = _function('compare_tags', *_TAGS, _Array, _INT, _Array)
+_sample_cells = _function('sample_cells', *_TAGS, _INT, _Array)
+_guess_tags = _function('guess_tags', *_TAGS, _INT, _Array, _FLOAT, _Array)
+_draw_mask = _function('draw_mask', _IMAGE, _Array, _Array, _LONG)
+_warp_picture = _function('warp_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array, _LONG)
+_refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
+_compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
+                          result=_INT)
+_learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
 NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
@@ -73,8 +82,7 @@ def compare_tags(frame: Image, quads: Numbers, cells: Image, samples: int) -> Fl
     frame, quads, cells = _tags(frame, quads, cells)
     _check_samples(samples)
     likeness = np.empty(len(quads), np.float32)
-    _compare_tags(*_parts(frame), len(quads), quads.ctypes.data, cells.shape[1], cells.ctypes.data, samples,
-                  likeness.ctypes.data)
+    _compare_tags(_image(frame), len(quads), quads, cells.shape[1], cells, samples, likeness)
     return likeness
 
 
@@ -95,7 +103,7 @@ def sample_cells(frame: Image, quads: Numbers, count: int, margin: int) -> Float
         raise InputError('A tag %d cells wide cannot be sampled without %s cells at its rim; choose less than '
                          'half of its width, and at least -%d.' % (count, margin, MAX_CELLS))
     gray = np.empty((len(quads), (count - 2 * margin)**2), np.float32)
-    _sample_cells(*_parts(frame), len(quads), quads.ctypes.data, count, margin, gray.ctypes.data)
+    _sample_cells(_image(frame), len(quads), quads, count, margin, gray)
     return gray
 
 
@@ -105,8 +113,7 @@ def guess_tags(frame: Image, quads: Numbers, count: int, known: Numbers, contras
     known = _quads('quadrilaterals of known tags', known)
     _check_count(count)
     guesses = np.empty(len(quads), np.uint8)
-    _guess_tags(*_parts(frame), len(quads), quads.ctypes.data, count, len(known), known.ctypes.data, contrast,
-                guesses.ctypes.data)
+    _guess_tags(_image(frame), len(quads), quads, count, len(known), known, contrast, guesses)
     return guesses
 
 
@@ -119,14 +126,13 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
     corners = _numbers(corners, np.float64)
     check_array('corners', corners, np.float64, (4, 2))
     mask = np.zeros(frame.shape, np.uint8)
-    positions = _positions(positions, mask)
-    _draw_mask(mask.ctypes.data, mask.shape[1], mask.shape[0], 1 if mask.ndim == 2 else mask.shape[2],
-               corners.ctypes.data, *_address_and_row(positions))
+    _draw_mask(_image(mask), corners, *_positions_and_row(positions, mask))
     return mask
 
 
-def warp(levels: Sequence[Image], to_picture: Floats, mask: Image, positions: Image | None = None) -> Image:
-    """See warp in painting/paint.py. ``levels``: see levels_of. ``to_picture``: (3, 3), the other direction."""
+def warp_picture(levels: Sequence[Image], to_picture: Floats, mask: Image,
+                 positions: Image | None = None) -> Image:
+    """See warp in painting/paint.py. ``levels``: see Picture. ``to_picture``: (3, 3), the other direction."""
     check_array('picture', levels[0], np.uint8, *PICTURE)
     height, width, channels = levels[0].shape
     if max(height, width) > MAX_PICTURE_SIDE_PX:
@@ -137,17 +143,16 @@ def warp(levels: Sequence[Image], to_picture: Floats, mask: Image, positions: Im
     mask = _packed('mask', mask, np.uint8, *_sized(mask, 3))
     to_picture = _numbers(to_picture, np.float64)
     check_array('homography', to_picture, np.float64, (3, 3))
-    warped, positions = np.zeros((*mask.shape[:2], channels), np.uint8), _positions(positions, mask)
-    pyramid = (_Frame * len(levels))(*[
-        _Frame(level.ctypes.data, level.strides[0], level.shape[1], level.shape[0], channels)
-        for level in levels])
-    _warp(warped.ctypes.data, mask.ctypes.data, mask.shape[1], mask.shape[0], 1 if mask.ndim == 2 else 3,
-          pyramid, len(levels), to_picture.ctypes.data, *_address_and_row(positions))
+    warped = np.zeros((*mask.shape[:2], channels), np.uint8)
+    images = (_Image * len(levels))(*map(_image, levels))
+    _warp_picture(_image(warped), _image(mask), images, len(levels), to_picture,
+                  *_positions_and_row(positions, mask))
     return warped
 
 
-def refine_pairs(points: Numbers, rays: Numbers, weights: Numbers, rotations: Numbers, translations: Numbers,
-                 spread: Numbers | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+def refine_pose_pairs(
+        points: Numbers, rays: Numbers, weights: Numbers, rotations: Numbers, translations: Numbers,
+        spread: Numbers | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
     """See refine in geometry/plane_pose.py."""
     points, rays, weights = (_numbers(each, np.float64) for each in (points, rays, weights))
     rotations, translations = (np.array(each, np.float64, order='C') for each in (rotations, translations))
@@ -162,17 +167,17 @@ def refine_pairs(points: Numbers, rays: Numbers, weights: Numbers, rotations: Nu
         check_array(name, array, np.float64, shape)
     amounts, squares = np.zeros((objects, 2, deviations)), np.empty((objects, 2, count))
     covariances = np.empty((objects, 2, 6 + deviations, 6 + deviations))
-    if not _refine_pairs(objects, count, deviations, *(each.ctypes.data for each in (
-            points, rays, weights, spread, rotations, translations, amounts, squares, covariances))):
+    if not _refine_pose_pairs(objects, count, deviations, points, rays, weights, spread, rotations,
+                              translations, amounts, squares, covariances):
         raise MemoryError
     return rotations, translations, amounts, squares, covariances
 
 
-def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
-            darkest: float, lightest: float) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes, (PLANES, h, w) float32.
+def compare_wall(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
+                 darkest: float, lightest: float) -> tuple[Booleans, Floats]:
+    """(h, w), where something seems to stand in front of the wall, and the planes, (PLANES, h, w) float32.
 
-    wall.c says what the arguments and the planes are.
+    unit5.h says what the arguments are, and wall.c what the planes are.
     """
     usable = _packed('usable pixels', usable, np.bool_, *_sized(usable))
     height, width = size = usable.shape
@@ -180,17 +185,16 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
     whole, variance = _packed('light', whole, np.float32, (3,)), _packed('variance', variance, np.float32, size)
     contrast = _packed('contrast', contrast, np.uint8, (*size, 3))
     planes, front = np.empty((PLANES, *size), np.float32), np.empty(size, bool)
-    if not _compare(seen.ctypes.data, look.ctypes.data, whole.ctypes.data, contrast.ctypes.data,
-                    variance.ctypes.data, usable.ctypes.data, width, height, darkest, lightest,
-                    planes.ctypes.data, front.ctypes.data):
+    if not _compare_wall(seen, look, whole, contrast, variance, usable, width, height, darkest, lightest,
+                         planes, front):
         raise MemoryError
     return front, planes
 
 
-def learn(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: Booleans, passed: float,
-          settle: float, rate: float, variance_rate: float, look: Floats, variance: Floats, known: Booleans,
-          seconds: Floats) -> None:
-    """Learn the wall, as explained in wall.c. Changes the last four arrays, which must be contiguous."""
+def learn_wall(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: Booleans, passed: float,
+               settle: float, rate: float, variance_rate: float, look: Floats, variance: Floats,
+               known: Booleans, seconds: Floats) -> None:
+    """Learn the wall, as explained in unit5.h. Changes the last four arrays, which must be contiguous."""
     wall = _packed('wall', wall, np.bool_, *_sized(wall))
     size = wall.shape
     seen, whole = _packed('frame', seen, np.uint8, (*size, 3)), _packed('light', whole, np.float32, (3,))
@@ -203,9 +207,8 @@ def learn(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certain: B
         if not _is_packed(array):
             raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().'
                              % name)
-    _learn(seen.ctypes.data, whole.ctypes.data, planes.ctypes.data, wall.ctypes.data, certain.ctypes.data,
-           wall.size, passed, settle, rate, variance_rate, look.ctypes.data, variance.ctypes.data,
-           known.ctypes.data, seconds.ctypes.data)
+    _learn_wall(seen, whole, planes, wall, certain, wall.size, passed, settle, rate, variance_rate, look,
+                variance, known, seconds)
 
 
 def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:
@@ -215,6 +218,7 @@ def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:
     cells = _numbers(cells, np.uint8) if count else np.zeros((0, 3, 3), np.uint8)
     side = cells.shape[-1] if cells.ndim else 0
     check_array('cells of the tags', cells, np.uint8, (count, max(side, 3), max(side, 3)))
+    _check_count(side)
     return frame, quads, cells
 
 
@@ -224,19 +228,12 @@ def _fit(frame: Any, quads: Any, cells: Any, whole: Any = None,
     count = len(quads)
     fitted, found = np.empty((count, 4, 2), np.float32), np.empty(count, bool)
     likeness = np.empty(count, np.float32)
-    _fit_tags(*_parts(frame), count, quads.ctypes.data, cells.shape[1], cells.ctypes.data, fitted.ctypes.data,
-              found.ctypes.data, likeness.ctypes.data, samples, None if whole is None else whole.ctypes.data)
+    _fit_tags(_image(frame), count, quads, cells.shape[1], cells, fitted, found, likeness, samples, whole)
     return fitted, found, likeness
 
 
 def _frame(frame: Any) -> Any:
     return _rows('frame', frame, np.uint8, *GRAY_OR_COLOR, ('h', 'w', 1), ('h', 'w', 4))
-
-
-def _parts(frame: Any) -> tuple[int, ...]:
-    """What a C structure Frame consists of, for a frame that was checked; it must be kept until it was used."""
-    return (frame.ctypes.data, frame.strides[0], frame.shape[1], frame.shape[0],
-            1 if frame.ndim == 2 else frame.shape[2])
 
 
 def _check_samples(samples: int) -> None:
@@ -288,13 +285,9 @@ def _rows(name: str, array: Any, dtype: type, *shapes: Shape) -> Any:
     return array if is_good else _numbers(array, array.dtype)
 
 
-def _positions(positions: Image | None, mask: Image) -> Image | None:
-    """The undistorted positions of a mask's pixels, checked, or a copy of them as by _rows."""
+def _positions_and_row(positions: Image | None, mask: Image) -> tuple[Image | None, int]:
+    """The undistorted positions of a mask's pixels, checked, and the bytes from one row to the next."""
     if positions is None:
-        return None
-    return _rows('array of undistorted positions', positions, np.float32, (*mask.shape[:2], 2))
-
-
-def _address_and_row(positions: Image | None) -> tuple[int | None, int]:
-    """The address of an array, which must be kept until it was used, and the bytes from one row to the next."""
-    return (None, 0) if positions is None else (positions.ctypes.data, positions.strides[0])
+        return None, 0
+    positions = _rows('array of undistorted positions', positions, np.float32, (*mask.shape[:2], 2))
+    return positions, positions.strides[0]

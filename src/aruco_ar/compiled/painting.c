@@ -1,7 +1,5 @@
-/* Drawing the mask of an area, and warping a picture where the mask is not black. binding.py
-   calls this for paint.py. */
-#include "export.h"
-#include "frame.h"
+/* Drawing the mask of an area, and warping a picture where the mask is not black. */
+#include "unit5.h"
 
 /* Warping goes through the frame in tiles of this size. The pixels of the picture that a tile needs are near each
    other in memory, even if the picture is turned. */
@@ -63,11 +61,11 @@ static Span find_span(const Side sides[4], int y, double least, int width)
 }
 
 /* The undistorted positions, (x, y), of pixels, with ``row`` bytes from one row to the next; NULL without a lens. */
-typedef struct { const char *first; int64_t row; } Positions;
+typedef struct { const float *first; int64_t row; } Positions;
 
 static const float *position_of(const Positions *positions, int x, int y)
 {
-    return (const float *)(positions->first + positions->row * y) + 2 * x;
+    return (const float *)((const char *)positions->first + positions->row * y) + 2 * x;
 }
 
 /* a * x + b * y + c is the undistorted distance of a position from a side of the area, inward. */
@@ -96,7 +94,7 @@ static float distorted_cover_of(const Line sides[4], const float *here, const fl
     return larger(cover, 0);
 }
 
-/* Whether a run of pixels in a row is clearly inside of all sides, 1, or outside of one, -1; 0 if that is not sure.
+/* Whether a run of pixels in a row is clearly inside of all sides, 1, or outside of one, -1; 0 if neither is clear.
    ``here``: the positions. The first and the last show it, since the distance hardly bends along a run. */
 static int side_of_run(const Line sides[4], const float *here, int count)
 {
@@ -116,57 +114,59 @@ static inline void set_pixel(uint8_t *pixel, int channels, uint8_t value)
         pixel[channel] = value;
 }
 
-/* Draw an area into a mask of a distorted frame, as unit5_draw_mask does. */
-static inline void draw_distorted_mask(uint8_t *mask, int width, int height, int channels, const Side corners[4],
+/* Draw an area into a mask of a distorted frame. ``channels``: of the mask. */
+static inline void draw_distorted_mask(const Image *mask, int channels, const Side corners[4],
                                        const Positions *positions)
 {
+    int width = mask->width, height = mask->height;
     Line sides[4];
     for (int side = 0; side < 4; side++)
         sides[side] = (Line){corners[side].right, corners[side].down, corners[side].rest - 0.5};
-    for (int y = 0; y < height; y++, mask += channels * width)
+    for (int y = 0; y < height; y++) {
+        uint8_t *pixels = mask->pixels + mask->row * y;
         for (int left = 0; left < width; left += RUN) {
             int count = left + RUN < width ? RUN : width - left;
             const float *here = position_of(positions, left, y);
             const float *below = position_of(positions, left, y + 1 < height ? y + 1 : y - 1);
             int side = side_of_run(sides, here, count);
             if (side > 0)
-                memset(mask + channels * left, 255, channels * count);
+                memset(pixels + channels * left, 255, channels * count);
             for (int x = 0; side == 0 && x < count; x++) {
                 int next = left + x + 1 < width ? 2 * x + 2 : 2 * x - 2;
                 float cover = distorted_cover_of(sides, here + 2 * x, here + next, below + 2 * x);
-                set_pixel(mask + channels * (left + x), channels, (int)(255 * cover + 0.5f));
+                set_pixel(pixels + channels * (left + x), channels, (int)(255 * cover + 0.5f));
             }
         }
+    }
 }
 
 /* Draw the pixels of a row of a mask that the area may cover in part, from ``begin`` to before ``end``. */
-static void draw_rim(uint8_t *mask, int channels, const Side sides[4], int y, int begin, int end)
+static void draw_rim(uint8_t *pixels, int channels, const Side sides[4], int y, int begin, int end)
 {
     for (int x = begin; x < end; x++)
-        set_pixel(mask + channels * x, channels, (int)(255 * cover_of(sides, x, y) + 0.5f));
+        set_pixel(pixels + channels * x, channels, (int)(255 * cover_of(sides, x, y) + 0.5f));
 }
 
-/* Draw an area into a mask, (height, width, channels), which is black before: white inside, gray on the rim.
-   ``positions``: (height, width, 2), with ``row`` bytes from one row to the next, or NULL: the undistorted position of each pixel. */
-EXPORT void unit5_draw_mask(uint8_t *mask, int width, int height, int channels, const double corners[4][2],
-                            const char *positions, int64_t row)
+void unit5_draw_mask(const Image *mask, const double corners[4][2], const float *positions, int64_t row)
 {
+    int width = mask->width, height = mask->height, channels = mask->channels;
     Side sides[4];
     find_sides(corners, sides);
     if (positions) {
         if (width > 1 && height > 1 && channels == 3)  /* compilers make faster code if they know the number */
-            draw_distorted_mask(mask, width, height, 3, sides, &(Positions){positions, row});
+            draw_distorted_mask(mask, 3, sides, &(Positions){positions, row});
         else if (width > 1 && height > 1)
-            draw_distorted_mask(mask, width, height, channels, sides, &(Positions){positions, row});
+            draw_distorted_mask(mask, channels, sides, &(Positions){positions, row});
         return;
     }
-    for (int y = 0; y < height; y++, mask += channels * width) {
+    for (int y = 0; y < height; y++) {
+        uint8_t *pixels = mask->pixels + mask->row * y;
         Span some = find_span(sides, y, 0, width), whole = find_span(sides, y, 1, width);
         if (whole.first > whole.last)
             whole = (Span){some.last + 1, some.last};
-        draw_rim(mask, channels, sides, y, some.first, whole.first);
-        memset(mask + channels * whole.first, 255, channels * (whole.last + 1 - whole.first));
-        draw_rim(mask, channels, sides, y, whole.last + 1, some.last + 1);
+        draw_rim(pixels, channels, sides, y, some.first, whole.first);
+        memset(pixels + channels * whole.first, 255, channels * (whole.last + 1 - whole.first));
+        draw_rim(pixels, channels, sides, y, whole.last + 1, some.last + 1);
     }
 }
 
@@ -180,7 +180,7 @@ EXPORT void unit5_draw_mask(uint8_t *mask, int width, int height, int channels, 
     const uint8_t *neighbors[4] = {here, next, here + down, next + down}
 
 /* Set a pixel to the picture's color at a position, interpolated linearly. */
-static inline void sample(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
+static inline void sample(uint8_t *pixel, const Image *picture, unsigned u, unsigned v)
 {
     DECLARE_NEIGHBORS(picture, u, v);
     for (int color = 0; color < 3; color++) {
@@ -192,7 +192,7 @@ static inline void sample(uint8_t *pixel, const Frame *picture, unsigned u, unsi
 }
 
 /* The same with alpha. Colors are weighted by their alpha, so that transparent ones do not bleed in. */
-static void sample_alpha(uint8_t *pixel, const Frame *picture, unsigned u, unsigned v)
+static void sample_alpha(uint8_t *pixel, const Image *picture, unsigned u, unsigned v)
 {
     DECLARE_NEIGHBORS(picture, u, v);
     float alpha = 0, sums[3] = {0, 0, 0};
@@ -247,13 +247,13 @@ static inline int probe_at(int position, int step, int probe, const Filter *filt
 }
 
 /* Set a pixel to the mean of what it covers of the picture. */
-static inline void sample_filtered(uint8_t *pixel, const Frame *levels, const Filter *filter, int u, int v)
+static inline void sample_filtered(uint8_t *pixel, const Image *levels, const Filter *filter, int u, int v)
 {
     int sums[3] = {0, 0, 0}, part = (int)(STEPS * filter->part);
     for (int probe = 0; probe < filter->probes; probe++) {
         int at_u = probe_at(u, filter->step_u, probe, filter), at_v = probe_at(v, filter->step_v, probe, filter);
         for (int next = 0; next <= (part > 0); next++) {
-            const Frame *level = levels + filter->low + next;
+            const Image *level = levels + filter->low + next;
             uint8_t seen[3];
             sample(seen, level, at_level(at_u, filter->low + next, level->width),
                    at_level(at_v, filter->low + next, level->height));
@@ -266,13 +266,13 @@ static inline void sample_filtered(uint8_t *pixel, const Frame *levels, const Fi
 }
 
 /* The same with alpha. */
-static void sample_filtered_alpha(uint8_t *pixel, const Frame *levels, const Filter *filter, int u, int v)
+static void sample_filtered_alpha(uint8_t *pixel, const Image *levels, const Filter *filter, int u, int v)
 {
     float sums[4] = {0, 0, 0, 0};
     for (int probe = 0; probe < filter->probes; probe++) {
         int at_u = probe_at(u, filter->step_u, probe, filter), at_v = probe_at(v, filter->step_v, probe, filter);
         for (int next = 0; next <= (filter->part > 0); next++) {
-            const Frame *level = levels + filter->low + next;
+            const Image *level = levels + filter->low + next;
             uint8_t seen[4];
             sample_alpha(seen, level, at_level(at_u, filter->low + next, level->width),
                          at_level(at_v, filter->low + next, level->height));
@@ -297,7 +297,7 @@ static inline Point place_of(const float h[9], const float *positions, int colum
 
 /* Warp the pixels of row y from ``begin`` to ``end``, which are at most TILE_WIDTH. ``neighbor``: the row below, or
    above the last row. */
-static void warp_run(uint8_t *row, const Frame *levels, int count, const float h[9], const Positions *positions, int y,
+static void warp_run(uint8_t *row, const Image *levels, int count, const float h[9], const Positions *positions, int y,
                      int neighbor, int begin, int end)
 {
     float right = levels->width - 1, foot = levels->height - 1;
@@ -322,7 +322,7 @@ static void warp_run(uint8_t *row, const Frame *levels, int count, const float h
                                                                           u[x - begin], v[x - begin]);
             continue;
         }
-        const Frame *level = levels + filter.low;
+        const Image *level = levels + filter.low;
         for (int x = first - begin; filter.low > 0 && x <= last - begin; x++) {
             u[x] = at_level(u[x], filter.low, level->width);
             v[x] = at_level(v[x], filter.low, level->height);
@@ -332,13 +332,10 @@ static void warp_run(uint8_t *row, const Frame *levels, int count, const float h
     }
 }
 
-/* Warp a picture where a mask, (height, width, shades), is not black. ``warped``: (height, width, channels), the result.
-   ``levels``: the picture, BGR or BGRA, and ``count`` - 1 smaller ones, each half the one before. ``to_picture``: the
-   homography from the mask to the picture. ``positions``, ``row``: as for unit5_draw_mask. Beyond the picture's edges, its
-   edge pixels are repeated. */
-EXPORT void unit5_warp(uint8_t *warped, const uint8_t *mask, int width, int height, int shades, const Frame *levels,
-                       int count, const double to_picture[9], const char *positions, int64_t row)
+void unit5_warp_picture(const Image *warped, const Image *mask, const Image *levels, int count,
+                        const double to_picture[9], const float *positions, int64_t row)
 {
+    int width = mask->width, height = mask->height, shades = mask->channels;
     Positions all = {positions, row};
     float h[9];
     for (int number = 0; number < 9; number++)
@@ -346,13 +343,13 @@ EXPORT void unit5_warp(uint8_t *warped, const uint8_t *mask, int width, int heig
     for (int top = 0; top < height; top += TILE_HEIGHT)
         for (int left = 0; left < width; left += TILE_WIDTH)
             for (int y = top; y < height && y < top + TILE_HEIGHT; y++) {
-                const uint8_t *shown = mask + (int64_t)shades * width * y;
+                const uint8_t *shown = mask->pixels + mask->row * y;
                 int begin = left, end = left + TILE_WIDTH < width ? left + TILE_WIDTH : width;
                 while (begin < end && !shown[shades * begin])
                     begin++;
                 while (begin < end && !shown[shades * (end - 1)])
                     end--;
-                warp_run(warped + (int64_t)levels->channels * width * y, levels, count, h, &all, y,
+                warp_run(warped->pixels + warped->row * y, levels, count, h, &all, y,
                          y + 1 < height ? y + 1 : y > 0 ? y - 1 : y, begin, end);
             }
 }

@@ -1,4 +1,4 @@
-/* Which sources the library was made of: UNIT5_VERSION is given to the compiler. See library.py. */
-#include "export.h"
+/* UNIT5_VERSION is given to the compiler; see compiler.py. */
+#include "unit5.h"
 
-EXPORT const char *unit5_version(void) { return UNIT5_VERSION; }
+const char *unit5_version(void) { return UNIT5_VERSION; }

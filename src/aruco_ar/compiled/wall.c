@@ -1,9 +1,7 @@
-/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. binding.py calls
-   this for difference.py and wall_model.py in looks/. */
+/* Comparing a rectified frame with the wall as it is known, and learning the wall from it. */
 #include <stdlib.h>
 
-#include "export.h"
-#include "frame.h"
+#include "unit5.h"
 
 /* How much a pixel may differ from the wall. Light changes its color by less than SHARE of the brightness. Noise
    changes it by less than DEVIATIONS standard deviations plus LEVELS gray levels. The rims of a pattern may be blurred
@@ -22,9 +20,9 @@
 #define WEAK 0.5f          /* a pixel that differs by a larger share of what is allowed tells nothing about noise */
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
 
-/* What compare finds out about each pixel: planes of floats, one after the other. */
+/* What unit5_compare_wall finds out about each pixel: planes of floats, one after the other. */
 enum { GRAY, WALL_GRAY, LIGHT, ERROR, EXCESS, STEP, NOISE, RIM, PLANES };
-EXPORT const int unit5_plane_count = PLANES;
+const int unit5_plane_count = PLANES;
 
 static inline float mean3(float one, float two, float three) { return (one + two + three) / 3; }
 
@@ -37,7 +35,7 @@ static inline void compare_channel(float seen, float wall, float light, float co
     *excess = larger(*excess, off / (share * lit + RIM_SHARE * contrast * light + noise));
 }
 
-/* The part of compare that looks at a pixel alone. */
+/* The part of unit5_compare_wall that looks at a pixel alone. */
 static void compare_pixels(const uint8_t *restrict seen, const float *restrict look, const float whole[3],
                            const uint8_t *restrict contrast, const float *restrict variance, int64_t count,
                            float *restrict planes)
@@ -60,16 +58,9 @@ static void compare_pixels(const uint8_t *restrict seen, const float *restrict l
     }
 }
 
-/* Compare a frame with the wall.
-
-   seen: BGR, the frame. look: BGR, the wall; whole: the light on all of it, as factors of look.
-   contrast: the largest differences in it near each pixel, in this light. variance: of the noise.
-   usable: where both are known. darkest, lightest: limits of the light at a pixel, relative to that on the whole wall,
-   in a shadow and in a spot. Writes the planes, and into front where something seems to stand. Returns 0 if there is
-   not enough memory. */
-EXPORT int unit5_compare(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
-                         const float *variance, const uint8_t *usable, int width, int height, float darkest,
-                         float lightest, float *planes, uint8_t *front)
+int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
+                       const float *variance, const uint8_t *usable, int width, int height, float darkest,
+                       float lightest, float *planes, uint8_t *front)
 {
     int64_t count = (int64_t)width * height;
     float *least = malloc(2 * sizeof(float) * width + 1), *most = least + width;  /* the light in three rows */
@@ -103,15 +94,9 @@ EXPORT int unit5_compare(const uint8_t *seen, const float *look, const float who
     return 1;
 }
 
-/* Learn the wall where nothing is in front.
-
-   seen, look, whole, variance: see compare; planes: what it wrote. wall: where the wall is seen; certain: where that is
-   sure. known: where the look is known; seconds: for how long it was seen. passed: seconds since the frame before;
-   settle: the most that counts. rate, variance_rate: the weights of this frame in the running means. Changes look,
-   variance, known and seconds. */
-EXPORT void unit5_learn(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
-                        const uint8_t *certain, int64_t count, float passed, float settle, float rate,
-                        float variance_rate, float *look, float *variance, uint8_t *known, float *seconds)
+void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
+                      const uint8_t *certain, int64_t count, float passed, float settle, float rate,
+                      float variance_rate, float *look, float *variance, uint8_t *known, float *seconds)
 {
     const float *light = planes + LIGHT * count, *error = planes + ERROR * count, *excess = planes + EXCESS * count;
     float back[3] = {1 / whole[0], 1 / whole[1], 1 / whole[2]};

@@ -152,9 +152,9 @@ class Lens:
         """(n, 2) float64: the pixels that see points, (n, 3) meters in the optical frame; NaN if behind it."""
         points = np.asarray(points, np.float64).reshape(-1, 3)
         pixels = np.full((len(points), 2), np.nan)
-        before = np.isfinite(points).all(axis=1) & (points[:, 2] > 0)
-        if before.any():
-            pixels[before] = self.project_rays(points[before, :2] / points[before, 2:])[0]
+        front = np.isfinite(points).all(axis=1) & (points[:, 2] > 0)
+        if front.any():
+            pixels[front] = self.project_rays(points[front, :2] / points[front, 2:])[0]
         return pixels
 
 

@@ -81,7 +81,7 @@ def refine(points: Floats, rays: Floats, weights: Floats, rotations: Floats, tra
     """Refine both poses of n objects, so that points are seen as exactly as possible along rays.
 
     A pose that is far worse than the other one of its object may stay
-    unrefined. The method is in poses.c.
+    unrefined. The method is in plane_poses.c.
 
     ``points``: (n, k, 3) meters. ``rays``: (n, k, 2). ``weights``: (n, k, 2, 2),
     which turn a ray's error into standard deviations. ``rotations``:
@@ -93,4 +93,4 @@ def refine(points: Floats, rays: Floats, weights: Floats, rotations: Floats, tra
     deviations (n, 2, q), the squared errors of all points (n, 2, k), and the
     covariance of pose and amounts (n, 2, 6 + q, 6 + q).
     """
-    return binding.refine_pairs(points, rays, weights, rotations, translations, spread)
+    return binding.refine_pose_pairs(points, rays, weights, rotations, translations, spread)

@@ -1,12 +1,10 @@
 """All that a user of a camera may have overlooked."""
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Sequence
+from typing import Any, Callable, Mapping
 
-from aruco_ar.base.arrays import Image
-from aruco_ar.tags.tag import Tag
-from aruco_ar.tracking.area import Area
 from aruco_ar.tracking.frame_clock import FrameClock
+from aruco_ar.tracking.sight import Sight
 
 from .area_hints import AreaHints
 from .light import Light
@@ -23,14 +21,17 @@ class Hints:
     {kind: sentence} about what may surprise the user.
     """
 
-    def __init__(self, detection: Mapping[str, Any], upright: str | None) -> None:
-        """``detection``: the arguments of the Detector. ``upright``: see Tracker; None without one."""
+    def __init__(self, detection: Mapping[str, Any], upright: str | None, needs_area: bool = True) -> None:
+        """``detection``: the arguments of the Detector. ``upright``: see Tracker; None without one.
+
+        ``needs_area``: whether tags that span no area are of no use.
+        """
         ids = detection['ids']
         self._other_tags = OtherTags(detection['dictionary'], ids, detection.get('border', USUAL_BORDER))
         self._missed_tags = MissedTags(detection)
         self._same_ids, self._light, self._shortfall = SameIds(), Light(), Shortfall()
         self._area_hints = AreaHints(ids, upright)
-        self._clock = FrameClock()
+        self._needs_area, self._clock = needs_area, FrameClock()
 
     @property
     def warning(self) -> str | None:
@@ -55,26 +56,26 @@ class Hints:
         then = self._clock.now + self._clock.passed(stamp)
         return self._other_tags.may_search(then) or self._missed_tags.may_search(then)
 
-    def update(self, frame: Image, stamp: float, tags: Sequence[Tag], areas: Sequence[Area | None],
-               shortfall: str | None = None) -> list[Callable[[], None]]:
-        """Take in a frame, (h, w, 3) BGR uint8, with its stamp, seconds.
+    def update(self, sight: Sight) -> list[Callable[[], None]]:
+        """Take in what is seen in a frame.
 
-        ``tags``: those in sight. ``areas``: each Area, or None where it is not known. ``shortfall``: see
-        Tracker. Returns functions that search the frame for other tags. They may be called in another thread,
-        and bring hints later.
+        Returns functions that search the frame for other tags. They may be called in another thread, and bring
+        hints later.
         """
-        self._clock.advance(stamp)
-        stamp = self._clock.now
-        has_area = any(area is not None for area in areas)
-        seen = {tag.id for tag in tags}
-        searches = [self._other_tags.update(frame, stamp, seen, has_area)]
+        self._clock.advance(sight.stamp)
+        stamp, frame, areas = self._clock.now, sight.frame, sight.areas
+        has_area = any(seen.area is not None for seen in areas)
+        tags = [*sight.tags, *(tag for seen in areas for tag in seen.repeated)]
+        ids = {tag.id for tag in tags}
+        searches = [self._other_tags.update(frame, stamp, ids, has_area)]
         # Tags of another kind can look like a wanted one that is hard to see.
         if self._other_tags.has_looked and self._other_tags.hint is None:
-            searches.append(self._missed_tags.update(frame, stamp, seen, has_area))
+            searches.append(self._missed_tags.update(frame, stamp, ids, has_area))
         else:
             self._missed_tags.reset()
         self._same_ids.update(stamp, tags, has_area)
         self._light.update(frame, stamp, bool(tags) or has_area)
-        self._shortfall.update(stamp, shortfall, has_area)
-        self._area_hints.update(stamp, tags, areas[0] if len(areas) == 1 else None)
+        if len(areas) == 1:
+            self._shortfall.update(stamp, areas[0].shortfall if self._needs_area else None, has_area)
+            self._area_hints.update(stamp, tags, areas[0].area)
         return [search for search in searches if search is not None]

@@ -17,8 +17,8 @@ WAIT_S = 2.0     # no tag must be in sight for this time before others are looke
 PAUSE_S = 0.25   # time between two searches, at least
 ENOUGH = 2       # number of different tags that must be found, since some dictionaries find one in anything;
                  # FOUR, if they are of another dictionary and also mirrored or of another border
-HITS, LAST = 3, 5  # each of them must be found in so many of so many last searches
-SOONER = 0.5     # the pause between the first so many searches, as a share of the usual one
+HITS, LAST = 3, 5  # each of them must be found in HITS of the LAST searches
+SOONER = 0.5     # the pause between the first LAST searches, as a share of the usual one
 FORGET_S = 10.0  # a hint that is not confirmed for this time is withdrawn
 SURE = 10        # number of frames with wanted tags after which the dictionary and the ids are right
 # Some dictionaries find a tag in anything, but rarely the same ones in the next frames; and a few tags are the
@@ -32,7 +32,7 @@ USUAL_BORDER, WIDE_BORDER = 1, 2  # cells
 MIRRORED_TAGS = ('%s are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or '
                  'flips the image, turn off this mirroring.')
 OTHER_BORDER = '%s have a black border %s wide, but %s looks for one %s wide. %s.'
-PRINT_OTHERS = 'Print others: rosrun unit5 artag_generator.py'
+PRINT_OTHERS = 'Print other tags: rosrun unit5 artag_generator.py'
 UNKNOWN_TAGS = ('%d square tags in sight are of no dictionary that %s knows, so it cannot read them. '
                 "They may be AprilTag's newer ones, such as tagStandard41h12. %s.")
 

@@ -9,7 +9,7 @@ import cv2
 
 from aruco_ar.base.arrays import Image
 
-LARGE_PX = 1000  # larger frames are shrunk: their longer side is then so long
+LARGE_PX = 1000  # larger frames are shrunk until their longer side is LARGE_PX
 SHARE = 0.05     # of the time: the searches take no more, unless they are sooner
 
 Found = FrozenSet[int]  # ids of tags

@@ -16,16 +16,16 @@ from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
 WINDOWS, OFFSET = (7, 21), 7    # of adaptive thresholds: pixels, and gray levels below the mean around
 MIN_RIM_PX, OFF_RIM = 32, 0.03  # the shortest rim of a square, and how far it may be off four straight lines
-MAX_SQUARES = 600    # only so many are read, the largest
-FITTED_CELLS = 8     # squares are fitted to their edges as if they were so many cells wide
+MAX_SQUARES = 600    # of more than these, only the largest are read
+FITTED_CELLS = 8     # the width, in cells, that squares are assumed to have when they are fitted to their edges
 SAME = 0.08          # two squares are the same one if they are less apart than this share of the side
 MAX_WRONG = 0.15     # at most this share of a border's cells may be of the wrong color
 CORRECTION = 0.5     # of the wrong cells that a dictionary can correct
-NEAR = 0.1           # a grid may fit a square by so much less than the one that fits best
+NEAR = 0.1           # by how much less a grid may fit a square than the one that fits best
 
 # Anything may have a border. So a tag of no known dictionary must be seen clearly, and be like a tag.
 UNKNOWN_SIZES = 4, 5, 6, 7, 8  # cells within a black border
-WHITE_SIZES, AROUND = (3, 4), 2  # within a white one: AprilTag's newer families, with so many more rings around
+WHITE_SIZES, AROUND = (3, 4), 2  # within a white border: AprilTag's newer families, with AROUND more rings
 MIN_CELL_PX = 3.0              # the width of a cell
 MIN_UNKNOWN = 0.85             # the correlation of all that is seen with the cells
 LIGHT_SHARE = 0.2, 0.8         # of the cells

@@ -1,4 +1,4 @@
-"""What differs from the wall by more than light and noise can explain: something stands before it."""
+"""What differs from the wall by more than light and noise can explain: something stands in front of it."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
-# A pattern is recognized in windows of these widths, if it correlates with the wall's by at least so much. The
+# The widths of the windows in which a pattern is recognized, and the least correlation with the wall's. The
 # large window also shows what a glare has made pale.
 WINDOWS = (15, 0.8), (61, 0.7)
 FIT = 0.25            # a pixel fits if it is off by less than noise plus this share of the pattern's deviation
@@ -39,9 +39,9 @@ NO_PATTERN, FEW_PATTERN = 6.0, 2.0
 
 @dataclass(frozen=True)
 class Difference:
-    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand before it.
+    """How a frame differs from the wall. ``front``: (h, w), where something seems to stand in front of it.
 
-    ``planes``: (8, h, w) float32, what the C function compare has found out about each pixel; see wall.c.
+    ``planes``: (8, h, w) float32, what unit5_compare_wall has found out about each pixel; see wall.c.
     """
 
     front: Booleans
@@ -102,8 +102,8 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
 
 def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
             unshaded: float = 1.0) -> tuple[Booleans, Floats]:
-    """(h, w), where something seems to stand before the wall, and the planes of the C function compare."""
-    return binding.compare(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
+    """(h, w), where something seems to stand in front of the wall, and the planes: see wall.c."""
+    return binding.compare_wall(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
 def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
@@ -201,7 +201,7 @@ def _usual(light: Floats, free: Booleans) -> Floats:
 
 
 def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
-    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is before it.
+    """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is in front.
 
     ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
     the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes

@@ -8,7 +8,8 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
-from aruco_ar.painting.paint import area_mask, put_in, warp
+from aruco_ar.painting.paint import paint
+from aruco_ar.painting.place import find_place
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
@@ -62,34 +63,31 @@ class HiddenTags:
         """Forget the wall."""
         self._patches.clear()
 
-    def hide(self, frame: Image, image: Image, area: Area, tags: Sequence[Tag], sure: bool, keep: bool,
-             noisy: Callable[[Image], Image] | None = None) -> None:
+    def hide(self, frame: Image, image: Image, area: Area, tags: Sequence[Tag], is_located: bool,
+             keep: bool, noisy: Callable[[Image], Image] | None = None) -> None:
         """Cover the tags in an image. This changes it.
 
         ``frame``: (h, w, 3) BGR uint8, as the camera sent it. ``image``: what to paint on, of the same size; it
-        may be the frame itself. ``area``: the Area in the frame. ``tags``: those in sight. ``sure``: whether
-        the frame shows where the area is. If not, nothing is learned from it. ``keep``: whether things that
-        stand before the wall stay in front. ``noisy``: adds the camera's noise to an image, if given.
+        may be the frame itself. ``area``: the Area in the frame. ``tags``: those in sight.
+        ``is_located``: whether the frame shows where the area is. If not, nothing is learned from it. ``keep``:
+        whether things that stand in front of the wall stay there. ``noisy``: adds the camera's noise to an
+        image, if given.
         """
-        if sure:
+        if is_located:
             self._find(area, tags)
-        seen = {tag.id for tag in tags} if sure else set()
+        seen = {tag.id for tag in tags} if is_located else set()
         squares = [patch.place for patch in self._patches.values()]
         covers, from_area = [], homography_to(area.undistorted)
         for tag_id, patch in self._patches.items():
             to_frame = from_area @ homography_to(patch.place)
-            place = Area.from_undistorted(transform(to_frame, PATCH), lens=area.lens)
-            if place.window(frame)[0].size:
-                cover, corners = patch.update(place.rectified(frame, SIZE), place.in_frame(frame, SIZE),
+            around = Area.from_undistorted(transform(to_frame, PATCH), lens=area.lens)
+            if around.window(frame)[0].size:
+                cover, corners = patch.update(around.rectified(frame, SIZE), around.in_frame(frame, SIZE),
                                               squares, tag_id in seen, keep)
                 covers.append((cover, Area.from_undistorted(transform(to_frame, corners), lens=area.lens)))
-        for cover, place in covers:
-            window, part = place.window(image)
-            mask = area_mask(window, part)
-            warped = warp(cover, part.homography(*cover.shape[1::-1]), mask, part.positions)
-            if noisy is not None:
-                warped = np.dstack([noisy(warped[:, :, :3]), warped[:, :, 3]])
-            put_in(window, warped, mask)
+        for cover, covered in covers:
+            paint(find_place(image, covered, cover), cover, finish=lambda warped: warped if noisy is None else
+                  np.dstack([noisy(warped[:, :, :3]), warped[:, :, 3]]))
 
     def _find(self, area: Area, tags: Sequence[Tag]) -> None:
         """Take in where the tags are in the area, which is the unit square."""

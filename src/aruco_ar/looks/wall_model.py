@@ -1,4 +1,4 @@
-"""What the wall itself looks like, learned from frames in which other things stand before it.
+"""What the wall itself looks like, learned from frames in which other things stand in front of it.
 
 All images here show the area rectified, straight from the front. There the
 wall stands still, though the camera moves.
@@ -63,9 +63,9 @@ class WallModel:
 
     ``look``: (h, w, 3) float32, BGR, in the light in which the wall was first seen; empty before that.
     ``light``: (3,) float32, the light on the whole wall in the last frame, as factors of ``look``.
-    ``front``: (h, w) float32, 0 to 1: how much things before the wall cover. ``free``: (h, w), where the last
-    frame shows the wall for sure. ``plain``: (h, w), where the wall has its one color; None if it is not blank.
-    ``begun``: how often a wall was learned anew.
+    ``front``: (h, w) float32, 0 to 1: how much things in front of the wall cover. ``free``: (h, w), where the
+    last frame certainly shows the wall. ``plain``: (h, w), where the wall has its one color; None if it is not
+    blank. ``begun``: how often a wall was learned anew.
     """
 
     def __init__(self) -> None:
@@ -183,8 +183,8 @@ class WallModel:
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
         self._count = min(self._count + 1, MEAN_OF)
-        binding.learn(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
-                      VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
+        binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
+                           VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
         usual = np.median(self._variance[::SAMPLE_PX, ::SAMPLE_PX])
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 

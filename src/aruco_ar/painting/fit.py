@@ -5,12 +5,13 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
+from aruco_ar.settings.settings import FITS
 from aruco_ar.tracking.area import Area
 
-FITS = 'stretch', 'contain', 'cover'
+from .picture import Picture
 
 
-def fit_picture(picture: Image, area: Area, fit: str) -> tuple[Floats, Area]:
+def fit_picture(picture: Image | Picture, area: Area, fit: str) -> tuple[Floats, Area]:
     """The part of a picture, (h, w, 3 or 4), to be painted, and the part of the Area to paint it into.
 
     The first is (4, 2) float32: the corners of a rectangle in the picture, clockwise from its top left, in

@@ -6,6 +6,8 @@ pixels and need not be whole numbers. The middle of the top left pixel is (0, 0)
 """
 from __future__ import annotations
 
+from typing import Callable
+
 import cv2
 import numpy as np
 
@@ -15,9 +17,8 @@ from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import transform
 from aruco_ar.tracking.area import Area
 
-from .fit import fit_picture
-from .levels import levels_of
-from .pixels import blend
+from .picture import Picture
+from .place import Place, find_place
 
 MAX_LEVELS = 12  # a picture is halved at most this many times
 
@@ -65,35 +66,42 @@ def overlay(frame: Image, picture: Image | None, area: Area | None, out: Image |
         check_array('array for the result', out, np.uint8, frame.shape, writes=True)
         if out is not frame:
             np.copyto(out, frame)
-    if area is None or picture is None:
-        return out
-    window, part = area.window(out)
-    corners, area = fit_picture(picture, part, fit)
-    homography = cv2.getPerspectiveTransform(corners, np.asarray(area.undistorted, np.float32))
-    mask = area_mask(window, area)
-    warped = warp(picture, np.asarray(homography, np.float64), mask, area.positions)
-    put_in(window, warped, mask, opacity)
+    if area is not None and picture is not None:
+        paint(find_place(out, area, picture, fit), picture, opacity)
     return out
 
 
-def warp(picture: Image, homography: Numbers, mask: Image, positions: Image | None = None) -> Image:
+def paint(place: Place, picture: Image | Picture, opacity: float = 1.0,
+          finish: Callable[[Image], Image] = lambda warped: warped) -> None:
+    """Paint a picture into its Place. This changes the image. Exercise 5.6 shows the same, step by step.
+
+    ``picture``, ``opacity``: see overlay. ``finish`` gets the warped picture, and returns what is painted.
+    """
+    warped = finish(warp(picture, place.homography, place.mask, place.positions))
+    put_in(place.window, warped, place.mask, opacity)
+
+
+def warp(picture: Image | Picture, homography: Numbers, mask: Image, positions: Image | None = None) -> Image:
     """A picture, warped by a homography where the mask is not black; elsewhere black and transparent.
 
     This is cv2.warpPerspective with three differences. It skips the pixels where the mask is black. A picture
     that is larger than its place is filtered: each pixel is a mean of all that it covers. Otherwise fine lines
     would break and flicker. A lens distorts the picture as it distorts the frame.
 
-    ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8. ``homography``: (3, 3), from pixels of the picture to
-    undistorted pixels. ``mask``: (h, w, 3) or (h, w) uint8. ``positions``: (h, w, 2) float32, the undistorted
-    position of each pixel of the mask, or None without a lens. The result has the mask's size and the channels
-    of the picture. Raises InputError for arrays of other types and shapes.
+    ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA, uint8, or a Picture, which keeps what is computed from it.
+    ``homography``: (3, 3), from pixels of the picture to undistorted pixels. ``mask``: (h, w, 3) or (h, w)
+    uint8. ``positions``: (h, w, 2) float32, the undistorted position of each pixel of the mask, or None
+    without a lens. The result has the mask's size and the channels of the picture. Raises InputError for
+    arrays of other types and shapes.
     """
-    check_array('picture', picture, np.uint8, *PICTURE)
+    if not isinstance(picture, Picture):
+        picture = Picture(picture)
+    check_array('picture', picture.pixels, np.uint8, *PICTURE)
     homography = np.asarray(homography, np.float64)
     check_array('homography', homography, np.float64, (3, 3))
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
-    levels = levels_of(picture, _levels_needed(picture, homography))
-    return binding.warp(levels, np.asarray(to_picture, np.float64), mask, positions)
+    levels = picture.levels(_levels_needed(picture.pixels, homography))
+    return binding.warp_picture(levels, np.asarray(to_picture, np.float64), mask, positions)
 
 
 def _levels_needed(picture: Image, homography: Floats) -> int:
@@ -109,22 +117,34 @@ def _levels_needed(picture: Image, homography: Floats) -> int:
     return int(np.ceil(np.log2(min(max(1, shrinks), 2**MAX_LEVELS))))  # also if it is not a number
 
 
-def put_in(frame: Image, picture: Image, mask: Image, opacity: float = 1.0) -> None:
-    """Paint a picture into a frame of the same size, where the mask is white. This changes the frame.
+def put_in(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> None:
+    """Paint a warped picture into a window, where the mask is white. This changes the window.
 
-    ``picture``: (h, w, 3), or (h, w, 4) with alpha. ``mask``: (h, w, 3). ``opacity``: see overlay. The picture
-    may be overwritten. Raises InputError for images of other types and shapes, or a frame that is read-only.
+    The arguments are those of ``shares``. Raises InputError as it does, and if the window is read-only.
     """
-    size = frame.shape[:2]
-    check_array('frame', frame, np.uint8, (*size, 3), writes=True)
-    check_array('picture', picture, np.uint8, (*size, 3), (*size, 4))
+    check_array('frame', window, np.uint8, (*window.shape[:2], 3), writes=True)
+    added, subtracted = shares(window, warped, mask, opacity)
+    cv2.subtract(window, subtracted, window)
+    cv2.add(window, added, window)
+
+
+def shares(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> tuple[Image, Image]:
+    """What to add to a window to paint a picture into it, and what to subtract from it first, (h, w, 3) each.
+
+    ``window``: (h, w, 3) uint8. ``warped``: see warp; it may be overwritten. ``mask``: (h, w, 3) uint8, white
+    where to paint. ``opacity``: see overlay. For the course's opaque picture, these are the picture, cut out by
+    the mask, and the mask. Otherwise they are what the picture covers of each pixel, in both of them. Raises
+    InputError for images of other types and shapes.
+    """
+    size = window.shape[:2]
+    check_array('frame', window, np.uint8, (*size, 3))
+    check_array('picture', warped, np.uint8, (*size, 3), (*size, 4))
     check_array('mask', mask, np.uint8, (*size, 3))
-    if not frame.size:
-        return
-    if picture.shape[2] == 3 and opacity == 1:
-        cv2.subtract(frame, mask, frame)
-        cv2.add(frame, cv2.min(picture, mask, picture), frame)
-        return
-    if picture.shape[2] == 4:
-        mask = cv2.multiply(mask, cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
-    frame[:] = blend(frame, picture[:, :, :3], cv2.convertScaleAbs(mask, alpha=opacity))
+    if not window.size:
+        return mask, mask
+    if warped.shape[2] == 3 and opacity == 1:
+        return cv2.min(warped, mask, warped), mask
+    if warped.shape[2] == 4:
+        mask = cv2.multiply(mask, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+    cover = cv2.convertScaleAbs(mask, alpha=opacity)
+    return cv2.multiply(warped[:, :, :3], cover, scale=1 / 255), cv2.multiply(window, cover, scale=1 / 255)

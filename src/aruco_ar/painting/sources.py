@@ -14,7 +14,7 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import opened
 
-from .picture import opened_picture, picture_of, shrink_to_warp, too_large
+from .picture_file import opened_picture, picture_of, shrink_to_warp, too_large
 
 ANIMATED_FORMATS = 'GIF', 'PNG', 'WEBP'  # Pillow's formats that may hold more than one picture
 KINDS = 'JPEG, PNG, GIF or MP4'

@@ -1,4 +1,4 @@
-"""Drawings of what moves before the wall: a person, a hand that writes, a robot. Their rims are exact.
+"""Drawings of what moves in front of the wall: a person, a hand that writes, a robot. Their rims are exact.
 
 Each figure is a function that draws on a Canvas what is seen at a time,
 seconds. Coordinates are shares of the height of a frame, from its top left.
@@ -18,7 +18,7 @@ SKIN, SLEEVE, SHIRT, STRIPE = (122, 158, 208), (96, 62, 40), (60, 70, 168), (190
 JEANS, HAIR, SHOE = (118, 78, 44), (34, 42, 58), (40, 40, 44)
 STEEL, TIRE, LAMP = (84, 82, 80), (30, 30, 30), (70, 200, 80)
 
-# A visitor of the simulated wall moves in a plane before it. These are meters of the wall.
+# A visitor of the simulated wall moves in a plane in front of it. These are meters of the wall.
 AWAY_M = 0.3                 # distance of that plane from the wall
 SHARE_M = 1.05               # length of 1 on a canvas: the size of a small child, whose head the camera sees
 LEFT_M, TOP_M = -1.6, 1.155  # top left of the canvas
@@ -130,7 +130,7 @@ VISITORS = NOBODY, *FIGURES
 
 def draw_visitor(frame: Image, visitor: str, seconds: float, matrix: Floats, rotation: Floats,
                  translation: Floats) -> None:
-    """Draw one of FIGURES into a frame, (h, w, 3) BGR uint8, as it moves before the wall.
+    """Draw one of FIGURES into a frame, (h, w, 3) BGR uint8, as it moves in front of the wall.
 
     ``matrix``: (3, 3), the camera matrix. ``rotation``, ``translation``: the view (see wall_to_camera).
     """

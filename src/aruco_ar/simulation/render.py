@@ -9,7 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Extrinsics, Floats, Image, Integers
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.homography import transform
-from aruco_ar.painting.picture import load_picture
+from aruco_ar.painting.picture_file import load_picture
 from aruco_ar.painting.pixels import blend
 from aruco_ar.walls.wall import Wall
 
@@ -35,8 +35,8 @@ NOISE_FIELD_MARGIN = 192  # the noise of a frame is a random window of a larger 
 def project(points: Floats, rotation: Floats, translation: Floats, camera: Camera) -> tuple[Floats, bool]:
     """The pixels, (n, 2) float64, of wall points, (n, 3), and whether all are in front of the camera."""
     seen = points @ rotation.T + translation
-    is_before = bool(np.all(seen[:, 2] > NEAR_M))
-    return camera.lens.project_rays(seen[:, :2] / np.maximum(seen[:, 2:], NEAR_M))[0], is_before
+    in_front = bool(np.all(seen[:, 2] > NEAR_M))
+    return camera.lens.project_rays(seen[:, :2] / np.maximum(seen[:, 2:], NEAR_M))[0], in_front
 
 
 def project_rows(points: Floats, first: Extrinsics, last: Extrinsics, camera: Camera) -> tuple[Floats, bool]:
@@ -44,14 +44,14 @@ def project_rows(points: Floats, first: Extrinsics, last: Extrinsics, camera: Ca
 
     ``first`` and ``last``: the views when the first and when the last row is read.
     """
-    pixels, before = project(points, *first, camera)
-    if not before or all(np.array_equal(*parts) for parts in zip(first, last)):
-        return pixels, before
+    pixels, in_front = project(points, *first, camera)
+    if not in_front or all(np.array_equal(*parts) for parts in zip(first, last)):
+        return pixels, in_front
     for number, point in enumerate(points):
         for _ in range(ROW_ITERATIONS):
             part = pixels[number, 1] / (camera.height - 1)
             pixels[number] = project(point[None], *view_between(first, last, part), camera)[0][0]
-    return pixels, before
+    return pixels, in_front
 
 
 class WallRenderer:
@@ -94,8 +94,8 @@ class WallRenderer:
 
         ``covered``: ids of tags that a gray card covers. ``exposure``: the
         factor for the brightness of the frame. ``last``: with a rolling
-        shutter, the view when the last row is read. ``visitor``: who moves before
-        the wall, one of VISITORS. ``seconds``: the time of that motion.
+        shutter, the view when the last row is read. ``visitor``: who moves in
+        front of the wall, one of VISITORS. ``seconds``: the time of that motion.
         """
         matrix, _, lens = self._lens
         to_image = matrix @ _wall_to_rays((rotation, translation))

@@ -53,8 +53,8 @@ SHARPEN = np.array([[0, -0.25, 0], [-0.25, 2, -0.25], [0, -0.25, 0]], np.float32
 # In a reread tag, at most this share of the black border may be light. At most the
 # same share of the white ring around it may be dark.
 MAX_WRONG = 0.15
-# A corner may be so far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and
-# its place is less sure than it seems.
+# A corner may be this far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and
+# its place is less exact than it seems.
 BEYOND_PX = 0.75
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
 # In a shadow, a cell is compared with those up to two cells away, if their contrast is at least this share of

@@ -1,4 +1,4 @@
-"""Fitting tags to their edges in the frame, and checking that they are these tags; the method is in edges.c."""
+"""Fitting tags to their edges in the frame, and checking that they are these tags; see tag_edges.c."""
 from __future__ import annotations
 
 import numpy as np

@@ -19,7 +19,7 @@ STEPS = (
     'The corners of the picture will be at the centers of the tags.',
     'Any distances will do, but the tags must be in one plane, flat, without folds or shine.',
     'In the camera image, a tag should be at least 20 pixels wide. In an image of 640 x 480 pixels, that is',
-    'a tag of %(side)g mm from up to %(reach).1f m away. Print larger tags for more: --side.',
+    'a tag of %(side)g mm from up to %(reach).1f m away. For longer distances, print larger tags: --side.',
     'Use each id only once in sight of the camera.',
     'For the poses of tags and camera, say how large the tags are: tag_size:=%(meters)g')
 INDENTED = 6  # this line goes on with the one before

@@ -111,13 +111,6 @@ def tag_cells(dictionary: str, tag_id: int, border: int = 1) -> Image:
         marker, tag_id, marker.markerSize + 2 * border, borderBits=border)
 
 
-def check_size(cells: int, size: float) -> None:
-    """Raise InputError if a tag that is ``cells`` cells wide cannot be drawn ``size`` pixels wide."""
-    if not cells <= size <= MAX_SIZE_PX:
-        raise InputError('A tag %d cells wide cannot be drawn with a size of %d px; choose from %d to '
-                         '%d.' % (cells, size, cells, MAX_SIZE_PX))
-
-
 def check_quiet(quiet: float) -> None:
     """Raise InputError if a white margin of that many cells cannot be drawn."""
     if not 0 <= quiet <= MAX_QUIET_CELLS:
@@ -133,11 +126,24 @@ def draw_tag(dictionary: str, tag_id: int, size: int = 700, border: int = 1, qui
     n = size + 2 * round(quiet * size / cells). Raises InputError for an id that
     the dictionary does not have, and for a size of less than one pixel a cell.
     """
+    check_tag(dictionary, tag_id, size, border, quiet)
+    marker = get_dictionary(dictionary)
+    tag = cv2.aruco.generateImageMarker(marker, tag_id, size, borderBits=border)
+    return add_margin(tag, marker.markerSize + 2 * border, quiet)
+
+
+def check_tag(dictionary: str, tag_id: int, size: int, border: int, quiet: float) -> None:
+    """Raise InputError if ``draw_tag`` cannot draw such a tag."""
     cells = len(tag_cells(dictionary, tag_id, border))
-    check_size(cells, size)
+    if not cells <= size <= MAX_SIZE_PX:
+        raise InputError('A tag %d cells wide cannot be drawn with a size of %d px; choose from %d to '
+                         '%d.' % (cells, size, cells, MAX_SIZE_PX))
     check_quiet(quiet)
-    tag = cv2.aruco.generateImageMarker(get_dictionary(dictionary), tag_id, size, borderBits=border)
-    margin = round(quiet * size / cells)
+
+
+def add_margin(tag: Image, cells: int, quiet: float) -> Image:
+    """The picture of a tag that is ``cells`` cells wide, with a white margin of ``quiet`` cells around it."""
+    margin = round(quiet * len(tag) / cells)
     return cv2.copyMakeBorder(tag, margin, margin, margin, margin, cv2.BORDER_CONSTANT, value=(255,))
 
 

@@ -5,6 +5,8 @@ from typing import AbstractSet, Iterable
 
 from aruco_ar.tags.tag import listed
 
+NEVER_SEEN = 'Four tags have not been seen together.'
+
 
 def why_no_area(wanted: AbstractSet[int], seen: Iterable[int], repeated: Iterable[int]) -> str | None:
     """Why tags that span no area do not, and what to do. None without tags.

@@ -23,125 +23,140 @@ EXPECTED_OUTSIDE_PX = 2.0  # a tag that is expected to be this far out of the fr
 NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
 NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
 SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
+ANY_SIDE = 0.0            # the wish for tags of any size
 
 
 class TagSearch:
-    """Searches frames for tags with a Detector.
+    """Searches the frames of a camera for tags of any id. The arguments are those of Detector."""
 
-    All positions that it takes and returns are undistorted pixels. ``lens``: the Lens of the frames, or None.
-    Without a lens, the positions are pixels of the frame. ``shows_area`` tells whether a list of Tag is enough
-    to find the area. The other arguments are those of Detector.
-    """
-
-    lens: Lens | None = None
-
-    def __init__(self, shows_area: Callable[[list[Tag]], bool], dictionary: str, **detection: Any) -> None:
-        self._shows_area = shows_area
-        self._detector = Detector(dictionary, **detection)
+    def __init__(self, dictionary: str, **detection: Any) -> None:
+        self.detector = Detector(dictionary, **detection)
         self._never_fine = detection.get('search', 'normal') != 'normal'
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget how earlier frames were searched."""
         self._searches, self._has_some = 0, False  # whether the last usual search found any tags
 
-    def fit_expected(self, frame: Image, layout: Layout,
-                     motion: AreaMotion | None) -> tuple[dict[int, Tag], list[int]]:
+    def find_all(self, frame: Image, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
+        """The tags in a frame, of any size.
+
+        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual
+        search found some in the last frame, and what the fine one finds is not enough, both are done.
+        """
+        self._searches += 1
+        if self._never_fine or self._searches % 2:
+            tags = self.detector.detect(frame)
+            self._has_some = len(tags) > 0
+            return tags
+        tags = self.detector.search(frame, SMALL_SIDE_PX)
+        if self._has_some and not is_enough(tags):
+            known = {tag.id for tag in tags}
+            tags += [tag for tag in self.detector.detect(frame) if tag.id not in known]
+        return tags
+
+
+class FrameSearch:
+    """The search of one frame, for all areas.
+
+    All positions that it takes and returns are undistorted pixels. Without a lens, these are pixels of the
+    frame.
+    """
+
+    def __init__(self, search: TagSearch, frame: Image, lens: Lens | None,
+                 tags: Sequence[Tag] | None = None) -> None:
+        """``lens``: that of the frame, or None. ``tags``: all tags in it, if it was searched already."""
+        self.frame, self.lens = frame, lens
+        self._search, self._detector = search, search.detector
+        self._near: dict[int, list[Tag]] = {}  # what was found near the places of missing tags, as it was found
+        self._tags = None if tags is None else undistorted_tags(tags, lens)
+
+    def fit_expected(self, layout: Layout, motion: AreaMotion | None) -> tuple[dict[int, Tag], list[int]]:
         """{id: Tag} of the tags in their expected places, and the ids of the four tags that are missing.
 
         A tag is missing if it should be in the frame, but is not in its place.
         """
         if motion is None:
             return {}, []
-        expected = self._expected_in_frame(frame, layout, motion)
+        expected = self._expected_in_frame(layout, motion)
         four = [tag_id for tag_id in layout.ids if tag_id in expected]
-        seen = self._fit(frame, four, expected)
+        seen = self._fit(four, expected)
         missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
         others = [tag_id for tag_id in expected if tag_id not in layout.ids]
         if missing and others:  # the tags nearest to a missing one show most about that corner of the area
             gaps, places = layout.quads(missing).mean(axis=1), layout.quads(others).mean(axis=1)
             distance = np.linalg.norm(places[:, None] - gaps, axis=2).min(axis=1)
             nearest = np.argsort(distance)[:MAX_SUBSTITUTES]
-            seen.update(self._fit(frame, [others[number] for number in nearest], expected))
+            seen.update(self._fit([others[number] for number in nearest], expected))
         return seen, [tag_id for tag_id in four if tag_id not in seen]
 
-    def find_near(self, frame: Image, expected: Mapping[int, Floats]) -> list[Tag]:
+    def find_near(self, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags found near their expected places, {id: (4, 2) pixels}."""
-        found = []
-        for tag_id, quad in zip(expected, self._distorted(list(expected.values()))):
+        if self._tags is not None:
+            return [tag for tag in self._tags if tag.id in expected]
+        missing = {tag_id: quad for tag_id, quad in expected.items() if tag_id not in self._near}
+        for tag_id, quad in zip(missing, self._distorted(list(missing.values()))):
             side = side_of(quad[None])[0]
             low = np.maximum(quad.min(axis=0) - NEAR_SIDES * side, 0).astype(int)
-            high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, frame.shape[1::-1]).astype(int)
-            tags = self._detector.search(frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
-            found += [replace(tag, corners=tag.corners + np.float32(low)) for tag in tags if tag.id == tag_id]
-        return self._undistorted(found)
+            high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, self.frame.shape[1::-1]).astype(int)
+            tags = self._detector.search(self.frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
+            self._near[tag_id] = [replace(tag, corners=tag.corners + np.float32(low))
+                                  for tag in tags if tag.id == tag_id]
+        return undistorted_tags([tag for tag_id in expected for tag in self._near[tag_id]], self.lens)
 
-    def find_like(self, frame: Image, expected: Sequence[Floats]) -> list[Tag]:
-        """The tags in the whole frame that are not much smaller than those expected, (4, 2) pixels each.
+    def find(self, smallest: float, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
+        """The tags in the whole frame. Those with sides much shorter than ``smallest``, pixels, may be missing.
 
-        Tags of any size are found if none are expected.
+        ``is_enough``: tells whether some tags are all that is needed: see TagSearch. It is asked for ANY_SIDE.
         """
-        if not expected:
-            return self.find_all(frame)
-        smallest = side_of(self._distorted(expected)).min()
-        return self._undistorted(self._detector.search(frame, max(smallest, MIN_SIDE_PX)))
+        if self._tags is not None:
+            return self._tags
+        tags = self._search.find_all(self.frame, lambda some: is_enough(undistorted_tags(some, self.lens))) \
+            if smallest == ANY_SIDE else self._detector.search(self.frame, max(smallest, MIN_SIDE_PX))
+        return undistorted_tags(tags, self.lens)
 
-    def find_all(self, frame: Image) -> list[Tag]:
-        """The tags in the whole frame.
+    def smallest_side(self, expected: Sequence[Floats]) -> float:
+        """The side of the smallest tag that is expected, (4, 2) pixels each; ANY_SIDE if none is."""
+        return float(side_of(self._distorted(expected)).min()) if len(expected) else ANY_SIDE
 
-        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual
-        search found some in the last frame, and the fine search shows no area in this one, both are done.
-        """
-        self._searches += 1
-        if self._never_fine or self._searches % 2:
-            tags = self._undistorted(self._detector.detect(frame))
-            self._has_some = len(tags) > 0
-            return tags
-        tags = self._undistorted(self._detector.search(frame, SMALL_SIDE_PX))
-        if self._has_some and not self._shows_area(tags):
-            known = {tag.id for tag in tags}
-            tags += [tag for tag in self._undistorted(self._detector.detect(frame)) if tag.id not in known]
-        return tags
-
-    def _fit(self, frame: Image, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Tag]:
+    def _fit(self, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Tag]:
         """{id: Tag} of the tags that are where ``expected``, {id: (4, 2) pixels}, says."""
         if not ids:
             return {}
-        quads, found, likeness = self._detector.fit(frame, ids, np.array([expected[tag_id] for tag_id in ids]))
-        found &= (likeness > EXPECTED_LIKENESS) & _within(quads, frame, 0)
-        tags = self._undistorted([Tag(ids[number], quads[number], float(likeness[number]))
-                                  for number in np.flatnonzero(found)])
+        quads, found, likeness = self._detector.fit(self.frame, ids,
+                                                    np.array([expected[tag_id] for tag_id in ids]))
+        found &= (likeness > EXPECTED_LIKENESS) & _within(quads, self.frame, 0)
+        tags = undistorted_tags([Tag(ids[number], quads[number], float(likeness[number]))
+                                 for number in np.flatnonzero(found)], self.lens)
         return {tag.id: tag for tag in tags}
 
-    def _expected_in_frame(self, frame: Image, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
+    def _expected_in_frame(self, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
         """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
         ids = list(layout.places)
         quads = self._distorted(motion.project(layout.quads(ids)))
-        inside = _within(quads, frame, EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
+        inside = _within(quads, self.frame, EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
         return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
 
     def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
         """(n, 4, 2): undistorted corners of tags, (n, 4, 2), in pixels of the frame."""
         return np.array(quads) if self.lens is None or not len(quads) else self.lens.distort(quads)
 
-    def as_found(self, tags: list[Tag]) -> list[Tag]:
-        """Tags with undistorted corners as Tags with the corners that were found in the frame."""
-        if self.lens is None or not tags:
-            return tags
-        quads = found_corners(self.lens, self.lens.rays_of_undistorted([tag.corners for tag in tags]))
-        return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)]
 
-    def _undistorted(self, tags: list[Tag]) -> list[Tag]:
-        """Tags in the frame as Tags with undistorted corners. Those beyond the lens are left out."""
-        if self.lens is None or not tags:
-            return tags
-        quads = undistort_corners(self.lens, [tag.corners for tag in tags])
-        return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
-                if np.isfinite(quad).all()]
+def found_tags(tags: Sequence[Tag], lens: Lens | None) -> list[Tag]:
+    """Tags with undistorted corners as Tags with the corners that were found in the frame."""
+    if lens is None or not tags:
+        return list(tags)
+    quads = found_corners(lens, lens.rays_of_undistorted([tag.corners for tag in tags]))
+    return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)]
+
+
+def undistorted_tags(tags: Sequence[Tag], lens: Lens | None) -> list[Tag]:
+    """Tags in the frame as Tags with undistorted corners. Those beyond the lens are left out."""
+    if lens is None or not tags:
+        return list(tags)
+    quads = undistort_corners(lens, [tag.corners for tag in tags])
+    return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
+            if np.isfinite(quad).all()]
 
 
 def _within(quads: Floats, frame: Image, px: float) -> Booleans:
-    """(n,): which quadrilaterals, (n, 4, 2), are in the frame, or at most so many pixels out of it."""
+    """(n,): which quadrilaterals, (n, 4, 2), are in the frame, or at most this many pixels out of it."""
     room = np.minimum(quads, np.array(frame.shape[1::-1]) - 1 - quads).reshape(-1, 8).min(axis=1)
     return np.asarray(room >= -px)
 

@@ -1,6 +1,6 @@
 """A wall with tags: its YAML file and its geometry.
 
-Wall coordinates are meters. For a viewer before the wall, x points to the
+Wall coordinates are meters. For a viewer in front of the wall, x points to the
 right, y up, and z out of the wall toward the viewer. The origin is on the
 floor, in the middle of the wall.
 """

@@ -6,7 +6,7 @@ from typing import Any, Dict
 import cv2
 import numpy as np
 from aruco_ar.base.errors import InputError, shorten
-from aruco_ar.painting.picture import MAX_PICTURE_PIXELS, open_header, with_end
+from aruco_ar.painting.picture_file import MAX_PICTURE_PIXELS, open_header, with_end
 from geometry_msgs.msg import Point32, PolygonStamped
 from PIL import Image as Picture
 from sensor_msgs.msg import CompressedImage, Image
@@ -39,8 +39,8 @@ READ_AS = {'8uc1': 'mono8', '8uc3': 'bgr8', '8uc4': 'bgra8', '16uc1': 'mono16', 
            'rgb': 'rgb8', 'bgr': 'bgr8', 'rgba': 'rgba8', 'bgra': 'bgra8', 'uyvy': UYVY, 'yuyv': YUY2,
            'yuy2': YUY2}
 BAYER = {'bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg') for bits in (8, 16)}
-IN_CAPITALS = {*FAST, *READ_AS.values(), *BAYER, 'rgb16', 'rgba16'}  # encodings that may be written so
-IF_WRONG = {**{'bgr' + rest: ' Say rgb%s if blue is red.' % rest for rest in ('8', 'a8', '16', 'a16')},
+IN_CAPITALS = {*FAST, *READ_AS.values(), *BAYER, 'rgb16', 'rgba16'}  # encodings that may be written in capitals
+IF_WRONG = {**{'bgr' + rest: ' Name rgb%s if blue looks red.' % rest for rest in ('8', 'a8', '16', 'a16')},
             'mono16': ' If they hold distances, give a topic of colors.'}
 # Kinds of notes: how frames are read that do not say what they are, or are not what they say.
 ENCODING, LEVELS, END_MARKER, STEP = 'encoding', 'gray levels', 'JPEG', 'step'
@@ -170,8 +170,8 @@ def _in_true_order(rows, encoding, notes):
     """The encoding, UYVY or YUY2, that the bytes of a frame really have."""
     true = order_of(rows, encoding)
     if true != encoding:
-        notes[ENCODING] = 'Frames with the encoding %s have their bytes in the order of %s, and are read so. ' \
-            'Set the camera driver to %s.' % (encoding, true, true)
+        notes[ENCODING] = 'Frames with the encoding %s have their bytes in the order of %s, and are read as ' \
+            'such. Set the camera driver to %s.' % (encoding, true, true)
     return true
 
 
@@ -185,8 +185,8 @@ def _rows(message, encoding, size, notes):
         raise InputError('A frame of %s has %d pixels in a row, but must have an even number. Check the '
                          'camera driver.' % (encoding, message.width), kind='half a pair of pixels')
     if step < row and len(message.data) == row * message.height:  # filled in by hand
-        notes[STEP] = 'Frames have a step of %d bytes, but as many bytes as rows of %d take, and are read ' \
-            'so. Set step to %d where they are published.' % (step, row, row)
+        notes[STEP] = 'Frames have a step of %d bytes, but exactly the bytes of rows of %d bytes, and are ' \
+            'read as such rows. Set step to %d where they are published.' % (step, row, row)
         step = row
     if step < row:
         raise InputError('A frame has a step of %d bytes, but %d pixels of %s take %d. Check the '
@@ -316,7 +316,7 @@ def jpeg_from_frame(frame, quality=JPEG_QUALITY):
     return data.tobytes()
 
 
-# For each ~transport: the suffix of the topic, the class of the message, and that of what decodes frames.
+# For each ~image_transport: the suffix of the topic, the class of the message, and that of what decodes frames.
 TRANSPORTS = {
     'raw': ('', tolerant(Image), ImageDecoder),
     'compressed': ('/compressed', tolerant(CompressedImage), CompressedDecoder),

@@ -2,13 +2,13 @@
 import cv2
 import numpy as np
 
-WHITES = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16))  # what white is for cameras of so many bits
-SAMPLES = 20000     # about so many values of a frame are looked at
+WHITES = tuple(2**bits - 1 for bits in (8, 10, 12, 14, 16))  # what white is for a camera's number of bits
+SAMPLES = 20000     # number of values of a frame that are looked at, roughly
 REST = 0.01         # this share of the values may be above or below the range, such as glints and dead pixels
 FEW = 64            # values that would become fewer of the 256 gray levels are spread over more of them
 LEAST_WIDTH = 255   # no value becomes more than one gray level
-GAIN = 8            # the range becomes narrower only if the contrast becomes so many times as large
-PATIENCE = 100      # a range that does not fit is replaced after so many frames in sequence
+GAIN = 8            # the range becomes narrower only if the contrast grows by at least this factor
+PATIENCE = 100      # number of frames in sequence after which a range that does not fit is replaced
 
 
 class Levels:

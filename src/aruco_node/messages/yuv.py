@@ -2,7 +2,7 @@
 import numpy as np
 
 YUY2, UYVY = 'yuv422_yuy2', 'yuv422'
-ROWS = 64             # so many rows of a frame are looked at
+ROWS = 64             # number of rows of a frame that are looked at
 OF_LUMA, OF_CHROMA = 0.85, 0.95  # a ratio below, or above
 LEAST_CHANGE = 0.01   # below the noise of any camera
 

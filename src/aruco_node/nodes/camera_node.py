@@ -1,12 +1,12 @@
-"""A node that runs an exercise on a camera's frames."""
+"""A node that looks at each frame of a camera once, and publishes what it makes of it."""
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import rospy
 from aruco_ar.base.errors import InputError
-from aruco_ar.calibration.lens_check import LensCheck
-from aruco_ar.exercise import TRACKER, TRACKER_PARAMETERS, Stage, detection
 from aruco_ar.hints.hints import Hints
-from aruco_ar.painting.picture import resize
+from aruco_ar.painting.picture_file import resize
+from aruco_ar.tracking.no_area import NEVER_SEEN
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
@@ -18,71 +18,75 @@ from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LensSettings, load_areas
 
 from .camera_lens import NO_CAMERA_INFO, CameraLens
-from .frame_node import Answer, FrameNode
-from .pictures import TopicPicture, open_picture
+from .frame_node import FrameNode
 
 
 class CameraNode(FrameNode):
-    """Runs an Exercise of aruco_ar on each frame, once for each area, and publishes the Results.
+    """Has a runner of aruco_ar look at each frame, and publishes the tags, and hints for the user.
 
-    What the exercise keeps from frame to frame is in a Stage of aruco_ar, one for each area.
+    ``runner``: a Runner or a PoseRunner. ``lens``: the Lens of the last frame, or None if the camera's
+    calibration is not known; ``lens_fault`` is an InputError that says why. A subclass implements ``look``
+    and ``answer_to``.
     """
 
     needs_calibration = False  # whether there is no result without it
 
-    def __init__(self, exercise, kind_of_settings):
-        """``kind_of_settings``: the class of the parameters. Raises InputError if one is not valid."""
-        super().__init__(exercise.topics, kind_of_settings, looks_for_tags=True)
-        self._exercise = exercise
-        self.frame_scale = 1.0  # factor by which the last frame was resized
+    def __init__(self, topics, kind_of_settings, tracks, new_runner):
+        """``topics``: private names of the images. ``kind_of_settings``: the class of the parameters.
+
+        ``tracks``: whether areas are tracked. ``new_runner``: a function of the settings of each area that
+        makes the runner. Raises InputError if a parameter is not valid.
+        """
+        super().__init__(topics, kind_of_settings, looks_for_tags=True)
         self._areas: list[dict[str, object]] = [{}]  # for each area, the parameters that only it has
         if getattr(self.settings, 'areas', 'none') != 'none':
             self._areas = load_areas(self.settings.areas)
-        self._stages = [Stage(exercise.needs, of_area, open_picture)
-                        for of_area in self._settings_of_areas(self.settings)]
-        self._subscribed = set()  # the TopicPictures that may be subscribed
-        self._hints = self._new_hints(self.settings)
-        self._lens_check, self._worker = LensCheck(), ThreadPoolExecutor(1, 'hints')
+        self.runner = new_runner(self._settings_of_areas(self.settings))
+        self._tracks, self._sight = tracks, None  # the Sight of the last frame
+        self._hints, self._worker = self._new_hints(self.settings), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
         self._missed_tags = False  # whether it was logged that no tag is in sight
         self._calibration = None
         if isinstance(self.settings, LensSettings):
             self._calibration = CameraLens(self.settings, self.camera)
-        self.lens = None  # the Lens of the last frame, or None if the camera's calibration is not known
-        self.lens_fault = None  # an InputError that says why not
+        self.lens = self.lens_fault = None
+
+    def look(self, frame, stamp, is_searched):
+        """(the Sight of a frame, what the runner makes of it).
+
+        ``is_searched``: whether the frame must stay as it is, since it may be searched in another thread.
+        """
+        raise NotImplementedError
+
+    def answer_to(self, sight, made, header):
+        """The Answer with what the runner made of a frame. Its tags, and ~tags, are added."""
+        raise NotImplementedError
 
     def process(self, frame, header, stamp):
         self._update_lens(frame)
-        # Each area, and what hints are about, is searched for in the frame as the camera sent it.
-        image = frame.copy() if len(self._stages) > 1 or self._hints.may_search(stamp) else frame
-        results = []
-        for stage in self._stages:
-            results.append(self._exercise.step(stage.scene(frame, image, stamp, self.lens)))
-            image = results[-1].images[-1]
-        self._hint(frame, stamp, results)
-        return self.answer(results, header)
-
-    def answer(self, results, header):
-        """The Answer made of the Results, one for each area. The last one has the images with all areas."""
-        tags = [tag for result in results for tag in result.tags]
+        self._sight, made = sight, _ = self.look(frame, stamp, self._hints.may_search(stamp))
+        self._hint(sight)
+        answer = self.answer_to(sight, made, header)
 
         def publish():
+            answer.publish()
             if self._tags.get_num_connections():
-                self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in tags], header))
-        return Answer(results[-1].images, publish, tags_in_sight=len(tags),
-                      has_area=any(result.area is not None for result in results))
+                self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in sight.tags], header))
+        return replace(answer, publish=publish, tags_in_sight=len(sight.tags),
+                       has_area=any(seen.area is not None for seen in sight.areas))
 
     def report(self):
         level, sentence, values = super().report()
-        if TRACKER in self._exercise.needs:
-            values['area'] = ' '.join(stage.tracker.explanation for stage in self._stages if stage.tracker)
+        if self._tracks:
+            areas = self._sight.areas if self._sight else []
+            values['area'] = ' '.join(seen.explanation for seen in areas) or NEVER_SEEN
         if not self.is_receiving:  # what follows is true of the frames that arrive
             self._missed_tags = False
             return level, sentence, values
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
-        warning = self._warning
+        warning = self.warning
         self._log_missing_tags(warning)
         if warning:
             values['hint'] = warning
@@ -93,24 +97,16 @@ class CameraNode(FrameNode):
         return level, sentence, values
 
     def decode(self, message):
-        frame = super().decode(message)
-        self.frame_scale = self.settings.scale  # read once: another thread may change the settings
-        if self.frame_scale == 1.0:
+        frame, scale = super().decode(message), self.settings.scale
+        if scale == 1.0:
             return frame
-        check_size(*(self.frame_scale * side for side in frame.shape[1::-1]))
-        return resize(frame, self.frame_scale)
+        check_size(*(scale * side for side in frame.shape[1::-1]))
+        return resize(frame, scale)
 
     def is_wanted(self):
         return super().is_wanted() or self._tags.get_num_connections() > 0
 
     def update_subscriptions(self, wanted):
-        # Only this thread subscribes and unsubscribes.
-        pictures = self._topic_pictures()
-        for picture in self._subscribed - set(pictures):
-            picture.update_subscription(False)
-        for picture in pictures:
-            picture.update_subscription(wanted)
-        self._subscribed = set(pictures)
         if self._calibration is not None:
             self._calibration.update_subscription(wanted)
 
@@ -126,32 +122,39 @@ class CameraNode(FrameNode):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
             raise InputError('The parameter ~picture has no effect: the file that ~areas names gives each area '
                              'a picture of its own. Change the picture in that file, and start the node again.')
-        stages = [stage.changed(of_area)
-                  for stage, of_area in zip(self._stages, self._settings_of_areas(settings))]
-        same = all(getattr(settings, name, None) == getattr(self.settings, name, None)
-                   for name in TRACKER_PARAMETERS)
+        runner = self.runner.changed(self._settings_of_areas(settings))
+        same = settings.of_detector() == self.settings.of_detector() and \
+            getattr(settings, 'upright', None) == getattr(self.settings, 'upright', None)
         hints = self._hints if same else self._new_hints(settings)
 
         def apply():
-            self._hints, self._stages = hints, stages
+            self._hints, self.runner = hints, runner
         return apply
 
     def reset(self):
         """Forget what was learned from frames. Called between two frames."""
-        for stage in self._stages:
-            stage.reset()
+        self.runner.reset()
 
     def offer_services(self):
         super().offer_services()
-        if TRACKER in self._exercise.needs:
+        if self._tracks:
             rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
+
+    @property
+    def warning(self):
+        """A sentence about what the user may have overlooked, or None."""
+        return self._hints.warning
+
+    def further_checks(self, sight):
+        """Functions that look for more that a user may have overlooked, in another thread."""
+        return []
 
     def _update_lens(self, frame):
         if self._calibration is None:
             return
         self.lens = self.lens_fault = None
         try:
-            self.lens = self._calibration.lens(frame.shape[1::-1], self.frame_scale)
+            self.lens = self._calibration.lens(frame.shape[1::-1], self.settings.scale)
         except InputError as error:
             self.lens_fault = InputError('%s: %s' % (self._calibration.topic, error), kind=error.kind)
             if error.kind != NO_CAMERA_INFO:  # many cameras are not calibrated, which is no reason to warn
@@ -161,48 +164,26 @@ class CameraNode(FrameNode):
 
     def _new_hints(self, settings):
         of_areas = self._settings_of_areas(settings)
-        ids = [tag_id for of_area in of_areas for tag_id in of_area.ids] \
-            if all(of_area.ids for of_area in of_areas) else []
-        return Hints({**detection(of_areas[0]), 'ids': ids}, getattr(settings, 'upright', None))
+        ids = [tag_id for own in of_areas for tag_id in own.ids] if all(own.ids for own in of_areas) else []
+        return Hints({**of_areas[0].of_detector(), 'ids': ids}, getattr(settings, 'upright', None),
+                     needs_area=not self.needs_calibration)
 
-    def _hint(self, frame, stamp, results):
+    def _hint(self, sight):
         """Log what a user may have overlooked, if there is anything, once."""
-        tags = [tag for result in results for tag in result.tags]
-        tags += [tag for stage in self._stages if stage.tracker for tag in stage.tracker.repeated]
-        work = self._hints.update(frame, stamp, tags, [result.area for result in results], self._shortfall())
-        if self.needs_calibration:
-            work += self._lens_checks(stamp, tags)
-        for each in work:  # it takes so long that frames would be late
-            self._worker.submit(fault_barrier(each))
-        warning = self._warning
+        # In another thread, since they take so long that frames would be late.
+        for work in [*self._hints.update(sight), *self.further_checks(sight)]:
+            self._worker.submit(fault_barrier(work))
+        warning = self.warning
         if warning:  # once for each remedy, which is the last word, since the tags may change with each frame
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():
             log_once(kind, hint, rospy.loginfo)
-
-    def _shortfall(self):
-        """Why the tags in sight span no area, if there is to be one only; None if poses are wanted."""
-        trackers = [stage.tracker for stage in self._stages if stage.tracker]
-        return trackers[0].shortfall if len(trackers) == 1 and not self.needs_calibration else None
 
     def _log_missing_tags(self, warning):
         """Log that no tag has been in sight for long, once each time, unless a warning says why."""
         before, self._missed_tags = self._missed_tags, self._count.misses_tags and not warning
         if self._missed_tags and not before:
             rospy.logwarn('%s%d s.', NO_TAG, NO_TAGS_S)
-
-    @property
-    def _warning(self):
-        return self._hints.warning or self._lens_check.hint
-
-    def _lens_checks(self, stamp, tags):
-        """What finds out whether the calibration fits the tags of the usual size."""
-        others = {tag_id for tag_id, _ in self.settings.tag_sizes}
-        check = self._lens_check.update(stamp, [tag for tag in tags if tag.id not in others], self.lens)
-        return [] if check is None else [check]
-
-    def _topic_pictures(self):
-        return [stage.source for stage in self._stages if isinstance(stage.source, TopicPicture)]
 
     def _settings_of_areas(self, settings):
         """The settings of each area: its own parameters, and the node's for all others."""

@@ -63,7 +63,7 @@ class FrameNode:
         """
         self.settings = read_settings(kind_of_settings)
         self.camera = rospy.resolve_name(CAMERA)
-        self._use_transport('raw' if self.settings.transport == AUTO else self.settings.transport)
+        self._use_transport('raw' if self.settings.image_transport == AUTO else self.settings.image_transport)
         self._subscriber = None
         self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
         self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
@@ -165,7 +165,7 @@ class FrameNode:
         while not rospy.is_shutdown():
             self._subscribe_if_wanted()
             silence = time.monotonic() - self._silent_since
-            if self.settings.transport == AUTO and \
+            if self.settings.image_transport == AUTO and \
                     silence > (OTHER_TRANSPORT_S if self._subscriber is not None else SILENCE_S):
                 self._try_other_transport()
             if silence > SILENCE_S:

@@ -3,7 +3,9 @@ from dataclasses import dataclass
 from textwrap import fill
 from typing import Any, List, Tuple
 
-from aruco_node.parameters.parameters import parameters_of, ros_values
+from aruco_ar.settings.declaration import parameters_of
+
+from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import LensSettings
 
 from .frame_node import CAMERA
@@ -41,7 +43,7 @@ class Manual:
 
 CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
-    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'JPEG or PNG instead, see ~transport')]
+    (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'JPEG or PNG instead, see ~image_transport')]
 CAMERA_INFO = 'camera/rgb/camera_info'
 FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
 COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'the status of the node, once a second')]

@@ -11,10 +11,12 @@ import cv2
 import rosgraph
 import rospy
 from aruco_ar.base.errors import InputError, shorten
+from aruco_ar.settings.declaration import MAX_QUOTED, parameters_of, quoted
 
 from aruco_node.messages.bridge import fault_of_bridge
 from aruco_node.messages.images import FAST
-from aruco_node.parameters.parameters import MAX_QUOTED, parameters_of, quoted, read
+from aruco_node.parameters.parameters import read
+from aruco_node.parameters.settings import OLD_NAMES
 from aruco_node.process.streams import make_streams_safe
 from aruco_node.ros_internals.admission import admit_concurrently
 from aruco_node.ros_internals.registration import keep_registered
@@ -100,7 +102,7 @@ def _check_clock():
     clock = _get('/use_sim_time', False)
     if not isinstance(clock, bool):
         rospy.logwarn('The parameter /use_sim_time is %s, but it must be true or false. This node takes it for '
-                      '%s; others may not. Set it: rosparam set use_sim_time false.',
+                      '%s; other nodes may not. Set it: rosparam set use_sim_time false.',
                       quoted(clock), str(bool(clock)).lower())
 
 
@@ -113,7 +115,7 @@ def read_settings(kind_of_settings):
     settings, known = read(kind_of_settings, parameter), list(parameters_of(kind_of_settings))
     own = rospy.get_name()
     given = [name[len(own) + 1:] for name in rospy.get_param_names() if name.startswith(own + '/')]
-    for name in sorted(set(given) - set(known)):
+    for name in sorted(set(given) - set(known) - {OLD_NAMES.get(name) for name in known}):
         if '/' not in name:  # a group is meant for a library, such as image_transport
             alike = difflib.get_close_matches(name, known, 1, 0.5)
             rospy.logwarn('This node has no parameter ~%s, so it has no effect. %s', shorten(name, MAX_QUOTED),
@@ -122,7 +124,15 @@ def read_settings(kind_of_settings):
 
 
 def parameter(name, default):
-    """The value of a private parameter, ~name. Raises InputError if it cannot be read from the ROS master."""
+    """The value of a private parameter, ~name, or else of its old name.
+
+    Raises InputError if it cannot be read from the ROS master.
+    """
+    if name in OLD_NAMES:
+        old = _get('~' + OLD_NAMES[name], None)
+        if old is not None:
+            rospy.loginfo('The parameter ~%s is now named ~%s.', OLD_NAMES[name], name)
+            default = old
     return _get('~' + name, default)
 
 

@@ -5,7 +5,7 @@ from collections import deque
 import rospy
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
-from aruco_ar.painting.picture import shrink_to_warp
+from aruco_ar.painting.picture_file import shrink_to_warp
 from aruco_ar.painting.sources import open_source
 from genpy import Message
 from rosgraph.names import is_legal_name

@@ -7,13 +7,14 @@ from types import SimpleNamespace
 
 import rospy
 from aruco_ar.base.errors import InputError, shorten
+from aruco_ar.settings.declaration import MAX_QUOTED, Choice, Number, parameters_of
 
 from aruco_node.health.faults import note_fault
 from aruco_node.ros_internals.master import ask
 from aruco_node.ros_internals.reconfigure_server import CheckedServer
 from aruco_node.ros_internals.registration import before_registering
 
-from .parameters import MAX_QUOTED, Choice, Number, parameters_of, read, ros_values
+from .parameters import read, ros_values
 
 
 class Reconfigurer(CheckedServer):

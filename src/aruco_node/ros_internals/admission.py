@@ -17,8 +17,8 @@ HEADER_S = 5.0  # a client must send its header within this time
 # Unsent bytes that the kernel may hold for one client. By default Linux holds megabytes. On a slow network
 # these are seconds of old frames that nobody wants to see any more; rospy then leaves frames out instead.
 MAX_UNSENT_BYTES = 128 * 1024
-# After an outage TCP tries again at least so often. By default Linux doubles the time with each try, so it
-# needs as long to come back as the outage took. The option is new in Linux 6.15.
+# After an outage TCP tries again at least every RETRY_MS. By default Linux doubles the time with each try, so
+# it needs as long to come back as the outage took. The option is new in Linux 6.15.
 TCP_RTO_MAX_MS, RETRY_MS = 44, 1000
 
 

@@ -29,7 +29,7 @@ NAMES = [Config(strs=[StrParameter(name, 'x')]) for name in (
     'state', '%s')]
 NAMES += [Config(ints=[IntParameter('groups', 1)]), Config(bools=[BoolParameter('groups', True)]),
           Config(strs=[StrParameter('a' * LONG, 'a' * LONG)]),
-          Config(strs=[StrParameter('transport', 'compressed'), StrParameter('areas', 'x.yaml')]),
+          Config(strs=[StrParameter('image_transport', 'compressed'), StrParameter('areas', 'x.yaml')]),
           Config(doubles=[DoubleParameter('name %d' % number, number) for number in range(1000)])]
 
 

@@ -10,14 +10,16 @@ import numpy as np
 import yaml
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
-from aruco_ar.exercise import PICTURE, TRACKER, Stage, find_tags
+from aruco_ar.exercise import AREA, PICTURE, TAGS, Exercise, Result, Runner
+from aruco_ar.settings.settings import LEARN
 from aruco_ar.simulation.robot import load_path
 from aruco_ar.walls.wall import load_wall
 from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.nodes.pictures import open_picture
 from aruco_node.parameters.parameters import read, ros_values
-from aruco_node.parameters.settings import LEARN, PictureSettings, load_areas
+from aruco_node.parameters.settings import PictureSettings, load_areas
 from page_server.access import is_loopback
+from rig.processes.started import program
 
 MAX_SENTENCE = 500
 FRAME = np.full((48, 64, 3), 180, np.uint8)
@@ -35,7 +37,7 @@ def settings_of(node):
         found.append(manual.settings)
     nodes = 'aruco_node.nodes.'
     with mock.patch(nodes + 'node.run_node', record), mock.patch(nodes + 'exercise.run_node', record):
-        runpy.run_path(os.path.join(package_folder(), 'src', node + '.py'), run_name='__main__')
+        runpy.run_path(program(node + '.py'), run_name='__main__')
     return found[0]
 
 
@@ -80,13 +82,11 @@ def area_taken(path, name, value):
 
 
 def _look(settings):
-    stage = Stage([TRACKER] * hasattr(settings, 'hold') + [PICTURE] * hasattr(settings, 'picture'), settings,
-                  open_picture)
+    needs = [TAGS] + [AREA] * hasattr(settings, 'hold') + [PICTURE] * hasattr(settings, 'picture')
+    runner = Runner(Exercise('any', lambda scene: Result([scene.image], scene.tags), needs), [settings],
+                    open_picture)
     for stamp in 0.0, 0.1:
-        scene = stage.scene(FRAME, FRAME, stamp)
-        find_tags(scene)
-        if scene.tracker is not None:
-            scene.tracker.update(FRAME, stamp)
+        runner.run(FRAME, stamp)
 
 
 def refusal(take, *arguments):

@@ -14,7 +14,7 @@ from xml.sax.saxutils import escape
 from xmlrpc.client import Binary, DateTime
 
 import numpy as np
-from aruco_node.parameters.parameters import Choice, Number
+from aruco_ar.settings.declaration import Choice, Number
 
 LONG = 100 * 1000
 SHORT = 1000

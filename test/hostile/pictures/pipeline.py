@@ -20,9 +20,9 @@ from aruco_ar import (
     subtract,
 )
 from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.painting.fit import FITS
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.wall_watch import WallWatch
+from aruco_ar.settings.settings import FITS
 from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Wall, WallTag
 from aruco_node.messages import pose_messages
@@ -34,7 +34,7 @@ from .scenes import DICTIONARIES, FOCAL, FOUR_SIDE, SQUARE
 from .sequences import sequence
 
 PICTURES_EACH = 20       # pictures in a sequence
-BIG_EVERY = 250          # one of so many sequences has a few large pictures
+BIG_EVERY = 250          # every 250th sequence has a few large pictures
 SEARCH_SHARES = 0.25, 0.7, 0.05
 # The tags may show an area's corner that is out of view. Beyond this many times the frame's longer side,
 # an error of a thousandth of a tag's side moves the corner by a whole frame.

@@ -79,7 +79,7 @@ def test_a_program_says_that_cv_bridge_does_not_fit(package, tmp_path):
     (tmp_path / 'cv_bridge' / 'boost').mkdir(parents=True)
     (tmp_path / 'cv_bridge' / '__init__.py').write_text('')
     path = os.pathsep.join([str(tmp_path), os.environ['PYTHONPATH']])
-    command = [sys.executable, package + '/src/annotate_bags.py', 'none.bag', '--out', str(tmp_path / 'out')]
+    command = [sys.executable, package + '/nodes/annotate_bags.py', 'none.bag', '--out', str(tmp_path / 'out')]
     done = subprocess.run(command, env=dict(os.environ, PYTHONPATH=path), stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 1 and 'Traceback' not in done.stdout

@@ -113,7 +113,7 @@ def test_an_encoding_that_does_not_say_where_red_is_has_a_remedy(given, channels
     pixels = np.full((8, 6, channels), 255, np.uint8 if given[0] == '8' else np.uint16)
     pixels[..., 2] = 0
     found = decode(image(pixels, given))
-    assert 'Say %s if blue is red.' % other in decode.notes[ENCODING]
+    assert 'Name %s if blue looks red.' % other in decode.notes[ENCODING]
     assert (decode(image(pixels, other)) == found[..., ::-1]).all()
 
 
@@ -275,7 +275,7 @@ def test_a_jpeg_that_is_cut_off_is_refused(options, frame):
 
 
 def large(width, height):
-    """A JPEG whose header claims so many pixels."""
+    """A JPEG whose header claims a size of ``width`` x ``height`` pixels."""
     data = cv2.imencode('.jpg', np.zeros((64, 64), np.uint8))[1].tobytes()
     at = data.find(b'\xff\xc0') + 5
     return data[:at] + height.to_bytes(2, 'big') + width.to_bytes(2, 'big') + data[at + 4:] + bytes(10**6)

@@ -9,10 +9,10 @@ import sys
 import cv2
 import numpy as np
 import pytest
-from aruco_ar.exercise import Stage
+from aruco_ar.exercise import Runner
+from aruco_ar.settings.settings import AreaSettings
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
-from aruco_node.parameters.settings import AreaSettings
 
 LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
 
@@ -42,14 +42,12 @@ def test_the_example_of_a_new_exercise_blurs_only_the_area(package, frame, wall,
     made = {'__name__': 'exercise'}
     exec(source, made)
     exercise = made['EXERCISE']
-    stage = Stage(exercise.needs, AreaSettings(), None)
-    result = exercise.step(stage.scene(frame, frame.copy(), 1.0))
-    assert sorted(tag.id for tag in result.tags) == [1, 2, 3, 4]
+    sight, (image,) = Runner(exercise, [AreaSettings()], None).run(frame, 1.0, keeps_frame=True)
+    assert sorted(tag.id for tag in sight.tags) == [1, 2, 3, 4]
     inside = np.zeros(frame.shape[:2], np.uint8)
     corners, _ = project(wall.area_corners, *view, Camera())
     cv2.fillPoly(inside, [np.int32(np.round(corners))], 255)
     rim = cv2.dilate(inside, np.ones((5, 5))) != cv2.erode(inside, np.ones((5, 5)))
-    image, = result.images
     np.testing.assert_array_equal(image[(inside == 0) & ~rim], frame[(inside == 0) & ~rim])
     sharp, blurred = [cv2.Laplacian(each, cv2.CV_64F)[(inside > 0) & ~rim].std() for each in (frame, image)]
     assert blurred < sharp / 10

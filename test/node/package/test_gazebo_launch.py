@@ -14,7 +14,7 @@ def launch(*arguments, **environment):
 
 
 def test_the_launch_file_lists_its_arguments_without_gazebo():
-    assert 'place the ROSbot before the wall' in launch('--ros-args', 'unit5', 'wall_gazebo.launch')
+    assert 'place the ROSbot in front of the wall' in launch('--ros-args', 'unit5', 'wall_gazebo.launch')
 
 
 def test_the_launch_file_starts_gazebo_and_the_rosbot(package, tmp_path):
@@ -40,7 +40,7 @@ def test_the_launch_file_starts_gazebo_and_the_rosbot(package, tmp_path):
     start = launch('--args', '/gazebo', 'unit5', 'wall_gazebo.launch', **environment)
     assert 'GAZEBO_MODEL_PATH="%s/gazebo/models:/others"' % package in start
     assert ' %s/gazebo/%s ' % (package, WORLD) in start
-    with open(package + '/src/wall_camera.py') as file:
+    with open(package + '/nodes/wall_camera.py') as file:
         x, y, heading = re.search(r'START = Pose\((.*), (.*), (.*)\)', file.read()).groups()
     spawn = launch('--args', '/spawn_rosbot', 'unit5', 'wall_gazebo.launch', **environment)
     assert '-x %s -y %s -z 0.05 -Y %s ' % (x, y, heading) in spawn

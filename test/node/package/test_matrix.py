@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 import pytest
-from test_runner.main import QUICK
+from runner import QUICK
 
 SYSTEM, OLDEST = 'of the system', '3.8'
 # The arguments of "uv pip install".

@@ -1,11 +1,15 @@
 """The package for ROS: catkin_lint, launch arguments, the benchmark, what nodes load, an install space."""
+import json
 import os
+import shlex
 import shutil
 import subprocess
 import sys
 from xml.etree import ElementTree
 
 import pytest
+from aruco_ar.compiled.compiler import flags, sources
+from rig.processes.started import program
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
 SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 'search', 'correction',
@@ -54,7 +58,8 @@ def test_the_benchmark_lists_its_options(package):
 def test_the_nodes_of_a_real_robot_load_nothing_of_the_simulation(package):
     script = 'import sys, camera_relay, exercise5_6, tag_poses; ' \
              'print([name for name in sys.modules if name.startswith("aruco_ar.simulation")])'
-    done = subprocess.run([sys.executable, '-c', script], cwd=package + '/src', capture_output=True, text=True)
+    done = subprocess.run([sys.executable, '-c', script], cwd=package + '/nodes', capture_output=True,
+                          text=True)
     assert done.stdout == '[]\n', done
 
 
@@ -62,10 +67,14 @@ def test_an_install_space_is_complete(package, tmp_path):
     prefix, build = str(tmp_path / 'install'), str(tmp_path / 'build')
     for command in (['cmake', '-S', package, '-B', build, '-DCMAKE_INSTALL_PREFIX=' + prefix,
                      '-DCATKIN_DEVEL_PREFIX=%s/devel' % build, '-DCATKIN_ENABLE_TESTING=OFF',
-                     '-DPYTHON_EXECUTABLE=' + sys.executable],
+                     '-DPYTHON_EXECUTABLE=' + sys.executable, '-DCMAKE_EXPORT_COMPILE_COMMANDS=ON'],
                     ['cmake', '--build', build, '--target', 'install']):
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert done.returncode == 0, done.stdout
+    with open(build + '/compile_commands.json') as file:
+        commands = {each['file']: shlex.split(each['command']) for each in json.load(file)}
+    for path in sources():  # see test_compiled.py, too
+        assert set(flags()) < set(commands[path]), path
     script = ('source %s/setup.bash && cd %s && rosrun unit5 artag_generator.py --ids 5 --output made'
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
@@ -83,13 +92,13 @@ def test_an_install_space_is_complete(package, tmp_path):
     assert os.path.isfile(prefix + '/share/unit5/gazebo/worlds/wall.world')
     for name in ('/exercise5_6', '/wall_camera', '/page'):
         assert name in done.stdout.splitlines()
-    assert os.path.isfile(prefix + '/share/unit5/page/index.html')
+    assert os.path.isfile(prefix + '/share/unit5/web/index.html')
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
     assert prefix + '/lib/libunit5.so' in done.stdout  # so its version is that of the sources
     for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):
         with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
-                open('%s/src/%s' % (package, name)) as source:
+                open(program(name)) as source:
             assert installed.readline() == '#!%s/.venv/bin/python3\n' % package
             source.readline()
             assert installed.read() == source.read()

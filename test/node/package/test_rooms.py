@@ -5,11 +5,16 @@ import os
 import re
 
 import pytest
-from robustness.__main__ import PARTS
+from torture.__main__ import PARTS
 
 LATER = ast.FunctionDef, ast.AsyncFunctionDef  # what these import is not imported when their file is loaded
 INCLUDED = re.compile(r'^```\{(?:literalinclude|include)\} (\S+)', re.MULTILINE)
 GENERATED = os.sep + os.path.join('docs', 'generated') + os.sep  # Sphinx makes these files: see docs/conf.py
+
+
+# The folders of test/ from whose packages the files of each may import; pytest or rostest run all others.
+BELOW = {'rig': set(), 'hostile': {'rig'}, 'fuzz': {'hostile', 'rig'}, 'benchmark': {'rig'},
+         'torture': {'fuzz', 'hostile', 'rig'}}
 
 
 def modules(package):
@@ -18,9 +23,9 @@ def modules(package):
             for path in glob.glob(room + '**/*.py', recursive=True)]
 
 
-def imported(path, package, left_out=()):
-    """The whole names of what a file in src/ imports, except within nodes of the kinds ``left_out``."""
-    own = os.path.relpath(path, package + '/src').split(os.sep)
+def imported(path, package, left_out=(), root='src'):
+    """The whole names of what a file below a folder imports, except within nodes of the kinds ``left_out``."""
+    own = os.path.relpath(path, os.path.join(package, root)).split(os.sep)
     with open(path, encoding='utf-8') as file:
         waiting = ast.parse(file.read()).body
     for node in waiting:
@@ -55,6 +60,19 @@ def test_the_folders_of_the_vision_do_not_import_each_other_in_a_circle(package)
         assert free, 'a circle: %s' % uses
         for folder in free:
             del uses[folder]
+
+
+@pytest.mark.parametrize('folder', BELOW)
+def test_what_tests_share_imports_only_what_is_below_it(folder, package):
+    paths = glob.glob('%s/test/%s/**/*.py' % (package, folder), recursive=True)
+    assert len(paths) > 1
+    others = set(os.listdir(package + '/test')) - {folder} - BELOW[folder]
+    for path in paths:
+        assert not {name.split('.')[0] for name in imported(path, package, root='test')} & others, path
+
+
+def test_no_test_imports_from_the_scripts(package):
+    assert not glob.glob(package + '/script/**/*.py', recursive=True)  # there is nothing to import
 
 
 @pytest.mark.parametrize('part', PARTS)

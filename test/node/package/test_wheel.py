@@ -1,4 +1,5 @@
 """aruco_ar alone, installed by pip in an environment without ROS and other packages."""
+import ctypes
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import zipfile
 import cv2
 import numpy as np
 from aruco_ar import Detector, find_area
+from aruco_ar.compiled.compiler import version_of_sources
 
 
 def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
@@ -29,8 +31,11 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
         example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', page.read(), re.DOTALL)[1]
     cv2.imwrite(str(tmp_path / 'photo.jpg'), frame, [cv2.IMWRITE_JPEG_QUALITY, 95])
     os.symlink(package + '/images', str(tmp_path / 'images'))
-    run(python, '-c', example, XDG_CACHE_HOME=str(tmp_path / 'cache'))
-    assert len(list((tmp_path / 'cache' / 'unit5').iterdir())) == 1  # the library in C
+    library, = (tmp_path / 'env').glob('lib/python*/site-packages/aruco_ar/compiled/libunit5.so')
+    before = sorted(library.parent.rglob('*'))
+    # It needs no compiler then, which it would not find, and it writes nothing beside itself or into the cache.
+    run(python, '-c', example, PATH='', XDG_CACHE_HOME=str(tmp_path / 'cache'))
+    assert sorted(library.parent.rglob('*')) == before and not (tmp_path / 'cache').exists()
     painted = cv2.imread(str(tmp_path / 'painted.png'))
     mask = cv2.fillConvexPoly(np.zeros(frame.shape[:2], np.uint8),
                               np.int32(find_area(Detector().detect(frame)).corners.round()), 255)
@@ -43,6 +48,10 @@ def test_the_wheel_contains_only_aruco_ar(package, tmp_path):
     done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
                            package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
-    wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-any.whl')
+    wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-linux_%s.whl' % os.uname().machine)
     with zipfile.ZipFile(str(wheel)) as archive:
         assert {name.split('/')[0] for name in archive.namelist()} == {'aruco_ar', 'aruco_ar-0.1.0.dist-info'}
+        archive.extract('aruco_ar/compiled/libunit5.so', str(tmp_path))
+    library = ctypes.CDLL(str(tmp_path / 'aruco_ar' / 'compiled' / 'libunit5.so'))
+    library.unit5_version.restype = ctypes.c_char_p
+    assert library.unit5_version().decode() == version_of_sources()  # of the sources and the flags

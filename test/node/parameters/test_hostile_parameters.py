@@ -2,7 +2,8 @@
 import pytest
 from aruco_ar import InputError
 from aruco_ar.base.errors import MAX_SENTENCE
-from aruco_node.parameters.parameters import parameters_of, read, ros_values
+from aruco_ar.settings.declaration import parameters_of
+from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import PictureSettings
 from hostile.parameters import validation, values
 

@@ -1,19 +1,18 @@
 """Launch files: their arguments have the parameters' defaults and descriptions, and reach the nodes."""
 import glob
 import os
-import re
 import runpy
 from functools import lru_cache
 
 import pytest
 from aruco_ar.base.files import package_folder
-from aruco_node.parameters.parameters import Number, parameters_of, read
+from aruco_ar.settings.declaration import Number, parameters_of
+from aruco_node.parameters.parameters import read
 from hostile.parameters import validation
 from roslaunch.config import load_config_default
 
-SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'launch_args'))
-FILES, FOLDER = SCRIPT['FILES'], SCRIPT['FOLDER']
-STARTED = sorted(set(FILES) - {'exercise'})  # a part of the others
+SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'remake', 'launch_args'))
+FILES, FOLDER, argument_of = SCRIPT['FILES'], SCRIPT['FOLDER'], SCRIPT['argument_of']
 # The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
 FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw')}
@@ -42,35 +41,37 @@ def settings_of(node):
 @pytest.mark.parametrize('name', FILES)
 def test_the_arguments_match_the_settings_of_the_nodes(name):
     text = SCRIPT['read'](name)
-    for argument, line in FILES[name].items():
-        if line not in text:
-            found = re.search('.*<arg name="%s" .*' % argument, text)
+    found = SCRIPT['arguments_in'](text)
+    for argument, wanted in FILES[name].items():
+        if found.get(argument) != wanted:
             fail(name, 'the argument "%s" does not match the settings of its node. It is\n%s\n'
-                       'but must be\n%sscript/launch_args writes it.'
-                 % (argument, found.group() if found else '  missing', line))
+                       'but must be\n%s\nscript/remake/launch_args writes it.'
+                 % (argument, ' '.join(found.get(argument, ['missing'])), ' '.join(wanted)))
     if SCRIPT['rewritten'](text, FILES[name]) != text:
-        fail(name, 'the arguments are in another order than the parameters. script/launch_args puts them in '
-                   'order.')
+        fail(name, 'the arguments are in another order than the parameters, or not in columns. '
+                   'script/remake/launch_args puts them in order.')
 
 
-@pytest.mark.parametrize('name', STARTED)
+@pytest.mark.parametrize('name', FILES)
 def test_every_argument_reaches_every_node_with_that_parameter(name):
     known = {}
     for kind, _ in nodes(name).values():
-        known.update(parameters_of(kind))
+        known.update({argument_of(parameter): each for parameter, each in parameters_of(kind).items()})
     assert set(FILES[name]) <= set(known)
     # roslaunch does not check whether a node would accept these values.
     given = {argument: number + 0.5 if isinstance(known[argument].kind, Number) else 'given %s' % argument
              for number, argument in enumerate(FILES[name])}
     for node, (kind, values) in nodes(name, **given).items():
-        for argument in set(given) & set(parameters_of(kind)):
-            if values.get(argument) != FIXED.get((name, argument), {}).get(node, given[argument]):
+        for parameter in parameters_of(kind):
+            argument = argument_of(parameter)
+            if argument in given and \
+                    values.get(parameter) != FIXED.get((name, argument), {}).get(node, given[argument]):
                 fail(name, 'the argument "%s" does not reach the node %s. The <node> needs <param name="%s" '
                      'value="$(arg %s)"/>. If it is in another file, the <include> needs pass_all_args="true".'
-                     % (argument, node, argument, argument))
+                     % (argument, node, parameter, argument))
 
 
-@pytest.mark.parametrize('name', STARTED)
+@pytest.mark.parametrize('name', FILES)
 def test_the_nodes_accept_the_default_arguments(name):
     for node, (kind, values) in nodes(name).items():
         unknown = set(values) - set(parameters_of(kind))
@@ -82,7 +83,9 @@ def test_the_nodes_accept_the_default_arguments(name):
 def test_all_launch_files_are_compared():
     for path in glob.glob(os.path.join(FOLDER, '*.launch')):
         name = os.path.basename(path)[:-len('.launch')]
-        # The launch files of programs that are no nodes of ours have their options, not parameters.
-        if 'pkg="unit5"' in SCRIPT['read'](name) and name not in {*FILES, 'artag_generator', 'video_camera'}:
+        # The launch files of programs that are no nodes of ours have their options, not parameters. The others
+        # include exercise.launch.
+        if 'pkg="unit5"' in SCRIPT['read'](name) and \
+                name not in {*FILES, 'exercise', 'artag_generator', 'video_camera'}:
             fail(name, 'no test compares its arguments with the parameters of its nodes. Add it to FILES in '
-                       'script/launch_args.')
+                       'script/remake/launch_args.')

@@ -1,7 +1,8 @@
 """Parameters: which values are allowed, and how others are explained."""
 import pytest
 from aruco_ar import InputError
-from aruco_node.parameters.parameters import parameters_of, read, ros_values
+from aruco_ar.settings.declaration import parameters_of
+from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import PictureSettings, PoseSettings, load_areas
 
 
@@ -62,7 +63,7 @@ def test_ids_may_be_any(ids):
     ('scale', 0, 'from 0.01 to 4'), ('scale', -1, 'a number'), ('scale', 5, 'a number'),
     ('scale', 'big', 'a number'), ('scale', float('nan'), 'a number'), ('scale', True, 'a number'),
     ('hold', -0.1, 'from 0 to 60'), ('hold', 'long', 'a number'), ('upright', 'up', 'tags, image'),
-    ('transport', 'theora', 'auto, raw, compressed'), ('transport', [], 'auto, raw, compressed'),
+    ('image_transport', 'theora', 'auto, raw, compressed'), ('image_transport', [], 'auto, raw, compressed'),
     ('picture', 5, 'such as topic:/other/camera'), ('picture', 'topic:', 'such as topic:/other/camera'),
     ('fit', 'squeeze', 'stretch, contain, cover'), ('opacity', 1.1, 'from 0 to 1'),
     ('folder', '', 'the path of a folder'), ('folder', 'a\0b', 'the path of a folder'),

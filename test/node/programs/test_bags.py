@@ -21,7 +21,7 @@ from aruco_node.messages.images import compressed_from_frame, frame_from_compres
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
-from benchmark.simulated.drives import FRAMES_PER_S, LIVELY, drive
+from rig.accuracy.drives import FRAMES_PER_S, LIVELY, drive
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header
@@ -48,14 +48,16 @@ def recorded(frames, tmp_path_factory):
 
 
 def command_for(package, *arguments):
-    return [sys.executable, os.path.join(package, 'src', 'annotate_bags.py'), '--piece', str(PIECE_S),
+    return [sys.executable, os.path.join(package, 'nodes', 'annotate_bags.py'), '--piece', str(PIECE_S),
             *map(str, arguments)]
 
 
 def annotate(package, folder, *arguments, code=0):
     """Run annotate_bags, which must end with this exit code; returns what it prints."""
+    path = os.pathsep.join([os.path.join(package, 'src'), os.environ['PYTHONPATH']])  # package may be a copy
     done = subprocess.run(command_for(package, '--out', folder, *arguments), stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True, timeout=WAIT_S)
+                          stderr=subprocess.STDOUT, text=True, timeout=WAIT_S,
+                          env=dict(os.environ, PYTHONPATH=path))
     assert done.returncode == code, done.stdout
     return done.stdout
 
@@ -133,7 +135,7 @@ def test_the_bag_has_the_painted_frames_with_their_stamps(frames, done):
 def test_only_videos_need_the_library_that_ros_has_no_package_for(package, tmp_path, arguments, code, words):
     start = 'import sys; sys.modules["av"] = None; import annotate_bags; annotate_bags.main(sys.argv[1:])'
     done = subprocess.run([sys.executable, '-c', start, 'some.bag', '--out', str(tmp_path), *arguments],
-                          cwd=package + '/src', stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          cwd=package + '/nodes', stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           timeout=WAIT_S)
     assert done.returncode == code and re.search(words, done.stdout), done.stdout
     assert 'Traceback' not in done.stdout
@@ -330,13 +332,14 @@ def test_what_a_killed_process_left_does_no_harm(package, recorded, done, tmp_pa
 
 def test_results_of_other_code_are_made_again(package, frames, tmp_path):
     record(str(tmp_path / 'brief.bag'), [frame.image for frame in frames[:FRAMES_PER_S]], 1, *JPEG)
-    shutil.copytree(package + '/src', str(tmp_path / 'unit5' / 'src'))
+    for name in 'src', 'nodes':
+        shutil.copytree(os.path.join(package, name), str(tmp_path / 'unit5' / name))
     for name in 'package.xml', 'config', 'images':
         (tmp_path / 'unit5' / name).symlink_to(os.path.join(package, name))
     run = [str(tmp_path / 'unit5'), tmp_path / 'out', tmp_path / 'brief.bag', '--exercise', '5.2',
            '--workers', '1']
     assert 'Wrote' in annotate(*run) and 'is done already' in annotate(*run)
-    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/edges.c':
+    for edited in 'exercise5_2.py', 'aruco_ar/tags/edges.py', 'aruco_ar/compiled/tag_edges.c':
         with open(str(tmp_path / 'unit5' / 'src' / edited), 'a') as code:
             code.write('\n')
         assert 'is done already' not in annotate(*run), edited
@@ -344,11 +347,11 @@ def test_results_of_other_code_are_made_again(package, frames, tmp_path):
 
 
 def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):
-    output = subprocess.run([sys.executable, package + '/src/annotate_bags.py', '--help'],
+    output = subprocess.run([sys.executable, package + '/nodes/annotate_bags.py', '--help'],
                             stdout=subprocess.PIPE, text=True, check=True).stdout
     assert '{5.2,5.3,5.4,5.5,5.6}' in output and '5_2 is the same as 5.2' in output
     listed = re.findall(r'^  _(\w+) +(\S+)', output, re.MULTILINE)
     assert dict(listed)['likeness'] == '0.76'
-    only_of_nodes = {'transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
-                     'robot_frame'}
+    only_of_nodes = {'image_transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame',
+                     'wall_frame', 'robot_frame'}
     assert {name for name, _ in listed} == set(ros_values(BagSettings())) - only_of_nodes

@@ -12,7 +12,7 @@ import yaml
 from aruco_ar.calibration.calibrate import corners_apart
 from aruco_ar.calibration.sheets import CharucoBoard
 from aruco_ar.calibration.views import is_spread
-from aruco_ar.painting.picture import ORIENTATION
+from aruco_ar.painting.picture_file import ORIENTATION
 from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import Camera
 from calibrate_camera import MAX_FRAMES, FrameFile, main
@@ -131,7 +131,7 @@ def test_what_cannot_be_used_is_refused_by_name(package, tmp_path, arguments, wo
     cv2.imwrite(str(tmp_path / 'gray.png'), np.full((480, 640, 3), 90, np.uint8))
     cv2.imwrite(str(tmp_path / 'small.png'), np.full((48, 64, 3), 90, np.uint8))
     names = {'text': tmp_path / 'text.mp4', 'gray': tmp_path / 'gray.png', 'small': tmp_path / 'small.png'}
-    done = subprocess.run([sys.executable, package + '/src/calibrate_camera.py',
+    done = subprocess.run([sys.executable, package + '/nodes/calibrate_camera.py',
                            *(argument.format(**names) for argument in arguments)],
                           cwd=str(tmp_path), capture_output=True, text=True)
     assert done.returncode != 0 and not (tmp_path / 'camera.yaml').exists()
@@ -170,7 +170,7 @@ def photos(folder, dictionary, count=6, ids=range(6), side=80, border=1, mirrore
 MIRRORING = ('are mirrored in the image, so they cannot be read. If the camera or its driver mirrors or flips '
              'the image, turn off this mirroring.')
 LOOKS_FOR = 'are in sight, but calibrate_camera looks for tags of DICT_6X6_250. Give --dictionary '
-ONE_CELL = ('but calibrate_camera looks for one 1 cell wide. Print others: rosrun unit5 '
+ONE_CELL = ('but calibrate_camera looks for one 1 cell wide. Print other tags: rosrun unit5 '
             'artag_generator.py.')
 ASKED = 'Is it the right dictionary (--dictionary NAME)?'
 OF_BOARD = ['--charuco', '5x6']

@@ -11,7 +11,7 @@ NONE = {'area': WHY, 'area last seen (s ago)': 'none seen', NOW: 'no'}
 LOST = {'area': 'No tag is in sight.', 'area last seen (s ago)': '1.5', NOW: 'no'}
 SEEN = {'area': 'Its tags show it.', 'area last seen (s ago)': '0.0', NOW: 'yes'}
 HINT = '4 tags of DICT_4X4_50 are in sight.'
-SWAPPED = 'Frames with the encoding yuv422 have their bytes in the order of yuv422_yuy2, and are read so.'
+SWAPPED = 'Frames with the encoding yuv422 have their bytes in the order of yuv422_yuy2, and are read as such.'
 HANGS = 'The picture hangs upside down.'
 
 

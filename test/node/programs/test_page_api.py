@@ -1,4 +1,4 @@
-"""The page's OpenAPI description, page/openapi.yaml, matches the addresses that the server has."""
+"""The page's OpenAPI description, web/openapi.yaml, matches the addresses that the server has."""
 import os
 import re
 
@@ -11,7 +11,7 @@ from tornado.web import RequestHandler
 
 
 def test_all_addresses_and_methods_are_described(package):
-    with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
+    with open(os.path.join(package, 'web', 'openapi.yaml')) as file:
         paths = yaml.safe_load(file)['paths']
     described = {(path, method) for path, methods in paths.items() for method in methods}
     rules = application(None).wildcard_router.rules
@@ -27,9 +27,9 @@ def test_all_addresses_and_methods_are_described(package):
 
 
 def test_every_file_of_the_page_is_allowed_by_the_description(package):
-    with open(os.path.join(package, 'page', 'openapi.yaml')) as file:
+    with open(os.path.join(package, 'web', 'openapi.yaml')) as file:
         pattern = yaml.safe_load(file)['paths']['/page/{file}']['get']['parameters'][0]['schema']['pattern']
-    files = [name for name in os.listdir(os.path.join(package, 'page')) if not name.endswith('.html')]
+    files = [name for name in os.listdir(os.path.join(package, 'web')) if not name.endswith('.html')]
     assert len(files) > 6 and all(re.search(pattern, name) for name in files)
 
 

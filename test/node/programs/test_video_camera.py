@@ -113,7 +113,7 @@ def test_a_device_that_gives_no_images_is_named_with_the_reason_and_the_cameras_
 
 def test_a_device_that_gives_no_images_and_is_the_only_one(webcams):
     device = webcams({'0': None})
-    with pytest.raises(InputError, match='%s0 is not a camera. No other is connected. A video' % device):
+    with pytest.raises(InputError, match='%s0 is not a camera. No other webcam is connected. A video' % device):
         find_source('0')
 
 
@@ -158,7 +158,7 @@ def test_it_says_so_once_waits_and_then_becomes_image_publisher(package, tmp_pat
         '<package format="2"><name>image_publisher</name><version>1.0.0</version><description>a stand-in'
         '</description><maintainer email="a@b.c">a</maintainer><license>BSD</license></package>')
     process = subprocess.Popen(
-        [sys.executable, package + '/src/video_camera.py', 'later.mp4', '__name:=eye'], text=True,
+        [sys.executable, package + '/nodes/video_camera.py', 'later.mp4', '__name:=eye'], text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         env={**os.environ, 'PWD': str(tmp_path), 'CMAKE_PREFIX_PATH': str(tmp_path),
              'ROS_PACKAGE_PATH': str(tmp_path / 'share')})

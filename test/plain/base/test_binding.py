@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
 from aruco_ar.compiled import binding
-from aruco_ar.compiled.library import compile_to
-from aruco_ar.painting.levels import levels_of
+from aruco_ar.compiled.compiler import compile_to
 from aruco_ar.painting.paint import put_in, warp
+from aruco_ar.painting.picture import Picture
 
 WIDTH, HEIGHT = 61, 47
 CORNERS = np.float32([[9, 8], [50, 5], [55, 40], [12, 36]])
@@ -63,36 +63,36 @@ def of_draw_mask():
     return binding.draw_mask, {'frame': frame_with_tag()[0], 'corners': CORNERS, 'positions': positions()}
 
 
-def of_warp():
+def of_warp_picture():
     picture = np.random.RandomState(0).randint(0, 256, (90, 130, 4)).astype(np.uint8)
     area = Area(CORNERS)
     mask = area_mask(frame_with_tag()[0], area)
 
     def call(picture, to_picture, mask, positions):
-        smaller = levels_of(picture, 2)[1:] if picture.size and picture.shape[2:] == (4,) else []
-        return binding.warp([picture, *smaller], to_picture, mask, positions)
+        smaller = Picture(picture).levels(2)[1:] if picture.size and picture.shape[2:] == (4,) else []
+        return binding.warp_picture([picture, *smaller], to_picture, mask, positions)
     return call, {'picture': picture, 'to_picture': np.linalg.inv(area.homography(130, 90)), 'mask': mask,
                   'positions': positions()}
 
 
-def of_refine_pairs():
+def of_refine_pose_pairs():
     points = np.float64([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]] * 2)
     turned = np.float64([cv2.Rodrigues(np.float64([0.3 * sign, 0.2, 0.1]))[0] for sign in (1, -1)])
     shift = np.tile([0.1, 0.2, 5.0], (2, 2, 1))
     seen = points @ turned[0].T + shift[:, :1]
     spread = np.random.RandomState(1).normal(0, 0.01, (4, 3, 40))
-    return binding.refine_pairs, {
+    return binding.refine_pose_pairs, {
         'points': points, 'rays': seen[..., :2] / seen[..., 2:],
         'weights': np.tile(1e3 * np.eye(2), (2, 4, 1, 1)),
         'rotations': np.tile(turned, (2, 1, 1, 1)), 'translations': shift + 0.01, 'spread': spread}
 
 
-def of_compare():
+def of_compare_wall():
     random = np.random.RandomState(2)
     look = random.uniform(20, 200, (HEIGHT, WIDTH, 3)).astype(np.float32)
 
     def call(**arrays):
-        return binding.compare(**arrays, darkest=0.3, lightest=2.5)
+        return binding.compare_wall(**arrays, darkest=0.3, lightest=2.5)
     return call, {
         'seen': np.clip(look * 1.1, 0, 255).astype(np.uint8), 'look': look, 'whole': np.float32([1, 1.1, 0.9]),
         'contrast': random.randint(0, 50, look.shape).astype(np.uint8),
@@ -100,13 +100,13 @@ def of_compare():
         'usable': random.uniform(size=(HEIGHT, WIDTH)) < 0.9}
 
 
-def of_learn():
-    call, arrays = of_compare()
+def of_learn_wall():
+    call, arrays = of_compare_wall()
     _, planes = call(**arrays)
     wall, size = arrays['usable'], (HEIGHT, WIDTH)
 
     def learn(**arrays):
-        binding.learn(**arrays, passed=0.1, settle=30, rate=0.5, variance_rate=0.1)
+        binding.learn_wall(**arrays, passed=0.1, settle=30, rate=0.5, variance_rate=0.1)
     return learn, {
         'seen': arrays['seen'], 'whole': arrays['whole'], 'planes': planes, 'wall': wall, 'certain': wall,
         'look': arrays['look'], 'variance': arrays['variance'], 'known': ~wall,
@@ -114,12 +114,13 @@ def of_learn():
 
 
 MADE = {made.__name__[3:]: made for made in
-        (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_draw_mask, of_warp,
-         of_refine_pairs, of_compare, of_learn)}
+        (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_draw_mask,
+         of_warp_picture, of_refine_pose_pairs, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
-CONVERTED = {'quads', 'others', 'cells', 'corners', 'to_picture', *of_refine_pairs()[1]}  # numbers of any type
-WRITTEN = {('learn', name) for name in ('look', 'variance', 'known', 'seconds')}
-GRAY_TOO = {('draw_mask', 'frame'), ('warp', 'mask'), *((name, 'frame') for name in OF_TAGS)}
+# Numbers of any type.
+CONVERTED = {'quads', 'others', 'cells', 'corners', 'to_picture', *of_refine_pose_pairs()[1]}
+WRITTEN = {('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')}
+GRAY_TOO = {('draw_mask', 'frame'), ('warp_picture', 'mask'), *((name, 'frame') for name in OF_TAGS)}
 ARGUMENTS = [(name, argument) for name in MADE for argument in MADE[name]()[1]]
 
 
@@ -210,9 +211,9 @@ def test_an_array_of_another_shape_is_refused(name, argument):
         others += [array[:, :-1], array[:, :0]]
     for other in others:
         fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
-                ('warp', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
-                ('warp', 'mask'): other.shape == array.shape[:2],
-                ('refine_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
+                ('warp_picture', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
+                ('warp_picture', 'mask'): other.shape == array.shape[:2],
+                ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},
                 **{(tags, 'quads'): other.shape == (0, 4, 2) for tags in OF_TAGS},
                 ('guess_tags', 'others'): other.shape == (0, 4, 2)}.get((name, argument))
@@ -239,6 +240,9 @@ def test_a_tag_cannot_have_any_number_of_cells(count):
                  lambda: binding.guess_tags(frame, quads, count, quads, 12)):
         with pytest.raises(InputError, match='cannot be %d cells wide; choose from 1 to 1000' % count):
             call()
+    if count > 0:
+        with pytest.raises(InputError, match='cannot be %d cells wide' % count):
+            binding.fit_tags(frame, quads, np.zeros((1, count, count), np.uint8))
 
 
 @pytest.mark.parametrize('margin', [4, 9, -1001])
@@ -273,21 +277,21 @@ def test_a_quadrilateral_may_be_anywhere(quad):
     assert mask.shape == frame.shape
     binding.draw_mask(frame, np.full((4, 2), quad, np.float64), positions())
     binding.draw_mask(frame, CORNERS, np.full_like(positions(), quad))
-    result_of('warp', to_picture=np.full((3, 3), quad, np.float64))
-    result_of('warp', positions=np.full_like(positions(), quad))
+    result_of('warp_picture', to_picture=np.full((3, 3), quad, np.float64))
+    result_of('warp_picture', positions=np.full_like(positions(), quad))
 
 
 def test_many_points_and_deviations_need_no_large_stack():
     """Four states of a thousand deviations would fill the stack four times over."""
     points, deviations = 8, 600
-    found = binding.refine_pairs(np.zeros((1, points, 3)), np.zeros((1, points, 2)), np.ones((1, points, 2, 2)),
-                                 np.tile(np.eye(3), (1, 2, 1, 1)), np.ones((1, 2, 3)),
-                                 np.zeros((points, 3, deviations)))
+    found = binding.refine_pose_pairs(np.zeros((1, points, 3)), np.zeros((1, points, 2)),
+                                      np.ones((1, points, 2, 2)), np.tile(np.eye(3), (1, 2, 1, 1)),
+                                      np.ones((1, 2, 3)), np.zeros((points, 3, deviations)))
     assert found[4].shape == (1, 2, 6 + deviations, 6 + deviations)
     wide = 2_000_000  # a row of it would fill the stack as well
     rows = np.ones((1, wide), np.float32)
     colors, bytes_ = np.ones((1, wide, 3), np.float32), np.ones((1, wide, 3), np.uint8)
-    front, _ = binding.compare(bytes_, colors, np.ones(3, np.float32), bytes_, rows, rows > 0, 0.3, 2.5)
+    front, _ = binding.compare_wall(bytes_, colors, np.ones(3, np.float32), bytes_, rows, rows > 0, 0.3, 2.5)
     assert not front.any()
 
 
@@ -407,7 +411,9 @@ TOO_SHORT = '''
 import numpy
 from aruco_ar.compiled import binding
 mask, corners = numpy.zeros((46, 61), numpy.uint8), numpy.float64([[0, 0], [60, 0], [60, 60], [0, 60]])
-binding._draw_mask(mask.ctypes.data, 61, 47, 1, corners.ctypes.data, None, 0)
+image = binding._image(mask)
+image.height = 47
+binding._draw_mask(image, corners, None, 0)
 '''
 
 

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from aruco_ar.compiled.library import compile_to
+from aruco_ar.compiled.compiler import compile_to, flags
 
 FIT = '''
 import cv2, numpy
@@ -26,10 +26,10 @@ const int unit5_plane_count, unit5_profile_count;
 const float unit5_profile_positions[1];
 void unit5_fit_tags(void) { abort(); }
 void unit5_draw_mask(void) { abort(); }
-void unit5_warp(void) { abort(); }
-void unit5_refine_pairs(void) { abort(); }
-void unit5_compare(void) { abort(); }
-void unit5_learn(void) { abort(); }
+void unit5_warp_picture(void) { abort(); }
+void unit5_refine_pose_pairs(void) { abort(); }
+void unit5_compare_wall(void) { abort(); }
+void unit5_learn_wall(void) { abort(); }
 '''
 WITHOUT_VERSION = 'void unit5_fit_tags(void) {}'
 
@@ -76,12 +76,13 @@ def test_it_is_compiled_only_once(copied, tmp_path):
 @needs_compiler
 def test_changed_sources_are_compiled_again(copied, tmp_path):
     assert copied() == (0, '')
-    with open(str(tmp_path / 'aruco_ar' / 'compiled' / 'frame.h'), 'a') as file:
-        file.write('/* changed */\n')
-    code, output = copied(PATH='')
-    assert code == 1 and 'SetupError: unit5 is not built' in output
-    assert copied() == (0, '')
-    assert len(list((tmp_path / 'cache' / 'unit5').glob('*-libunit5.so'))) == 2
+    for already, changed in enumerate(('image.h', 'compiler.py'), 1):
+        with open(str(tmp_path / 'aruco_ar' / 'compiled' / changed), 'a') as file:
+            file.write('\n')
+        code, output = copied(PATH='')
+        assert code == 1 and 'SetupError: unit5 is not built' in output
+        assert copied() == (0, '')
+        assert len(list((tmp_path / 'cache' / 'unit5').glob('*-libunit5.so'))) == already + 1
 
 
 def test_without_a_compiler_one_sentence_says_what_to_do(copied):
@@ -109,10 +110,25 @@ def test_a_library_of_this_version_is_used_even_behind_another_one(copied, tmp_p
     assert code == 0 and str(tmp_path / 'built' / 'libunit5.so') in output.split(), output
 
 
+def test_it_is_compiled_with_our_flags(tmp_path, monkeypatch):
+    """test_package.py asks the same of catkin's build."""
+    (tmp_path / 'cc').write_text('#!/bin/sh\nprintf "%s\\n" "$@" > "$0.txt"\n')
+    (tmp_path / 'cc').chmod(0o755)
+    monkeypatch.setenv('PATH', str(tmp_path))
+    compile_to('libunit5.so')
+    assert (tmp_path / 'cc.txt').read_text().splitlines()[:len(flags())] == flags()
+
+
+@needs_compiler
+def test_an_array_on_the_stack_has_a_fixed_size(copied, tmp_path):
+    with open(str(tmp_path / 'aruco_ar' / 'compiled' / 'version.c'), 'a') as file:
+        file.write('int unit5_last(int count) { int many[count]; return many[count - 1]; }\n')
+    code, output = copied()
+    assert code == 1 and 'SetupError: The C compiler "cc" cannot build' in output and '-Werror=vla' in output
+
+
 @needs_compiler
 def test_only_names_of_unit5_can_be_seen(tmp_path):
-    if shutil.which('nm') is None:
-        pytest.skip('nm is missing')
     compile_to(str(tmp_path / 'libunit5.so'))
     shown = subprocess.run(['nm', '-D', '--defined-only', str(tmp_path / 'libunit5.so')], check=True, text=True,
                            stdout=subprocess.PIPE)

@@ -1,4 +1,5 @@
 """Every program first checks its requirements, and says in one sentence what is missing or too old."""
+import glob
 import os
 import re
 import subprocess
@@ -9,7 +10,7 @@ from aruco_ar.base.files import package_folder
 from aruco_ar.base.versions import LOWEST, SetupError, need
 
 PACKAGE = package_folder()
-PROGRAMS = sorted(name for name in os.listdir(os.path.join(PACKAGE, 'src')) if name.endswith('.py'))
+PROGRAMS = sorted(glob.glob(PACKAGE + '/src/*.py') + glob.glob(PACKAGE + '/nodes/*.py'))
 
 
 def create_stand_in(folder, name, version):
@@ -26,10 +27,10 @@ def output_of_failure(folder, *command):
     return done.stdout
 
 
-@pytest.mark.parametrize('program', PROGRAMS)
+@pytest.mark.parametrize('program', PROGRAMS, ids=os.path.basename)
 def test_every_program_says_what_is_too_old_and_what_to_do(program, tmp_path):
     create_stand_in(tmp_path, 'cv2', '4.2.0')
-    assert output_of_failure(tmp_path, PACKAGE + '/src/' + program) == (
+    assert output_of_failure(tmp_path, program) == (
         'unit5 needs OpenCV 4.9 or later, but %s has 4.2.0. Run script/setup in the folder of unit5 and build '
         'it again, or: pip install "opencv-contrib-python-headless>=4.9,<4.12".\n' % sys.executable)
 

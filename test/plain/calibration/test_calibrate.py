@@ -147,7 +147,7 @@ def test_views_of_tags_on_another_wall_are_left_out(random):
     wall = [View({100 + key: points for key, points in view.points.items()}) for view in wall]
     found = calibrate(views + wall, SIZE)
     assert found.lens.matrix[0, 0] == pytest.approx(560, rel=0.01) and found.views <= len(views)
-    with pytest.raises(InputError, match='Only 7 views show the tags of one sheet; at least 8 must'):
+    with pytest.raises(InputError, match='Only 7 views show the tags of one sheet, but at least 8 are needed'):
         calibrate(views[:7] + wall[:6], SIZE)
 
 

@@ -40,7 +40,7 @@ def show(progress, frame, seconds=0.2, sheet=None):
 def test_what_keeps_a_sheet_from_being_seen_is_named():
     tags = TagSheet('DICT_6X6_250')
     assert CalibrationProgress(SIZE, tags).text('SAVE', 'RESET') == SHOW
-    few = SHOW + ' Too little of the sheet is in sight. It takes two tags of DICT_6X6_250, each at least ' \
+    few = SHOW + ' Too little of the sheet is in sight. A view needs two tags of DICT_6X6_250, each at least ' \
                  '20 px wide.'
     for side in 0, 17:
         frame = frame_with('DICT_6X6_250', side) if side else FRAME
@@ -49,7 +49,7 @@ def test_what_keeps_a_sheet_from_being_seen_is_named():
     assert said.startswith('4 tags of DICT_4X4_50 (0, 1, 2, 3) are in sight') and \
         'Give dictionary:=DICT_4X4_50.' in said
     said = show(CalibrationProgress(SIZE, tags), frame_with('DICT_6X6_250', 60, border=2), 20)
-    assert 'have a black border 2 cells wide, but the node looks for one 1 cell wide. Print others: ' in said
+    assert 'have a black border 2 cells wide, but the node looks for one 1 cell wide. Print other tags' in said
     board = CharucoBoard('DICT_6X6_250', 5, 7, 0.7)
     assert 'of a board of 5 x 7 squares' in show(CalibrationProgress(SIZE, board), FRAME, sheet=board)
 

@@ -2,9 +2,12 @@
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Tag, Tracker, draw_tag
+from aruco_ar import Area, Tag, draw_tag
 from aruco_ar.hints.area_hints import MANY_TAGS, AreaHints
 from aruco_ar.hints.hints import Hints
+from aruco_ar.settings.settings import AreaSettings
+from aruco_ar.tracking.observer import Observer
+from aruco_ar.tracking.sight import SeenArea, Sight
 
 CORNERS = np.float32([[100, 100], [400, 110], [390, 300], [95, 310]])
 SQUARE = np.float32([[-10, -10], [10, -10], [10, 10], [-10, 10]])
@@ -50,11 +53,12 @@ def test_with_four_tags_or_with_one_of_them_out_of_sight_it_says_nothing(tags):
 
 def test_more_than_four_tags_are_told_though_not_each_frame_is_searched_for_more(random):
     frame = on_wall({**dict(zip((1, 2, 3, 4), CORNERS)), 5: (250, 245), 6: (200, 160)}, random)
-    tracker, hints, seen = Tracker(), Hints({'dictionary': 'DICT_6X6_250', 'ids': ()}, 'tags'), set()
+    observer, seen = Observer([AreaSettings()]), set()
+    hints = Hints({'dictionary': 'DICT_6X6_250', 'ids': ()}, 'tags')
     for number in range(120):
-        area = tracker.update(frame, number / 30)
-        hints.update(frame, number / 30, tracker.tags, [area])
-        seen.add(len(tracker.tags))
+        sight = observer.look(frame, number / 30)
+        hints.update(sight)
+        seen.add(len(sight.tags))
         if abs(number - 60) > 1:  # it takes two seconds
             assert ('6 tags are in sight' in hints.notes.get(MANY_TAGS, '')) == (number > 60)
     assert seen == {4, 6}
@@ -97,16 +101,17 @@ IN_A_ROW = ('The tags in sight (1, 2, 3, 4) are not the corners of a quadrilater
     ids=['one', 'three', 'in a row', 'others', 'one of four'])
 def test_tags_that_span_no_area_are_named_with_the_reason_and_the_remedy(random, places, ids, words):
     frame = on_wall(places, random)
-    tracker, hints = Tracker(ids=ids), Hints({'dictionary': 'DICT_6X6_250', 'ids': ids}, 'tags')
+    settings = AreaSettings(ids=ids)
+    observer, hints = Observer([settings]), Hints(settings.of_detector(), 'tags')
     for number in range(100):
-        area = tracker.update(frame, number / 10)
-        hints.update(frame, number / 10, tracker.tags, [area], tracker.shortfall)
-        assert tracker.explanation == words
+        sight = observer.look(frame, number / 10)
+        hints.update(sight)
+        assert sight.areas[0].explanation == words
         assert hints.warning == (words if number >= 80 else None)
     frame = on_wall({**dict(zip((1, 2, 3, 4), CORNERS))}, random)
-    area = tracker.update(frame, 10.0)
-    hints.update(frame, 10.0, tracker.tags, [area], tracker.shortfall)
-    assert area is not None and hints.warning is None
+    sight = observer.look(frame, 10.0)
+    hints.update(sight)
+    assert sight.areas[0].area is not None and hints.warning is None
 
 
 @pytest.mark.parametrize('stamp_of', [lambda number: 5.0, lambda number: 100 - number / 30],
@@ -117,7 +122,7 @@ def test_hints_come_though_stamps_stand_still_or_go_back(random, stamp_of):
     for number in range(300):
         stamp = stamp_of(number)
         may_search = hints.may_search(stamp)
-        work = hints.update(frame, stamp, [], [None])
+        work = hints.update(Sight(frame, stamp, areas=(SeenArea(None),)))
         assert may_search or not work
         for search in work:
             search()

@@ -4,15 +4,16 @@ import os
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Tracker
 from aruco_ar.hints.hints import Hints
+from aruco_ar.settings.settings import AreaSettings
+from aruco_ar.tracking.observer import Observer
 from benchmark.real_clips import clips as real
 
 WIDEST_PX, FRAMES_PER_S, LONG_S = 960, 10, 10
 
 
 def shown(name, change, seconds=None, dictionary=None, any_ids=False):
-    """All that is said of a clip, looped until so many seconds are over. Each search is done at once."""
+    """All that is said of a clip, looped until ``seconds`` are over. Each search is done at once."""
     if not os.path.isdir(real.CLIPS):
         pytest.skip('the folder %s with clips is missing' % os.path.normpath(real.CLIPS))
     clip, = (clip for clip in real.clips_of(real.CLIPS) if os.path.basename(clip.path) == name)
@@ -23,11 +24,10 @@ def shown(name, change, seconds=None, dictionary=None, any_ids=False):
     frames = [np.ascontiguousarray(change(cv2.resize(frame, size, interpolation=cv2.INTER_AREA)))
               for frame in frames[::step]]
     detection = {'dictionary': dictionary or clip.dictionary, 'ids': () if any_ids else clip.ids}
-    tracker, hints, said = Tracker(**detection), Hints(detection, 'tags'), []
+    observer, hints, said = Observer([AreaSettings(**detection)]), Hints(detection, 'tags'), []
     for number in range(len(frames) if seconds is None else int(seconds * rate / step)):
         frame, stamp = frames[number % len(frames)], number * step / rate
-        area = tracker.update(frame, stamp)
-        for search in hints.update(frame, stamp, tracker.tags, [area]):
+        for search in hints.update(observer.look(frame, stamp)):
             search()
         if hints.warning and hints.warning not in said:
             said.append(hints.warning)

@@ -134,7 +134,7 @@ def of_own_dictionary():
 def test_tags_of_no_known_dictionary_are_counted_and_others_advised(tags, side):
     assert hint(on_wall(tags, side)) == (
         '4 square tags in sight are of no dictionary that the node knows, so it cannot read them. They may be '
-        "AprilTag's newer ones, such as tagStandard41h12. Print others: rosrun unit5 artag_generator.py.")
+        "AprilTag's newer ones, such as tagStandard41h12. Print other tags: rosrun unit5 artag_generator.py.")
     assert hint(on_wall(tags, side), seen=(17,)) is not None
     assert hint(on_wall(tags[:1], side)) is None
 

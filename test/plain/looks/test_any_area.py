@@ -1,12 +1,13 @@
 """Areas, frames and tags of any kind are no harm to the look of the picture."""
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
-from aruco_ar import Area, Tag, area_mask
-from aruco_ar.looks.look import Look
+from aruco_ar import Area, Tag
+from aruco_ar.looks.hanging import Hanging
+from aruco_ar.painting.place import find_place
+from aruco_ar.settings.settings import PictureSettings
+from aruco_ar.tracking.sight import SeenArea, Sight
 
-ALL = SimpleNamespace(foreground='keep', light='match', grain='match', tags='hide', settle=30.0)
+ALL = PictureSettings(foreground='keep', light='match', grain='match', tags='hide')
 
 
 @pytest.mark.parametrize('corners', [
@@ -16,17 +17,16 @@ ALL = SimpleNamespace(foreground='keep', light='match', grain='match', tags='hid
     [[0, 0], [4000, 10], [640, 480], [10, 3000]],
 ])
 def test_areas_of_any_size_and_place_are_no_harm(frame, corners):
-    look, area = Look(), Area(np.float32(corners))
+    hanging, area = Hanging(), Area(np.float32(corners))
     for number in range(3):
-        look.update(frame, float(number), area, [], ALL)
-        window, part = area.window(frame)
-        picture = np.full_like(window, 128)
-        looked, mask = look.apply(picture, area_mask(window, part), part, ALL)
-        assert looked.shape[:2] == mask.shape[:2] == window.shape[:2]
+        on_wall = hanging.update(Sight(frame, float(number)), SeenArea(area, is_located=True), frame, ALL)
+        place = find_place(frame, area, frame)
+        looked, mask = on_wall.apply(np.full_like(place.window, 128), place)
+        assert looked.shape[:2] == mask.shape[:2] == place.window.shape[:2]
 
 
 def test_random_frames_areas_and_tags_are_no_harm(random):
-    look = Look()
+    hanging = Hanging()
     for number in range(60):
         height, width = [(480, 640), (1, 1), (7, 900), (60, 80)][random.randint(4)]
         frame = random.randint(0, 256, (height, width, 3)).astype(np.uint8)
@@ -37,12 +37,11 @@ def test_random_frames_areas_and_tags_are_no_harm(random):
         area = Area(np.float32(corners), [None, 1.5, 0.01, 50.0][random.randint(4)])
         tags = [Tag(tag_id, np.float32(corners / 9 + 8 / 9 * corner))
                 for tag_id, corner in enumerate(corners[:random.randint(5)])]
-        sure = bool(random.rand() < 0.9)
-        look.update(frame, number / 15, area, tags, ALL, sure)
-        window, part = area.window(frame)
-        picture = random.randint(0, 256, (*window.shape[:2], 3 + number % 2)).astype(np.uint8)
+        seen = SeenArea(area, tuple(tags), is_located=bool(random.rand() < 0.9))
         with np.errstate(all='raise'):
-            looked, mask = look.apply(picture, area_mask(window, part), part, ALL)
-            look.hide_tags(frame, frame, area, tags, ALL, sure)
-        assert looked.shape[:2] == mask.shape[:2] == window.shape[:2]
+            on_wall = hanging.update(Sight(frame, number / 15), seen, frame, ALL)
+            place = find_place(frame, area, frame)
+            picture = random.randint(0, 256, (*place.window.shape[:2], 3 + number % 2)).astype(np.uint8)
+            looked, mask = on_wall.apply(picture, place)
+        assert looked.shape[:2] == mask.shape[:2] == place.window.shape[:2]
         assert looked.dtype == mask.dtype == np.uint8

@@ -1,18 +1,21 @@
-"""What stands before the wall stays in front of the picture, and the picture takes the wall's light."""
+"""What stands in front of the wall stays in front of the picture, and the picture takes the wall's light."""
 from dataclasses import replace
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Area, Lens, area_mask
-from aruco_ar.exercise import CORRECT, PICTURE, TRACKER, Stage
-from aruco_ar.looks.look import Look
-from aruco_ar.painting.paint import put_in, warp
+from aruco_ar import Area, Lens, Tracker, area_mask
+from aruco_ar.exercise import Runner
+from aruco_ar.looks.hanging import Hanging
+from aruco_ar.painting.paint import warp
+from aruco_ar.painting.place import find_place
 from aruco_ar.painting.sources import Still
+from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
+from aruco_ar.tracking.sight import SeenArea, Sight
 from aruco_ar.walls.wall import Poster
+from exercise5_6 import EXERCISE
 
 pytestmark = pytest.mark.long
 GREEN, SKIN = (40, 160, 60), (118, 150, 200)
@@ -21,27 +24,14 @@ BENT = Camera(distortion=[-0.25, 0.08, 0, 0, 0])
 STRAIGHT = Camera()
 
 
-def stage(color=GREEN, foreground='paint', light='full', grain='clean', tags='show', settle=30.0):
-    settings = SimpleNamespace(
-        dictionary='DICT_6X6_250', ids=(), search='normal', correction=1.0, likeness=0.8, min_side=0.0,
-        border=1.0, hold=0.3, upright='tags', lens=CORRECT, picture='', foreground=foreground, light=light,
-        grain=grain, tags=tags, settle=settle)
+def stage(color=GREEN, **settings):
+    """A Runner of exercise 5.6 that paints a color, or a picture."""
     picture = np.full((60, 90, len(color)), color, np.uint8) if isinstance(color, tuple) else color
-    return Stage([TRACKER, PICTURE], settings, lambda _: Still(picture))
+    return Runner(EXERCISE, [PictureSettings(**settings)], lambda _: Still(picture))
 
 
 def painted(stage, frame, number, lens=None):
-    """The steps of exercise 5.6, which itself needs ROS."""
-    scene = stage.scene(frame, frame.copy(), number / FRAMES_PER_S, lens)
-    area = scene.tracker.update(frame, scene.stamp)
-    if area is not None:
-        window, part = area.window(scene.image)
-        mask = area_mask(window, part)
-        warped = warp(scene.picture, part.homography(*scene.picture.shape[1::-1]), mask, part.positions)
-        warped, mask = scene.on_wall(warped, mask, area, part)
-        scene.hide_tags(area)
-        put_in(window, warped, mask)
-    return scene.image
+    return stage.run(frame, number / FRAMES_PER_S, lens, keeps_frame=True)[1][0]
 
 
 class Drive:
@@ -95,7 +85,7 @@ def with_sheet(wall, path):
 
 
 def assert_in_front(image, frame, things, inside):
-    """Assert that the picture is painted all around things that stand before it, and not over them."""
+    """Assert that the picture is painted all around things that stand in front of it, and not over them."""
     assert is_kept(image, frame, core(things) & inside) > 0.97
     assert is_painted(image, around(things, inside, 9)) > 0.99
 
@@ -134,7 +124,7 @@ def test_a_hand_that_is_there_from_the_first_frame_stays_in_front_on_a_blank_wal
             assert_in_front(image, frame, things, inside)
 
 
-def test_a_hand_before_a_painting_stays_in_front(wall, package):
+def test_a_hand_in_front_of_a_painting_stays_in_front(wall, package):
     drive, keeps = Drive(with_sheet(wall, package + '/images/earth.jpg')), stage(foreground='keep')
     for number in range(30):
         frame, inside = drive.frame(number)
@@ -249,28 +239,33 @@ def test_reset_and_a_jump_back_in_time_forget_the_wall(wall):
 
 
 def test_a_frame_that_does_not_show_where_the_area_is_teaches_nothing(wall):
-    drive, look = Drive(wall), Look()
+    drive, hanging = Drive(wall), Hanging()
     frame, _ = drive.frame(0)
     view = wall_to_camera(Pose(-1.9, 0.1, -0.05))
     area = Area(np.float32(project(wall.area_corners, *view, STRAIGHT)[0]), 1.5)
-    mask = area_mask(frame, area)
     picture = np.full_like(frame, GREEN)
-    settings = stage(foreground='keep').settings
+    settings = PictureSettings(foreground='keep')
     for number in range(20):
-        look.update(frame, number / FRAMES_PER_S, area, [], settings)
-    look.update(np.zeros_like(frame), 1.4, area, [], settings, sure=False)
-    assert look.apply(picture, mask, area, settings)[0] is picture
+        hanging.update(Sight(frame, number / FRAMES_PER_S), SeenArea(area, is_located=True), frame, settings)
+    black = np.zeros_like(frame)
+    on_wall = hanging.update(Sight(black, 1.4), SeenArea(area, is_located=False), black, settings)
+    place = find_place(frame, area, picture)
+    warped = warp(picture, place.homography, place.mask)
+    assert on_wall.apply(warped, place)[0] is warped
 
 
 def test_the_settings_that_ask_for_nothing_learn_nothing(wall):
-    drive, plain = Drive(wall), stage()
+    drive, hanging = Drive(wall), Hanging()
     frame, _ = drive.frame(0)
-    painted(plain, frame, 0)
+    seen = SeenArea(Tracker().update(frame, 0.0), is_located=True)
+    assert hanging.update(Sight(frame, 0.0), seen, frame, PictureSettings()) is None
+    asking = PictureSettings(foreground='keep', light='match', grain='match')
+    on_wall = hanging.update(Sight(frame, 0.1), replace(seen, is_located=False), frame, asking)
     picture = np.full_like(frame, GREEN)
-    area = plain.tracker.update(frame, 0.1)
-    asking = stage(foreground='keep', light='match', grain='match').settings
-    applied, _ = plain.look.apply(picture, area_mask(frame, area), area, asking)
-    assert applied[..., :3].tolist() == picture.tolist()
+    place = find_place(frame, seen.area, picture)
+    warped = warp(picture, place.homography, place.mask)
+    applied, _ = on_wall.apply(warped.copy(), place)
+    assert applied[..., :3].tolist() == warped.tolist()
 
 
 def test_a_lens_and_an_area_partly_out_of_view_are_no_harm(wall):
@@ -280,9 +275,9 @@ def test_a_lens_and_an_area_partly_out_of_view_are_no_harm(wall):
     for number in range(40):
         view = wall_to_camera(Pose(-1.7, 0.1, -0.05 - 0.01 * number))
         frame = renderer.render(*view)
-        image = painted(keeps, frame, number, lens)
+        sight, (image,) = keeps.run(frame, number / FRAMES_PER_S, lens, keeps_frame=True)
         area = Area(np.float32(project(wall.area_corners, *view, BENT)[0]), lens=lens)
         inside = cv2.erode(area_mask(frame, area)[..., 0], np.ones((9, 9))) == 255
-        if keeps.tracker.located and keeps.tracker.tags and inside.any():
+        if sight.areas[0].is_located and sight.tags and inside.any():
             changed = np.abs(image.astype(int) - frame).max(axis=2) > 10
             assert changed[inside].mean() > 0.97

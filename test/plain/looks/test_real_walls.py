@@ -13,7 +13,7 @@ SHEET_PX = 800, 600
 
 @pytest.fixture
 def checkered(wall, tmp_path):
-    """A function that makes the wall checkered, with fields so many pixels of the sheet wide."""
+    """A function that makes the wall checkered. It takes the width of a field, in pixels of the sheet."""
     def make(field):
         y, x = np.mgrid[:SHEET_PX[1], :SHEET_PX[0]] // field
         cv2.imwrite(str(tmp_path / 'sheet.png'), np.where((x + y) % 2, 210, 25).astype(np.uint8))
@@ -22,7 +22,7 @@ def checkered(wall, tmp_path):
 
 
 def bulging(frame, inside, number, px):
-    """The frame as if the sheet bulged: in the middle it moves by so many pixels to both sides."""
+    """The frame as if the sheet bulged: in the middle it moves by ``px`` to both sides."""
     rows, columns = np.float32(np.mgrid[:frame.shape[0], :frame.shape[1]])
     from_middle = np.hypot(rows - rows[inside].mean(), columns - columns[inside].mean())
     off = px * np.sin(2 * np.pi * number / FRAMES_PER_S) * np.exp(-(from_middle / 60)**2)
@@ -98,7 +98,7 @@ def test_while_a_deep_shadow_comes_or_leaves_or_crosses_all_of_the_wall_is_paint
         assert is_painted(painted(keeps, frame, number), inside) > 0.99
 
 
-def test_a_hand_before_a_fine_pattern_stays_in_front(checkered):
+def test_a_hand_in_front_of_a_fine_pattern_stays_in_front(checkered):
     drive, keeps = Drive(checkered(16)), stage(foreground='keep')
     for number in range(5 * FRAMES_PER_S):
         frame, inside = drive.frame(number)

@@ -74,8 +74,8 @@ def test_learning_is_the_same_as_in_numpy(shape):
     noise = variance + VARIANCE_RATE * (planes[3]**2 - variance)
     varied = np.where(certain & (planes[4] < 0.5), noise, variance)
     longer = np.minimum(seconds + 0.5 * wall, 30)
-    binding.learn(seen, whole, planes, wall, certain, 0.5, 30.0, 0.25, VARIANCE_RATE, look, variance, known,
-                  seconds)
+    binding.learn_wall(seen, whole, planes, wall, certain, 0.5, 30.0, 0.25, VARIANCE_RATE, look, variance,
+                       known, seconds)
     np.testing.assert_allclose(look, expected, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(variance, varied, rtol=1e-4, atol=1e-3)
     np.testing.assert_allclose(seconds, longer, rtol=1e-5)

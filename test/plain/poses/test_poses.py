@@ -7,9 +7,23 @@ from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.poses.belief import Belief
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
-from benchmark.simulated.drives import LIVELY
-from benchmark.simulated.poses import ALONE, FLIP, SIDE, TAGS_WALL, Others, error_of, lens_of, past, true_pose
-from rig.accuracy.poses import AREA, BENT, PINHOLE, camera_pose, drive, nees, pose_error, tag_at
+from benchmark.simulated.poses import ALONE, FLIP, Others, past
+from rig.accuracy.drives import LIVELY
+from rig.accuracy.poses import (
+    AREA,
+    BENT,
+    PINHOLE,
+    SIDE,
+    TAGS_WALL,
+    camera_pose,
+    drive,
+    error_of,
+    lens_of,
+    nees,
+    pose_error,
+    tag_at,
+    true_pose,
+)
 
 
 @pytest.mark.parametrize('camera', [pytest.param(Camera(), id='pinhole'),

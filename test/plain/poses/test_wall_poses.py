@@ -8,8 +8,19 @@ from aruco_ar.geometry.plane_pose import rotation_matrices
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import WallTag
-from benchmark.simulated.poses import SIDE, TAGS_WALL, true_pose
-from rig.accuracy.poses import AREA, PINHOLE, camera_pose, drive, nees, on_wall, pose_error, tag_at
+from rig.accuracy.poses import (
+    AREA,
+    PINHOLE,
+    SIDE,
+    TAGS_WALL,
+    camera_pose,
+    drive,
+    nees,
+    on_wall,
+    pose_error,
+    tag_at,
+    true_pose,
+)
 
 
 def test_several_tags_on_a_wall_improve_each_others_poses(random):

@@ -1,4 +1,4 @@
-"""Somebody moves before the simulated wall."""
+"""Somebody moves in front of the simulated wall."""
 import numpy as np
 import pytest
 from aruco_ar.simulation.figures import SHIRT, SKIN
@@ -33,7 +33,7 @@ def test_a_hand_comes_in_writes_and_hides_what_is_behind_it_only(wall):
     assert np.array_equal(before[:200], bare[:200])
 
 
-def test_a_visitor_is_before_the_wall_from_where_the_camera_is(wall):
+def test_a_visitor_is_in_front_of_the_wall_from_where_the_camera_is(wall):
     renderer = WallRenderer(wall, Camera())
     turned = wall_to_camera(Pose(-2.25, 0.0, 0.15))  # to the left, so the person is seen farther right
     here, there = (columns_of(renderer.render(*view, visitor='person', seconds=3.0), SHIRT).mean()

@@ -211,9 +211,9 @@ def test_the_files_in_the_package_are_up_to_date(package, wall):
 def command(package, tmp_path):
     """A function that runs gazebo_wall.py in an empty folder, and returns (exit code, output)."""
     def run(*arguments):
-        done = subprocess.run([sys.executable, package + '/src/gazebo_wall.py', *arguments], cwd=str(tmp_path),
-                              env=dict(os.environ, PYTHONPATH=package + '/src'), stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, text=True)
+        done = subprocess.run([sys.executable, package + '/nodes/gazebo_wall.py', *arguments],
+                              cwd=str(tmp_path), env=dict(os.environ, PYTHONPATH=package + '/src'),
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         return done.returncode, done.stdout
     return run
 

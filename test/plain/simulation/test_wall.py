@@ -92,9 +92,9 @@ def test_posters_are_where_the_file_says(tmp_path):
 def test_the_truth_includes_a_rolling_shutter_and_a_shaking_hand(wall, camera):
     first = wall_to_camera(Pose(-2.2, 0, 0))
     last = hand_held(wall_to_camera(Pose(-2.2, 0.02, 0.03)), 0.3, 2.0)
-    truth, before = project_rows(wall.area_corners, first, last, camera)
+    truth, in_front = project_rows(wall.area_corners, first, last, camera)
     found = find_area(Detector().detect(WallRenderer(wall, camera).render(*first, last=last)))
-    assert before and np.abs(truth - project(wall.area_corners, *first, camera)[0]).max() > 3
+    assert in_front and np.abs(truth - project(wall.area_corners, *first, camera)[0]).max() > 3
     np.testing.assert_allclose(found.corners, truth, atol=0.3)
 
 

@@ -5,7 +5,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import DICTIONARIES, Detector
-from benchmark import PACKAGE
+from rig import PACKAGE
 
 SHARED = os.path.join(PACKAGE, '..', 'shared')
 STEP = 12  # of the frames of a clip, every twelfth is searched

@@ -10,7 +10,6 @@ from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Path, Pose, wall_to_camera
 from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Poster
-from benchmark.simulated.drives import WALL, drive
 from benchmark.simulated.search import (
     CROWDS,
     CROWDS_DICTIONARY,
@@ -22,6 +21,7 @@ from benchmark.simulated.search import (
     crowd,
     views,
 )
+from rig.accuracy.drives import WALL, drive
 
 
 @pytest.mark.parametrize('name, least', list(zip(CROWDS, (12, 24))))

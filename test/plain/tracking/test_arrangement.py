@@ -5,8 +5,8 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import WallTag
-from benchmark.simulated.drives import SLOW, STILL, WALL, drive
 from rig.accuracy.areas import USUAL, assert_never_wrong, follow, later, rms
+from rig.accuracy.drives import SLOW, STILL, WALL, drive
 
 
 def wall_with_moved_tag(tag_id, **place):

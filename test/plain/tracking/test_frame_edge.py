@@ -6,7 +6,7 @@ from aruco_ar import Tracker
 from aruco_ar.tags.tag import draw_tag
 
 pytestmark = pytest.mark.long
-FINE, SIDE, SIZE = 4, 60, (640, 480)  # a frame is drawn so many times as large; the side of a tag, pixels
+FINE, SIDE, SIZE = 4, 60, (640, 480)  # a frame is drawn FINE times as large; the side of a tag, pixels
 TOPS = 60, 60, 360, 360
 
 

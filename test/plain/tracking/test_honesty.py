@@ -5,8 +5,8 @@ A corner may be off by three times the deviation that the tracker claims, and by
 import numpy as np
 import pytest
 from aruco_ar import Tracker
-from benchmark.simulated.drives import FAST, LIVELY, SLOW, at_random, drive
 from rig.accuracy.areas import USUAL
+from rig.accuracy.drives import FAST, LIVELY, SLOW, at_random, drive
 from rig.accuracy.stills import IDS, stills
 
 pytestmark = pytest.mark.long

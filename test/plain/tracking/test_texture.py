@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from aruco_ar.walls.wall import Poster
-from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 from rig.accuracy.areas import assert_never_wrong, follow, later, rms
+from rig.accuracy.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
 
 ALL = WALL.area
 BLANK = replace(WALL, plaster=0)
@@ -94,7 +94,7 @@ def test_a_film_between_the_tags_never_drags_the_area(package, left):
 @pytest.mark.long
 @pytest.mark.parametrize('left', [(), (4,)])
 def test_a_passer_by_never_drags_the_area(painting, package, left):
-    """Somebody in patterned clothes passes before the picture, later also while most or all tags are hidden."""
+    """Somebody in patterned clothes passes the picture, later also while most or all tags are hidden."""
     coat = cv2.resize(cv2.imread(package + '/images/earth.jpg'), (180, 420))
     frames = list(drive(SLOW, LEARNED + 60, lambda number: hidden(number, [id for id in ALL if id not in left]),
                         wall=painting, **PHONE))

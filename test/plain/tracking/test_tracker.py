@@ -7,8 +7,8 @@ import pytest
 from aruco_ar import InputError, Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import Poster
-from benchmark.simulated.drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
 from rig.accuracy.areas import USUAL, assert_never_wrong, follow, later, rms
+from rig.accuracy.drives import FAST, LIVELY, SLOW, STILL, WALL, at_random, drive
 
 
 def test_the_area_does_not_tremble_while_the_camera_stands_still():

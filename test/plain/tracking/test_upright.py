@@ -6,8 +6,8 @@ import pytest
 from aruco_ar import Tracker
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
-from benchmark.simulated.drives import WALL, Frame
 from rig.accuracy.areas import follow
+from rig.accuracy.drives import WALL, Frame
 
 
 def rolled(wall, degrees, pose=Pose(-2.2, 0.1, -0.05), stamp=0.0, **look):

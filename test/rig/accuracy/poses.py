@@ -1,16 +1,40 @@
 """Tags on simulated drives, with computed instead of detected corners, and how far off poses are."""
+from dataclasses import replace
+
 import numpy as np
-from aruco_ar import Tag
-from aruco_ar.geometry.plane_pose import rotation_matrices
+from aruco_ar import Lens, Tag
+from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
 from aruco_ar.simulation.robot import Camera, wall_to_camera
 from aruco_ar.tags.tag import square
-from benchmark.simulated.drives import LIVELY
-from benchmark.simulated.poses import SIDE, TAGS_WALL, error_of, lens_of, true_pose
 
-PINHOLE = lens_of(Camera())
+from rig.accuracy.drives import LIVELY, WALL
+
+SIDE = 0.2  # meters: the side of each tag
+TAGS_WALL = replace(WALL, tags=tuple(replace(tag, side=SIDE) for tag in WALL.tags))
 BENT = Camera(distortion=[-0.3, 0.1, 0, 0, 0])
 NOISE_PX = 0.03
 AREA = [1, 2, 3, 4]
+
+
+def lens_of(camera):
+    """The Lens of a simulated Camera."""
+    return Lens(camera.width, camera.height, camera.matrix, np.float64(camera.distortion))
+
+
+PINHOLE = lens_of(Camera())
+
+
+def true_pose(tag, rotation, translation):
+    """(R, t): the pose of a WallTag in the camera. The arguments are that of the wall."""
+    top_left, top_right, _, bottom_left = tag.corners
+    right, up = (top_right - top_left) / tag.side, (top_left - bottom_left) / tag.side
+    axes = np.stack([right, up, np.cross(right, up)], axis=1)
+    return rotation @ axes, rotation @ [tag.x, tag.y, 0] + translation
+
+
+def error_of(rotation, translation, truth):
+    """(6,): the error of a pose in meters and radians, in the order of its covariance."""
+    return np.concatenate([translation - truth[1], rotation_vector(rotation @ truth[0].T)])
 
 
 def pose_error(pose, truth):

@@ -1,4 +1,4 @@
-"""Frames of a sheet of tags as somebody moves it before a camera, and the Lens of a calibration file."""
+"""Frames of a sheet of tags as somebody moves it in front of a camera, and the Lens of a calibration file."""
 import cv2
 import numpy as np
 import yaml
@@ -23,7 +23,7 @@ def frames_of(camera, path, content='tags: ' + TAGS, count=36):
         # In wall coordinates z points to the viewer and y up; in camera coordinates z points away and y down.
         turn = cv2.Rodrigues(random.uniform(-0.55, 0.55, 3) * (1, 1, 0.4))[0] @ np.diag([1.0, -1, -1])
         depth = random.uniform(0.75, 1.3)
-        side = np.tan(camera.fov / 2) * 0.6 * depth  # up to so far from the middle
+        side = np.tan(camera.fov / 2) * 0.6 * depth  # how far from the middle, at most
         middle = np.array([*(random.uniform(-side, side, 2) * (1.1, 0.8)), depth])
         yield renderer.render(turn, middle - turn @ (0, 1.0, 0))
 

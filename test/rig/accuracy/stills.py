@@ -9,7 +9,7 @@ CAMERA = np.array([[1100.0, 0, 640], [0, 1100, 360], [0, 0, 1]])
 SHEET, TAG, STEP = (1400, 1000), 140, 197  # size; a tag's side; from tag to tag; millimeters
 COLUMNS, ROWS = 7, 5
 IDS = 0, 1, 2, 3  # of the tags in the corners of the sheet, clockwise
-MARGIN = 6        # a tag is in full sight if it is so far inside the frame, pixels
+MARGIN = 6        # a tag is in full sight if it is at least MARGIN pixels inside the frame
 
 
 def sheet(rim):

@@ -14,7 +14,7 @@ from aruco_node.messages.images import frame_from_image
 from aruco_node.ros_internals.subscribers import subscribe_newest
 from sensor_msgs.msg import Image
 
-KEPT = 30  # so many frames are kept until their painted frames arrive
+KEPT = 30  # number of frames that are kept until their painted frames arrive
 OTHER = 60  # gray levels: a pixel that differs by more is painted
 PRINTING = threading.Lock()
 

@@ -1,1 +1,1 @@
-"""Nodes before a camera: starting them, and comparing what they publish."""
+"""Nodes in front of a camera: a master for them, starting them, and comparing what they publish."""

@@ -99,7 +99,7 @@ class NodeTest(unittest.TestCase):
         publisher.publish(camera_info(Camera(), Header()))
 
     def start_before_camera(self, name, *arguments, topics=('image',), **others):
-        """Start a node before a camera; subscribe to its images, ~tags and ``others``, {topic: type}."""
+        """Start a node in front of a camera; subscribe to its images, ~tags and ``others``, {topic: type}."""
         self.publisher, self.connections = self.camera()
         self.node = self.start(name + '.py', *arguments)
         kinds = dict(dict.fromkeys(topics, Image), tags=TagArray, **others)

@@ -13,7 +13,7 @@ OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-backg
 
 
 class BrowserTest(ServerTest):
-    """Opens the page as ``page``, with so many ``tiles``.
+    """Opens the page as ``page``. ``tiles``: how many tiles it has.
 
     An error on its console fails the test unless it contains ``expected``.
     """

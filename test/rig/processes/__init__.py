@@ -1,1 +1,1 @@
-"""Starting, breaking, stopping and skipping: what tests do with processes."""
+"""Starting, breaking, stopping, skipping and recording: what tests do with processes."""

@@ -4,11 +4,12 @@
 failing.py FILE MODULE:FUNCTION[,MODULE:FUNCTION...] NODE.py [argument...]
 """
 import importlib
-import os
 import runpy
 import sys
 from functools import reduce, wraps
 from itertools import count
+
+from rig.processes.started import program
 
 NUMBERS = count()
 
@@ -34,5 +35,4 @@ if __name__ == '__main__':
     for each in places.split(','):
         fail_at(each, file)
     sys.argv = sys.argv[3:]
-    source = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', '..', 'src', node)
-    runpy.run_path(source, run_name='__main__')
+    runpy.run_path(program(node), run_name='__main__')

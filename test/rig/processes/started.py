@@ -1,8 +1,11 @@
 """Processes under test."""
 import os
+import shutil
 import signal
 import subprocess
 import threading
+
+from rig import PACKAGE
 
 # The deadline of all waits, seconds. A wait ends by an event; the deadline is only for what hangs. It is long,
 # since a machine may be slow, or busy with other things.
@@ -53,6 +56,11 @@ def stop_all(commands):
         os.killpg(process.pid, signal.SIGINT)
     for process in running:
         process.wait(WAIT_S)
+
+
+def program(name):
+    """The path of a program of the package: the exercises are in src/, all others in nodes/."""
+    return shutil.which(name, path='%s/src:%s/nodes' % (PACKAGE, PACKAGE))
 
 
 def node(name, *arguments):

@@ -22,7 +22,7 @@ RATE = 30
 
 class Relay(NodeTest):
     def relay(self, kind, *arguments):
-        """Start camera_relay before a camera with this type of message, and a camera_info for 1280 x 960."""
+        """Start camera_relay with a camera of this type of message, and a camera_info for 1280 x 960."""
         self.images, self.connections = self.camera(CAMERA + '/compressed' * (kind is CompressedImage), kind)
         self.calibrations, self.others = self.camera('/camera/rgb/camera_info', CameraInfo)
         self.node = self.start('camera_relay.py', *arguments)
@@ -54,7 +54,7 @@ class Relay(NodeTest):
         self.assertLess(np.abs(frame_from_compressed(coarse).astype(int) - scene()).mean(), 5)
 
     def test_on_a_base_station_frames_are_decoded(self):
-        self.relay(CompressedImage, '_transport:=compressed')
+        self.relay(CompressedImage, '_image_transport:=compressed')
         answer, header = self.relay_one(self.listen(SENT))
         self.assertEqual((answer.header.stamp, answer.header.frame_id), (header.stamp, 'eye'))
         self.assertLess(np.abs(frame_from_image(answer).astype(int) - scene()).mean(), 1)

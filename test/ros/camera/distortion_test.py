@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Exercises 5.4 to 5.6 before a camera whose lens bends the straight lines of the wall."""
+"""Exercises 5.4 to 5.6 in front of a camera whose lens bends the straight lines of the wall."""
 import cv2
 import numpy as np
 import rospy
@@ -35,7 +35,7 @@ OUTER, INNER = true_masks()
 
 class Distortion(NodeTest):
     def start_exercise(self, name, info, *topics):
-        """Start an exercise before the camera, with a CameraInfo."""
+        """Start an exercise in front of the camera, with a CameraInfo."""
         infos, connections = self.camera('/camera/rgb/camera_info', CameraInfo)
         self.start_before_camera(name, topics=['image', *topics])
         connections.wait(1)

@@ -72,8 +72,8 @@ class BagLoops(NodeTest):
         self.addCleanup(rospy.delete_param, '/use_sim_time')
         diagnostics, rounds = Diagnostics(), Rounds()
         self.running += [diagnostics.subscriber, rounds]
-        nodes = [self.start('exercise5_6.py', '_transport:=compressed', '_picture:=' + self.clip),
-                 self.start('tag_poses.py', '_transport:=compressed')]
+        nodes = [self.start('exercise5_6.py', '_image_transport:=compressed', '_picture:=' + self.clip),
+                 self.start('tag_poses.py', '_image_transport:=compressed')]
         bag = os.path.join(package_folder(), 'test/bags/drive_compressed.bag')
         self.running.append(Started('rosbag', 'play', '--quiet', '--loop', '--rate', '3', bag,
                                     *['--clock'] * simulated))

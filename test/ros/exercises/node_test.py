@@ -89,7 +89,8 @@ class Node(NodeTest):
 
     def test_a_compressed_camera_and_a_scale(self):
         publisher, connections = self.camera(CAMERA + '/compressed', CompressedImage)
-        self.start('exercise5_5.py', '_transport:=compressed', '_scale:=0.5')
+        node = self.start('exercise5_5.py', '_transport:=compressed', '_scale:=0.5')
+        node.wait_for('~transport is now named ~image_transport')
         inbox = self.listen('/exercise5_5/mask')
         connections.wait(1)
         frame = scene()
@@ -150,7 +151,7 @@ class Node(NodeTest):
         node.wait_for('This node has no parameter ~dictionnary', 'Did you mean ~dictionary?')
 
     def test_missing_frames_are_explained(self):
-        node = self.start('exercise5_2.py', '_transport:=raw')
+        node = self.start('exercise5_2.py', '_image_transport:=raw')
         self.listen('/exercise5_2/image')
         node.wait_for('Waiting for frames on ' + CAMERA, 'nothing publishes it')
         publisher, _ = self.camera(CAMERA + '/compressed', CompressedImage)
@@ -170,7 +171,8 @@ class Node(NodeTest):
                 ('exercise5_2.py', '_dictionary:=DICT_6X6_260', ['~dictionary', 'DICT_6X6_260', 'DICT_4X4_50']),
                 ('exercise5_3.py', '_ids:=[1,2]', ['~ids', '[1, 2]', 'four different tags']),
                 ('exercise5_4.py', '_scale:=0', ['~scale', '0', 'a number from 0.01 to 4']),
-                ('exercise5_5.py', '_transport:=theora', ['~transport', 'theora', 'raw, compressed']),
+                ('exercise5_5.py', '_image_transport:=theora',
+                 ['~image_transport', 'theora', 'raw, compressed']),
                 ('exercise5_6.py', '_picture:=/no/picture.jpg', ['/no/picture.jpg', 'not a file']),
                 ('wall_camera.py', '_noise:=much', ['~noise', 'much', 'a number from 0 to 100']),
                 ('wall_camera.py', '_wall:=/no/wall.yaml', ['/no/wall.yaml', 'cannot be read'])):

@@ -9,14 +9,12 @@ import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.base.files import package_folder
 from rig.nodes.case import NodeTest, scene
 from rig.processes.skip import skip
-from rig.processes.started import WAIT_S, Started
+from rig.processes.started import WAIT_S, Started, program
 from std_srvs.srv import Trigger
 from unit5.msg import TagArray
 
-SOURCE = os.path.join(package_folder(), 'src')
 DISK_BYTES, PAGE_BYTES = 1 << 20, 4096
 
 
@@ -104,7 +102,7 @@ class DiskFull(NodeTest):
                             ('gazebo_wall', [])):
             self.fill(20 * PAGE_BYTES if tool == 'artag_generator' else 5 * PAGE_BYTES)
             output = [] if '--sheet' in words else ['--output', self.folder]
-            command = [os.path.join(SOURCE, tool + '.py'), *output, *words]
+            command = [program(tool + '.py'), *output, *words]
             done = subprocess.run(command, capture_output=True, text=True)
             self.assertEqual(done.returncode, 1, done)
             self.assertRegex(done.stderr, '%s: Cannot write "%s/.*": No space left on device. Make room there, '

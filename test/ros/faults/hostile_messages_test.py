@@ -207,7 +207,7 @@ class HostileMessages(NodeTest):
         self.running.append(publisher)
         encode = compressed_from_frame if kind is CompressedImage else image_from_frame
         port = free_port()
-        self.node = self.start('exercise5_6.py', '_transport:=' + transport, '_picture:=topic:' + topic)
+        self.node = self.start('exercise5_6.py', '_image_transport:=' + transport, '_picture:=topic:' + topic)
         page = self.start('page.py', '_port:=%d' % port)
         answers = self.listen('/exercise5_6/image')
         page.wait_for('The page is at')

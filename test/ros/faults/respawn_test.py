@@ -19,7 +19,7 @@ BLUE = (255, 0, 0)
 
 class Respawn(NodeTest):
     def launch(self, name, **others):
-        """Launch a node with respawn before a camera; subscribe to its images, ~tags and ``others``."""
+        """Launch a node with respawn in front of a camera; subscribe to its images, ~tags and ``others``."""
         self.publisher, self.connections = self.camera()
         self.launched = Started('roslaunch', 'unit5', name + '.launch', 'respawn:=true')
         self.running.append(self.launched)

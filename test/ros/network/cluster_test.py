@@ -10,7 +10,7 @@ import unittest
 import rostest
 from aruco_ar.base.files import package_folder
 from rig.network.hosts import BASE_ADDRESS, enter_or_skip, hosts
-from rig.processes.started import Started, stop_all
+from rig.processes.started import Started, program, stop_all
 
 PACKAGE = package_folder()
 BAGS = [os.path.join(PACKAGE, 'test', 'bags', name) for name in ('drive_compressed.bag', 'drive_raw.bag')]
@@ -41,7 +41,7 @@ class Cluster(unittest.TestCase):
 def annotated(start, folder, *arguments):
     """Run annotate_bags by a command that ``start`` begins; returns its output."""
     return subprocess.run(
-        [*start, sys.executable, os.path.join(PACKAGE, 'src', 'annotate_bags.py'), *BAGS, '--out', folder,
+        [*start, sys.executable, program('annotate_bags.py'), *BAGS, '--out', folder,
          '--piece', '2', *arguments], stdout=subprocess.PIPE, text=True, check=True, timeout=LONG_S).stdout
 
 

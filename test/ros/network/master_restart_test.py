@@ -73,7 +73,7 @@ class MasterRestart(NodeTest):
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
     def test_connected_nodes_continue_and_others_find_the_node_again(self):
-        self.start_before_camera('exercise5_6', '_opacity:=0.5', '_transport:=raw')
+        self.start_before_camera('exercise5_6', '_opacity:=0.5', '_image_transport:=raw')
         painted = self.answer_to(scene())
         master.kill()
         self.assert_painted(self.answer_to(scene()), scene())
@@ -87,8 +87,8 @@ class MasterRestart(NodeTest):
             return not compressed.empty()
         until(is_answered)  # the node may learn late that somebody listens
         self.assertIn('jpeg', compressed.next().format)
-        self.assertEqual((rospy.get_param('/exercise5_6/opacity'), rospy.get_param('/exercise5_6/transport')),
-                         (0.5, 'raw'))
+        self.assertEqual([rospy.get_param('/exercise5_6/' + name) for name in ('opacity', 'image_transport')],
+                         [0.5, 'raw'])
         self.assertEqual(change('/exercise5_6', opacity=1.0)['opacity'], 1.0)
         self.publisher.unregister()
         api = ServerProxy(rosgraph.Master('/test').lookupNode('/exercise5_6'))

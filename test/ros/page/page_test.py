@@ -186,7 +186,7 @@ class Page(BrowserTest):
         for value in 0, 1:  # the pale wall, and then the dark sea
             opacity.fill(str(value))
             until(lambda: (self.colors((60, 320))[0].max() > 110) == (value == 0))
-        ids = self.page.get_by_label('Ids of the four')
+        ids = self.page.get_by_label('Ids of the four tags')
         self.assertEqual(ids.input_value(), 'any')
         ids.fill('1,2,3')
         ids.press('Enter')

@@ -30,7 +30,7 @@ BENT = [-0.3, 0.1, 0.0, 0.0, 0.0]
 
 class CameraInfos(NodeTest):
     def start_poses(self, image, info, *arguments):
-        """Start tag_poses before a camera with these topics, and subscribe to its results."""
+        """Start tag_poses in front of a camera with these topics, and subscribe to its results."""
         self.images, connections = self.camera(image)
         self.infos, others = self.camera(info, CameraInfo)
         self.node = self.start('tag_poses.py', 'camera/rgb/image_raw:=' + image, *arguments)

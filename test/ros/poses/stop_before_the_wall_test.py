@@ -15,7 +15,7 @@ from rig.processes.started import Started
 
 
 class StopBeforeTheWall(unittest.TestCase):
-    def test_the_camera_stops_one_meter_before_the_wall(self):
+    def test_the_camera_stops_one_meter_in_front_of_the_wall(self):
         with open(os.path.join(package_folder(), 'docs', 'howto', 'poses.md'), encoding='utf-8') as page:
             code = next(block for block in re.findall(r'```python\n(.*?)```', page.read(), re.DOTALL)
                         if 'stop_before_the_wall' in block)

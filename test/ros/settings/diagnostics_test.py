@@ -106,7 +106,7 @@ class NodeDiagnostics(NodeTest):
 
     def test_compressed_frames_that_are_cut_off_are_counted_and_told_once(self):
         self.publisher, connections = self.camera(CAMERA + '/compressed', CompressedImage)
-        node = self.start('exercise5_2.py', '_transport:=compressed')
+        node = self.start('exercise5_2.py', '_image_transport:=compressed')
         inbox = self.listen('/exercise5_2/image')
         connections.wait(1)
         data = jpeg_from_frame(scene())

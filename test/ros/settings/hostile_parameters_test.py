@@ -8,7 +8,7 @@ import rospy
 import rostest
 import yaml
 from aruco_ar import InputError
-from aruco_node.parameters.parameters import parameters_of
+from aruco_ar.settings.declaration import parameters_of
 from aruco_node.parameters.reconfigure import Reconfigurer
 from aruco_node.parameters.settings import TagSettings
 from dynamic_reconfigure.srv import Reconfigure

@@ -1,1 +1,0 @@
-"""The chart of the results, and the record of what was printed."""

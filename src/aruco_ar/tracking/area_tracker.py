@@ -1,0 +1,342 @@
+"""Tracking an area, which stays on the wall while tags come and go."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.lens import Lens
+from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
+from aruco_ar.settings.settings import UPRIGHT
+from aruco_ar.tags.tag import Tag
+
+from .area import Area
+from .frame_clock import FrameClock
+from .layout import FurtherTags, Layout, NewLayout
+from .measurement import consistent_tags, measurement
+from .motion import AreaMotion
+from .no_area import NEVER_SEEN, why_no_area
+from .sight import SeenArea
+from .tag_search import ANY_SIDE, FrameSearch, expected_places, found_tags
+from .texture import Texture
+
+SEARCH_S = 0.45        # the whole frame is searched at least this often, for new tags
+GAP_S = 0.5            # frames that are farther apart say nothing about the motion
+# A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
+# errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
+UNLIKELY, UNLIKELY_AFTER_JERK = 9.0, 2.0
+# The next three limits are relative to the area's longer side. The time of ``hold`` starts after the last
+# frame in which the deviation of the corners was below this limit.
+MAX_DEVIATION = 0.029
+# The time of ``hold`` ends early if the deviation exceeds the first of these limits while the corners may have
+# moved by the second.
+MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
+ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
+# Texture is used if no tag agrees. It is also used if fewer than ENOUGH_TAGS agree and a corner's deviation is
+# above OPEN_PX. It is used for TEXTURE_S after the last tag, since the tags may have been taken off the wall.
+ENOUGH_TAGS, OPEN_PX, TEXTURE_S = 3, 2.0, 15.0
+
+
+@dataclass(frozen=True)
+class Nearby:
+    """What an AreaTracker finds in a frame before the whole frame is searched.
+
+    ``tags``: {id: Tag}, those in their expected places. ``others``: those found
+    near their places. ``expected``: {id: (4, 2)}, the places of all known tags.
+    ``lost``: the ids of those of the four that were not found. ``smallest``:
+    how small the tags are that the whole frame should be searched for: pixels,
+    or ANY_SIDE. It is None if the frame need not be searched.
+    """
+
+    tags: Mapping[int, Tag]
+    others: Sequence[Tag]
+    expected: Mapping[int, Floats]
+    lost: frozenset[int]
+    smallest: float | None
+
+
+class AreaTracker:
+    """Tracks one area through a sequence of frames; see Tracker, which is one that also searches the frames.
+
+    ``ids``: those of the area's tags, or none for any. ``upright``: see Tracker.
+    """
+
+    def __init__(self, ids: Iterable[int] = (), upright: str = 'tags') -> None:
+        if upright not in UPRIGHT:
+            raise InputError('The value "%s" of upright is unknown; choose one of %s.'
+                             % (upright, ', '.join(UPRIGHT)))
+        self._ids, self._upright = frozenset(ids), upright
+        self.reset()
+
+    @property
+    def tags(self) -> list[Tag]:
+        """A list of Tag: those with the ids that count, found in the last frame."""
+        return found_tags([tag for tag in self._seen.values() if self._counts(tag.id)], self._lens)
+
+    @property
+    def repeated(self) -> list[Tag]:
+        """A list of Tag: more tags with the ids of others, while nothing is known yet of where the area is."""
+        if self._layout is not None:
+            return []
+        return found_tags([tag for tag in self._repeated if self._counts(tag.id)], self._lens)
+
+    @property
+    def shortfall(self) -> str | None:
+        """Until an area is known: why the tags of the last frame span none; None without tags."""
+        if self._layout is not None:
+            return None
+        return why_no_area(self._ids, self._seen, [tag.id for tag in self._repeated])
+
+    @property
+    def explanation(self) -> str:
+        """A sentence that says how the area of the last frame is known, or why there is none."""
+        if self._layout is None:
+            return self.shortfall or NEVER_SEEN
+        if self._displaced:
+            return 'Tags are not where they were.'
+        if self._tags_agreed_at == self._clock.now:
+            return 'Its tags show it.' if self._shown else 'Its tags in sight do not show it well enough.'
+        if self._recognized:
+            return "The wall's texture shows it."
+        if self._shown:
+            return 'It is held in its predicted place, since nothing shows it at the moment.'
+        if self._clock.now - self._tags_agreed_at > TEXTURE_S:
+            return 'None of its tags has been in sight for %g s.' % TEXTURE_S
+        return "Neither its tags nor the wall's texture show where it is."
+
+    @property
+    def located(self) -> bool:
+        """Whether tags or the wall's texture showed in the last frame where the area is."""
+        return self._located_at == self._clock.now
+
+    @property
+    def deviation(self) -> Floats | None:
+        """(4,) pixels: the standard deviation of each corner of the area in the last frame, or None.
+
+        The corners are those of the area with ``upright`` at ``tags``. They are rarely off by more than three
+        times this.
+        """
+        return None if self._motion is None else self._motion.deviation
+
+    def reset(self) -> None:
+        """Forget everything seen so far."""
+        self._clock = FrameClock()
+        self._lens: Lens | None = None
+        self._shape: tuple[int, ...] = ()  # that of the last frame
+        self._shown = False                # whether the last frame had an area
+        self._repeated: list[Tag] = []     # see repeated
+        self._layout: Layout | None = None
+        self._start([])
+
+    def find_nearby(self, search: FrameSearch, stamp: float, hold: float) -> Nearby:
+        """Begin a frame: predict where the area is, and look for tags there.
+
+        ``stamp``: the frame's time, seconds. ``hold``: see Tracker. All is forgotten if the time goes back,
+        or if the frame's size or lens changes.
+        """
+        shape = search.frame.shape[:2]
+        if self._clock.goes_back(stamp) or self._shape not in ((), shape) or search.lens is not self._lens:
+            self.reset()
+        passed = self._clock.advance(stamp)
+        self._shape, self._lens = shape, search.lens
+        if self._layout is None:
+            return Nearby({}, [], {}, frozenset(), ANY_SIDE)
+        self._predict(passed, hold)
+        seen, missing = search.fit_expected(self._layout, self._motion)
+        expected = expected_places(self._layout, self._motion)
+        others = search.find_near({tag_id: expected[tag_id] for tag_id in missing})
+        lost = frozenset(missing) - {tag.id for tag in others}
+        # The whole frame is searched at times, for new tags, displaced tags and another wall. A lost tag
+        # may be displaced.
+        is_due = (self._clock.now - self._searched_at >= SEARCH_S or bool(self._displaced or lost - self._lost)
+                  or not (seen or others or self._recognized))
+        return Nearby(seen, others, expected, lost, search.smallest_side(
+            [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
+
+    def locate(self, search: FrameSearch, nearby: Nearby, found: Sequence[Tag], hold: float) -> SeenArea:
+        """Finish a frame. ``found``: the tags in the whole frame, if ``nearby`` asks for them."""
+        if self._layout is None:
+            self._start(found)
+        else:
+            self._use_tags(self._layout, nearby, found)
+            if self._motion is not None and not self._displaced:
+                self._use_texture(search.frame, self._layout, self._motion)
+        area = self._area(hold)
+        self._shown = area is not None
+        return SeenArea(area, tuple(self.tags), tuple(self.repeated), self.located, self.explanation,
+                        self.shortfall)
+
+    def shows_area(self, tags: Sequence[Tag]) -> bool:
+        """Whether these tags, with undistorted corners, span the area."""
+        return self._layout_of(tags) is not None
+
+    def _start(self, tags: Sequence[Tag]) -> None:
+        """Start anew, with the area that these tags span, if they span one."""
+        self._seen = {tag.id: tag for tag in tags}
+        self._repeated = [tag for tag in tags if self._seen[tag.id] is not tag]
+        self._texture = Texture(self._lens)
+        self._recognized = False  # whether the last frame showed the texture
+        self._agreed: list[int] = []  # the tags that agreed in the last frame
+        self._layout = self._layout_of(tags)
+        self._motion: AreaMotion | None = None
+        self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
+        self._lost: frozenset[int] = frozenset()  # those of the four that were not found in the last frame
+        self._further, self._new_layout = FurtherTags(), NewLayout()
+        # The last times of four events: the whole frame was searched, tags or texture located the area, tags
+        # located it, and it was located well enough.
+        self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
+        if self._layout is not None:
+            self._searched_at = self._clock.now
+            self._take_in(self._layout, self._seen)
+
+    def _counts(self, tag_id: int) -> bool:
+        return not self._ids or tag_id in self._ids
+
+    def _layout_of(self, tags: Sequence[Tag]) -> Layout | None:
+        """The Layout of those tags that count, or None. If possible, the picture's top stays where it was."""
+        first = None if self._layout is None else self._layout.ids[0]
+        return Layout.from_tags([tag for tag in tags if self._counts(tag.id)], first)
+
+    def _predict(self, passed: float, hold: float) -> None:
+        """Predict the motion after that time, seconds; forget it if that is too long."""
+        if self._motion is not None:
+            unseen = self._clock.now - self._located_at
+            if passed > GAP_S or unseen > max(GAP_S, hold):
+                self._motion = None
+            else:
+                self._motion.predict(passed, calm=unseen > passed)
+
+    def _use_tags(self, layout: Layout, nearby: Nearby, found: Sequence[Tag]) -> None:
+        """Correct the motion by the tags of a frame. ``found``: see locate."""
+        has_searched = nearby.smallest is not None
+        if has_searched:
+            self._searched_at = self._clock.now
+        ids = {tag.id for tag in found}
+        self._lost = nearby.lost - ids
+        tags = [*found, *(tag for tag in nearby.others if tag.id not in ids)]
+        seen = dict(nearby.tags)
+        # Of several tags with one id, the one nearest to its place counts.
+        expected = nearby.expected
+        for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
+            seen.setdefault(tag.id, tag)
+        self._seen = seen
+        known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
+        agreed, moved_on = self._take_in(layout, known)
+        if not tags:
+            return
+        # A few known ids may also occur on another wall.
+        if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
+            self._start(tags)
+            return
+        self._note_displaced(layout, set(known) - set(agreed))
+        if self._displaced:
+            if has_searched and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
+                self._start(tags)
+        elif has_searched and self._motion is not None and len(agreed) >= 3:
+            self._further.learn(layout, self._motion, seen, agreed)
+
+    def _note_displaced(self, layout: Layout, ids: set[int]) -> None:
+        """Take in which tags are not in their places. Those that do not span the area are forgotten."""
+        self._displaced |= ids
+        for tag_id in self._displaced - set(layout.ids):
+            layout.forget(tag_id)
+        self._displaced &= set(layout.ids)
+
+    def _take_in(self, layout: Layout, seen: Mapping[int, Tag]) -> tuple[list[int], bool]:
+        """Take in the known tags of a frame, {id: Tag}.
+
+        Returns the ids of the tags that agree, and whether they agree with the predicted motion.
+        """
+        agreed, moved_on = self._correct(layout, seen)
+        self._agreed = agreed
+        if agreed:
+            self._located_at = self._tags_agreed_at = self._clock.now
+            self._displaced -= set(agreed)
+        return agreed, moved_on
+
+    def _correct(self, layout: Layout, seen: Mapping[int, Tag]) -> tuple[list[int], bool]:
+        """Correct the motion by tags, {id: Tag}; returns the same as ``_take_in``."""
+        if not seen:
+            return [], False
+        if self._motion is None:
+            return self._locate(layout, seen), False
+        if self._motion.correct(*measurement(layout, seen, seen), UNLIKELY):
+            return list(seen), True
+        # Not all tags are in their places. Perhaps some are, or all are after a jerk of the camera.
+        for motion, limit in (self._motion, UNLIKELY), (self._motion.after_jerk(), UNLIKELY_AFTER_JERK):
+            agreed = consistent_tags(layout, seen, motion, limit)
+            if agreed:
+                break
+        # Or the camera has moved farther. Then more tags agree with each other than with the motion.
+        # A single tag may have been displaced, so it does not locate the area anew.
+        if len(agreed) < len(seen):
+            anew = self._locate(layout, seen, max(len(agreed), 1) + 1)
+            if anew:
+                return anew, False
+        if agreed:
+            moved_on, self._motion = motion is self._motion, motion
+            motion.correct(*measurement(layout, seen, agreed))
+            return agreed, moved_on
+        return [], False
+
+    def _locate(self, layout: Layout, seen: Mapping[int, Tag], least: int = 1) -> list[int]:
+        """Start the motion anew from one frame, in which at least so many tags agree with each other.
+
+        Returns their ids. If they are fewer, nothing changes.
+        """
+        corners, agreed = layout.locate(seen)
+        if corners is None or len(agreed) < least:
+            return []
+        self._motion = AreaMotion(corners, self._shape[::-1], *measurement(layout, seen, agreed))
+        self._certain_at = -np.inf
+        return agreed
+
+    def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
+        """Learn the wall's texture while all four tags agree; correct the motion by it while too few agree."""
+        self._recognized = False
+        if set(self._agreed) >= set(layout.ids) and self._texture.is_due(self._clock.now):
+            self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
+                                self._clock.now)
+        if (len(self._agreed) >= ENOUGH_TAGS or (self._agreed and motion.deviation.max() < OPEN_PX)
+                or self._clock.now - self._tags_agreed_at > TEXTURE_S):
+            return
+        found = self._texture.find(frame, motion.corners)
+        if found is None:
+            return
+        if motion.correct(*found, UNLIKELY):
+            self._recognized = True
+        elif not self._agreed:  # perhaps a jerk of the camera
+            self._motion = motion.after_jerk()
+            self._recognized = self._motion.correct(*found, UNLIKELY_AFTER_JERK)
+            if not self._recognized:
+                self._motion = motion
+        if self._recognized:
+            self._located_at = self._clock.now
+
+    def _area(self, hold: float) -> Area | None:
+        """The Area, if it is known well enough, or None."""
+        if self._layout is None or self._motion is None or self._displaced:
+            return None
+        corners = self._motion.corners
+        if not is_quadrilateral(corners):  # seen from behind, or along the wall
+            self._motion = None
+            return None
+        longer = np.hypot(*(corners - corners[[1, 2, 3, 0]]).T).max()
+        deviation = self._motion.deviation.max()
+        if self._located_at == self._clock.now and deviation < MAX_DEVIATION * longer:
+            self._certain_at = self._clock.now
+        held = self._clock.now - self._certain_at
+        if held > hold + ROUNDING_S:
+            return None
+        if deviation > MAX_HELD_DEVIATION * longer and held * self._motion.speed > MAX_HELD_MOVE * longer:
+            self._certain_at = -np.inf
+            return None
+        corners, ratio = corners.astype(np.float32), self._layout.ratio
+        if self._upright == 'tags':
+            return Area.from_undistorted(corners, ratio, self._lens)
+        ordered = order_coordinates(corners)
+        on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
+        return Area.from_undistorted(ordered, 1 / ratio if on_its_side else ratio, self._lens)

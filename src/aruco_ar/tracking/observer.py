@@ -1,0 +1,63 @@
+"""Looks at each frame of a camera once, for all who want to know something of it."""
+from __future__ import annotations
+
+from typing import Sequence
+
+from aruco_ar.base.arrays import Image
+from aruco_ar.geometry.lens import Lens
+from aruco_ar.settings.settings import CORRECT, AreaSettings, DetectionSettings, LensSettings
+from aruco_ar.tags.detector import Detector
+
+from .area_tracker import AreaTracker
+from .sight import Sight
+from .tag_search import FrameSearch, TagSearch
+from .tracker import see_areas
+
+
+class Observer:
+    """Makes the Sight of each frame. Nothing else searches the frames of a camera for tags."""
+
+    def __init__(self, settings: Sequence[DetectionSettings], finds_tags: bool = False, tracks: bool = True,
+                 previous: Observer | None = None) -> None:
+        """``settings``: those of each area; AreaSettings if it is tracked.
+
+        ``finds_tags``: whether all tags are wanted in each frame. Otherwise those are found that tell where
+        an area is. ``tracks``: whether the areas are tracked. ``previous``: the Observer with the settings
+        before a change. What it has learned is kept, as far as is_same_area. Raises InputError.
+        """
+        for own in settings:
+            Detector(**own.of_detector())  # raises if the dictionary does not have the ids
+        self._first, self._finds_tags = settings[0], finds_tags
+        # It searches for all ids, since other tags on the same plane help to locate an area.
+        self._search = TagSearch(**{**settings[0].of_detector(), 'ids': ()})
+        self._areas = [own for own in settings if tracks and isinstance(own, AreaSettings)]
+        self._trackers = [AreaTracker(own.ids, own.upright) for own in self._areas]
+        known = [] if previous is None else zip(previous._areas, previous._trackers)
+        for number, (before, tracker) in enumerate(known):
+            if is_same_area(before, self._areas[number]):
+                self._trackers[number] = tracker
+
+    def look(self, frame: Image, stamp: float, lens: Lens | None = None) -> Sight:
+        """The Sight of a frame, (h, w, 3) BGR uint8.
+
+        ``stamp``: its time, seconds. ``lens``: its Lens, or None if the camera is not calibrated. What was
+        learned of the areas is forgotten if the time goes back, or if the frame's size or the lens changes.
+        """
+        corrects = isinstance(self._first, LensSettings) and self._first.lens == CORRECT
+        bending = lens if lens is not None and lens.bends and corrects else None
+        found = self._search.detector.detect(frame) if self._finds_tags else None
+        areas = see_areas(self._trackers, [own.hold for own in self._areas],
+                          FrameSearch(self._search, frame, bending, found), stamp)
+        tags = [tag for area in areas for tag in area.tags] if found is None else \
+            [tag for tag in found if not self._first.ids or tag.id in self._first.ids]
+        return Sight(frame, stamp, lens, bending, tuple(tags), tuple(areas))
+
+    def reset(self) -> None:
+        """Forget all that was learned of the areas."""
+        for tracker in self._trackers:
+            tracker.reset()
+
+
+def is_same_area(before: AreaSettings, after: AreaSettings) -> bool:
+    """Whether what was learned of an area is of use after a change of its settings."""
+    return before.of_detector() == after.of_detector() and before.upright == after.upright
