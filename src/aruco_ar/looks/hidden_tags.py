@@ -1,4 +1,4 @@
-"""The tags hidden: each is covered with what the wall around it looks like."""
+"""Hiding the tags: each is covered with what the wall around it looks like."""
 from __future__ import annotations
 
 from typing import Callable, Sequence
@@ -105,7 +105,7 @@ class _Patch:
     def __init__(self, place: Floats, number: int) -> None:
         self.place = place
         self._places, self._frames = 1, number
-        self._begin()
+        self._reset()
 
     def is_at(self, place: Floats) -> bool:
         """Whether the tag is still where it was. Its place is a running mean."""
@@ -116,7 +116,7 @@ class _Patch:
         self.place = self.place + (place - self.place) / self._places
         return True
 
-    def _begin(self) -> None:
+    def _reset(self) -> None:
         self._look: Floats = np.zeros((*SIZE, 3), np.float32)  # the wall in the light of its first frame
         self._known = np.zeros(SIZE, bool)
         self._light: Floats = np.ones((*SIZE, 3), np.float32)
@@ -192,7 +192,7 @@ class _Patch:
         if cover[usable].sum() <= ENOUGH * cover.sum():
             self._unlike += cover.sum() > 0
             if self._unlike >= ANOTHER_AFTER:
-                self._begin()
+                self._reset()
             return
         self._unlike = 0
         weights = NEARNESS * (cover * usable)

@@ -283,7 +283,7 @@ class AreaTracker:
         return [], False
 
     def _locate(self, layout: Layout, seen: Mapping[int, Tag], least: int = 1) -> list[int]:
-        """Start the motion anew from one frame, in which at least so many tags agree with each other.
+        """Start the motion anew from one frame, in which at least ``least`` tags agree.
 
         Returns their ids. If they are fewer, nothing changes.
         """

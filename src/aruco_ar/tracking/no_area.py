@@ -29,8 +29,9 @@ def why_no_area(wanted: AbstractSet[int], seen: Iterable[int], repeated: Iterabl
         return 'Only %d tag%s in sight (%s), and an area needs four.' % (
             len(ids), ' is' if len(ids) == 1 else 's are', listed(ids))
     others = sorted(seen - wanted)
+    more = '; other tags in sight are ' + listed(others) if others else ''
     return ('Of the tags %s, %s in sight%s. Bring all of them into view, or give the ids of four that hang '
-            'there.' % (listed(sorted(wanted)), _are(ids), '; others are: ' + listed(others) if others else ''))
+            'there.' % (listed(sorted(wanted)), _are(ids), more))
 
 
 def _are(ids: list[int]) -> str:

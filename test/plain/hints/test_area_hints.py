@@ -96,7 +96,7 @@ IN_A_ROW = ('The tags in sight (1, 2, 3, 4) are not the corners of a quadrilater
     ({7: (100, 100)}, (), 'Only 1 tag is in sight (7), and an area needs four.'),
     (dict(list(ROW.items())[:3]), (), 'Only 3 tags are in sight (1, 2, 3), and an area needs four.'),
     (ROW, (), IN_A_ROW),
-    (OTHERS, (1, 2, 3, 4), OF_FOUR % '1, 2 are in sight; others are: 5, 6'),
+    (OTHERS, (1, 2, 3, 4), OF_FOUR % '1, 2 are in sight; other tags in sight are 5, 6'),
     ({1: (100, 100)}, (1, 2, 3, 4), OF_FOUR % '1 is in sight')],
     ids=['one', 'three', 'in a row', 'others', 'one of four'])
 def test_tags_that_span_no_area_are_named_with_the_reason_and_the_remedy(random, places, ids, words):

@@ -98,7 +98,7 @@ class NodeTest(unittest.TestCase):
         self.running.append(publisher)
         publisher.publish(camera_info(Camera(), Header()))
 
-    def start_before_camera(self, name, *arguments, topics=('image',), **others):
+    def start_with_camera(self, name, *arguments, topics=('image',), **others):
         """Start a node in front of a camera; subscribe to its images, ~tags and ``others``, {topic: type}."""
         self.publisher, self.connections = self.camera()
         self.node = self.start(name + '.py', *arguments)

@@ -37,7 +37,7 @@ class Distortion(NodeTest):
     def start_exercise(self, name, info, *topics):
         """Start an exercise in front of the camera, with a CameraInfo."""
         infos, connections = self.camera('/camera/rgb/camera_info', CameraInfo)
-        self.start_before_camera(name, topics=['image', *topics])
+        self.start_with_camera(name, topics=['image', *topics])
         connections.wait(1)
         infos.publish(info)
 

@@ -67,7 +67,7 @@ class SimulatedTime(NodeTest):
         self.assertEqual([node.ends() for node in nodes], [0] * len(NODES))
 
     def test_frames_are_answered_before_the_clock_has_a_time(self):
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         for stamp in rospy.Time(0), rospy.Time(1000), rospy.Time(1000.1), rospy.Time(0):
             self.assert_painted(self.answer_to(scene(), stamp=stamp), scene())
         values = self.diagnostics.wait_for_frames('exercise5_6')
@@ -76,7 +76,7 @@ class SimulatedTime(NodeTest):
     def test_frames_are_answered_with_their_simulated_stamps(self):
         self.clock.set(1000)
         until(lambda: rospy.Time.now() == rospy.Time(1000))
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         for seconds in 999.9, 999.95:
             self.assert_painted(self.answer_to(scene(), stamp=rospy.Time(seconds)), scene())
         values = self.diagnostics.wait('exercise5_6')
@@ -85,7 +85,7 @@ class SimulatedTime(NodeTest):
     def test_poses_and_transforms_have_the_stamps_of_their_frames(self):
         self.clock.set(1000)
         self.publish_camera_info()
-        self.start_before_camera('tag_poses', poses=TagPoseArray)
+        self.start_with_camera('tag_poses', poses=TagPoseArray)
         transforms = self.listen('/tf', TFMessage)
         until(transforms.subscriber.get_num_connections)
         for seconds in 1000.5, 1000.6, 500.0:  # back in time, as when the bag starts again
@@ -101,7 +101,7 @@ class SimulatedTime(NodeTest):
                              {'tag_%d' % number for number in (1, 2, 3, 4)})
 
     def test_a_jump_back_in_time_stops_neither_nodes_nor_diagnostics(self):
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         for _ in range(2):  # rounds of the bag
             for seconds, ids, is_painted in ((2000, [1, 3], False), (2000.1, [1, 2, 3, 4], True),
                                              (2000.2, [1, 3], True), (2000.2, [2, 4], True)):

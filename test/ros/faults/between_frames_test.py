@@ -30,7 +30,7 @@ NODES = {'exercise5_6': (['_foreground:=keep', '_light:=match', '_tags:=hide'],
 class BetweenFrames(NodeTest):
     def check(self, name):
         arguments, changes = NODES[name]
-        self.start_before_camera(name, *arguments)
+        self.start_with_camera(name, *arguments)
         infos, _ = self.camera('/camera/rgb/camera_info', CameraInfo)
         done = threading.Event()
 

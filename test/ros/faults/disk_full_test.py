@@ -75,7 +75,7 @@ class DiskFull(NodeTest):
 
     def test_a_snapshot_is_taken_once_there_is_room_for_all_of_it(self):
         self.mount()
-        self.start_before_camera('exercise5_6', '_folder:=' + self.folder)
+        self.start_with_camera('exercise5_6', '_folder:=' + self.folder)
         # The frame takes less than 20 000 bytes, and with the image more than 100 000.
         for room in 0, PAGE_BYTES, 10 * PAGE_BYTES:
             self.fill(room)

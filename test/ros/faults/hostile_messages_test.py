@@ -32,12 +32,12 @@ MESSAGES = 500  # of each type
 
 
 class HostileMessages(NodeTest):
-    def start_before_calibrated_camera(self, **changes):
+    def start_with_calibrated_camera(self, **changes):
         """Start tag_poses, and wait until it answers a frame with poses. ``changes``: to the CameraInfo."""
         self.infos = rospy.Publisher('/camera/rgb/camera_info', CameraInfo, latch=True, queue_size=1)
         self.running.append(self.infos)
         self.publish_info(**changes)
-        self.start_before_camera('tag_poses', poses=TagPoseArray)
+        self.start_with_camera('tag_poses', poses=TagPoseArray)
         self.assertTrue(self.gives_poses())
 
     def publish_info(self, **changes):
@@ -68,7 +68,7 @@ class HostileMessages(NodeTest):
 
     def test_an_empty_image_does_not_end_the_node(self):
         """It aborts aruco_ros and apriltag_ros."""
-        self.start_before_camera('tag_poses')
+        self.start_with_camera('tag_poses')
         for _ in range(3):
             self.publisher.publish(Image(encoding='rgb8'))  # one of bgr8 may be the end of a video
             self.node.wait_for('0 x 0 pixels is empty')
@@ -77,11 +77,11 @@ class HostileMessages(NodeTest):
 
     def test_an_empty_list_of_coefficients_is_accepted(self):
         """It crashes aruco_detect. A camera without distortion may have an empty list."""
-        self.start_before_calibrated_camera(D=[])
+        self.start_with_calibrated_camera(D=[])
 
     def test_all_five_coefficients_are_used(self):
         """aruco_ros ignores all of them if there are five."""
-        self.start_before_calibrated_camera()
+        self.start_with_calibrated_camera()
         straight = self.answer_to(scene(), 'poses')[0].tags
         self.publish_info(D=[-0.3, 0.1, 0.0, 0.0, 0.02])
 
@@ -92,7 +92,7 @@ class HostileMessages(NodeTest):
 
     def test_the_node_recovers_from_a_calibration_of_zeros(self):
         """aruco_ros publishes NaN, and ar_track_alvar never recovers."""
-        self.start_before_calibrated_camera()
+        self.start_with_calibrated_camera()
         self.publish_info(K=[0.0] * 9)
         until(lambda: self.answer_to(scene(), 'tags') and self.logged('K is not a camera matrix'))
         self.received('poses')
@@ -103,7 +103,7 @@ class HostileMessages(NodeTest):
 
     def test_yuv422_is_decoded(self):
         """It aborts apriltag_ros."""
-        self.start_before_camera('exercise5_2')
+        self.start_with_camera('exercise5_2')
         gray = np.uint8(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY) * (219 / 255) + 16)
         pair = [np.full_like(gray, 128), gray]
         for encoding, order in (('yuv422', pair), ('yuv422_yuy2', pair[::-1])):
@@ -113,7 +113,7 @@ class HostileMessages(NodeTest):
 
     def test_16_bit_images_are_scaled_and_floats_are_refused(self):
         """apriltag_ros reads both as 8 bits, without a warning."""
-        self.start_before_camera('exercise5_2')
+        self.start_with_camera('exercise5_2')
         gray = np.uint16(cv2.cvtColor(scene(), cv2.COLOR_BGR2GRAY)) * 257
         for big in (0, 1):
             answer, ids = self.see_image(gray.byteswap() if big else gray, 'mono16', big)
@@ -129,7 +129,7 @@ class HostileMessages(NodeTest):
 
     def test_without_subscribers_it_unsubscribes_from_the_camera(self):
         """aruco_detect continues to compute."""
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         self.connections.wait(1)
         for inbox in self._inboxes.values():
             inbox.subscriber.unregister()
@@ -137,7 +137,7 @@ class HostileMessages(NodeTest):
 
     def test_an_impossible_stamp_harms_neither_the_node_nor_listeners_of_tf(self):
         """tf2 computes a time beyond 32 bits from it and throws. It also logs a line for a repeated stamp."""
-        self.start_before_calibrated_camera()
+        self.start_with_calibrated_camera()
         # With a subscriber to this topic, the node itself subscribes to /tf.
         self.listen('/tag_poses/robot_pose', PoseWithCovarianceStamped)
         until(lambda: [topic for topic, nodes in Master('/test').getSystemState()[1]
@@ -162,7 +162,7 @@ class HostileMessages(NodeTest):
         self.assertFalse(self.logged('TF_REPEATED_DATA'))
 
     def test_a_stamp_with_more_than_a_second_of_nanoseconds_is_used_in_canonical_form(self):
-        self.start_before_camera('exercise5_2')
+        self.start_with_camera('exercise5_2')
         stamp = rospy.Time(2000)
         stamp.nsecs = 1500000000
         self.show(scene(), stamp)
@@ -174,7 +174,7 @@ class HostileMessages(NodeTest):
                          (2001, 500000000, 4))
 
     def test_frames_without_stamps_have_their_time_of_arrival_in_tf(self):
-        self.start_before_calibrated_camera()
+        self.start_with_calibrated_camera()
         frames = self.listen('/tf', TFMessage)
         began = rospy.Time.now()
 
@@ -186,7 +186,7 @@ class HostileMessages(NodeTest):
 
     def test_unreadable_messages_are_reported_once_and_the_next_one_is_answered(self):
         """rospy itself would try to read them again and again, and never get to another."""
-        self.start_before_camera('exercise5_2')
+        self.start_with_camera('exercise5_2')
         for data in (b'', b'x' * 7, b'\xff' * 100, bytes(12) + b'\xff' * 4):
             self.publisher.publish(Garbage(Image, data))
             self.node.wait_for('cannot be read')

@@ -30,7 +30,7 @@ class Overload(NodeTest):
         self.assert_stale_frames_are_dropped('tag_poses', poses=TagPoseArray)
 
     def assert_stale_frames_are_dropped(self, name, **others):
-        self.start_before_camera(name, **others)
+        self.start_with_camera(name, **others)
         camera, now = self.listen(CAMERA), time.time()
         for second in range(20):  # these frames are in time, since their stamps are in the future
             self.answer_to(scene(), *self._inboxes, stamp=rospy.Time(now + 100 + second))
@@ -49,7 +49,7 @@ class Overload(NodeTest):
                 self.assertNotEqual(stamp, old, topic)
 
     def assert_frames_are_dropped(self, name):
-        self.start_before_camera(name)
+        self.start_with_camera(name)
         answers = self._inboxes['tags']
         self.answer_to(scene())
         os.killpg(self.node.process.pid, signal.SIGSTOP)

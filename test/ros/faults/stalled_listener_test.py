@@ -23,7 +23,7 @@ class StalledListener(NodeTest):
     def test_a_stalled_subscriber_does_not_disturb_others(self):
         diagnostics = Diagnostics()
         self.running.append(diagnostics.subscriber)
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         uri = Master('/test').lookupNode('/exercise5_6')
         stalled = {topic: Stalled(uri, topic, kind) for topic, kind in TOPICS.items()}
         self.running += stalled.values()

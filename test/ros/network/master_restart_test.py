@@ -73,7 +73,7 @@ class MasterRestart(NodeTest):
         self.assertIn(CAMERA, ask(port, '/')[2].decode())
 
     def test_connected_nodes_continue_and_others_find_the_node_again(self):
-        self.start_before_camera('exercise5_6', '_opacity:=0.5', '_image_transport:=raw')
+        self.start_with_camera('exercise5_6', '_opacity:=0.5', '_image_transport:=raw')
         painted = self.answer_to(scene())
         master.kill()
         self.assert_painted(self.answer_to(scene()), scene())
@@ -101,7 +101,7 @@ class MasterRestart(NodeTest):
         self.assertEqual(len([line for line in self.node.lines if AGAIN in line]), 1)
 
     def test_parameters_and_subscriptions_can_be_changed_without_a_master(self):
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         painted = self.answer_to(scene())
         reconfigure = rospy.ServiceProxy('/exercise5_6/set_parameters', Reconfigure, persistent=True)
         reconfigure()
@@ -128,7 +128,7 @@ class MasterRestart(NodeTest):
     def test_a_master_that_hangs_stops_neither_frames_nor_diagnostics_and_nodes_can_end(self):
         diagnostics = Diagnostics()
         self.running.append(diagnostics.subscriber)
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         # This is not the camera of exercise5_6, which is the test itself.
         other = self.start('wall_camera.py', 'camera/rgb/image_raw:=/other/image')
         nodes = [self.node, other, *self.start_all(['exercise5_2', 'page']).values()]

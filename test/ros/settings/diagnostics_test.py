@@ -38,7 +38,7 @@ class NodeDiagnostics(NodeTest):
         self.assertEqual(page, {'connections': '0', 'pages open': '0', 'driving': 'on'})
 
     def test_frames_tags_and_dropped_frames_are_counted(self):
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         before = self.diagnostics.wait('exercise5_6', 'frames a second')
         for _ in range(5):
             self.answer_to(scene())
@@ -88,7 +88,7 @@ class NodeDiagnostics(NodeTest):
         self.diagnostics.wait('exercise5_2', 'Nobody listens to /exercise5_2/image')
 
     def test_frames_that_are_read_otherwise_than_they_say_are_told(self):
-        self.start_before_camera('exercise5_3')
+        self.start_with_camera('exercise5_3')
 
         def show(encoding):
             header = Header(stamp=rospy.Time(next(self._seconds)))
@@ -145,7 +145,7 @@ class NodeDiagnostics(NodeTest):
             'exercise5_3', 'nothing arrives. Is the camera running?', level=ERROR))
 
     def test_a_long_time_without_tags_and_then_without_frames_is_reported(self):
-        self.start_before_camera('exercise5_3')
+        self.start_with_camera('exercise5_3')
         self.answer_to(scene())
         shown = [BLANK]
         frames = rospy.Timer(rospy.Duration(0.5), lambda event: self.show(shown[0]))

@@ -69,7 +69,7 @@ class HostileParameters(NodeTest):
             self.listen(topic).next()
 
     def test_the_limits_of_the_parameters_are_accepted(self):
-        self.start_before_camera('exercise5_6')
+        self.start_with_camera('exercise5_6')
         narrow = {'scale': 1.0, 'min_side': 10000.0, 'hold': 60.0, 'likeness': 1.0, 'correction': 0.0}
         for sent, size in (({'scale': 0.01}, (5, 6)), ({'scale': 4.0}, (1920, 2560)), (narrow, (480, 640))):
             taken = change('/exercise5_6', **sent)
@@ -100,7 +100,7 @@ class HostileParameters(NodeTest):
             yaml.dump({'tags': [{'id': tag_id, 'x': 0.18 * x / 80, 'y': -0.18 * y / 80, 'side': 0.18}
                                 for tag_id, (x, y) in CENTERS.items()]}, file)
         self.publish_camera_info()
-        self.start_before_camera('tag_poses', '_wall:=' + wall, camera_pose=PoseWithCovarianceStamped)
+        self.start_with_camera('tag_poses', '_wall:=' + wall, camera_pose=PoseWithCovarianceStamped)
         os.unlink(wall)
         for _ in range(2):
             pose, = self.answer_to(scene(), 'camera_pose')

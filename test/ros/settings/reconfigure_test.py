@@ -53,7 +53,7 @@ class DynamicReconfigure(NodeTest):
         self.red = picture_file(folder.name, 'red.png', half)
 
     def paint(self, *arguments):
-        self.start_before_camera('exercise5_6', '_picture:=' + self.red, *arguments)
+        self.start_with_camera('exercise5_6', '_picture:=' + self.red, *arguments)
 
     def assert_color(self, image, place, color):
         np.testing.assert_allclose(image[place].reshape(-1, 3).mean(axis=0), color, atol=8)
@@ -144,7 +144,7 @@ class DynamicReconfigure(NodeTest):
 
     def test_tag_size_and_tag_sizes_scale_the_poses(self):
         self.publish_camera_info()
-        self.start_before_camera('tag_poses', poses=TagPoseArray)
+        self.start_with_camera('tag_poses', poses=TagPoseArray)
 
         def distances():
             """{id: distance of the tag}."""
@@ -186,7 +186,7 @@ class DynamicReconfigure(NodeTest):
             self.assertEqual(rospy.get_param('/exercise5_6/' + name), value)
 
     def test_tags_narrower_than_min_side_are_ignored(self):
-        self.start_before_camera('exercise5_2')
+        self.start_with_camera('exercise5_2')
         frame = scene(narrow=[2])
         for min_side, ids in (0.0, [1, 2, 3, 4]), (50.0, [1, 3, 4]), (90.0, []), (20.0, [1, 2, 3, 4]):
             change('/exercise5_2', min_side=min_side)

@@ -58,7 +58,7 @@ class Services(NodeTest):
         connections.wait(0)  # it unsubscribes from the camera again
 
     def test_a_snapshot_has_the_same_result_as_the_subscribers_get(self):
-        self.start_before_camera('exercise5_5', '_folder:=file://' + self.folder, topics=['mask', 'image'])
+        self.start_with_camera('exercise5_5', '_folder:=file://' + self.folder, topics=['mask', 'image'])
         self.answer_to(scene())  # by then the earlier frames are answered
         images = []
 
@@ -75,7 +75,7 @@ class Services(NodeTest):
         np.testing.assert_array_equal(found['image'], cv2.subtract(found['frame'], found['mask']))
 
     def test_the_folder_can_be_changed_and_an_unwritable_one_is_reported(self):
-        self.start_before_camera('exercise5_2', '_folder:=/dev/null/pictures')
+        self.start_with_camera('exercise5_2', '_folder:=/dev/null/pictures')
         refused = self.call_while_showing('/exercise5_2/snapshot')
         self.assertFalse(refused.success)
         self.assertRegex(refused.message, 'Cannot write "/dev/null/pictures/.*Choose another place')
@@ -105,7 +105,7 @@ class Services(NodeTest):
 
     def test_after_a_reset_the_area_is_gone_until_four_tags_are_seen_together(self):
         for name in 'exercise5_5', 'exercise5_6':
-            self.start_before_camera(name)
+            self.start_with_camera(name)
             two = scene([1, 3])
             self.assert_painted(self.answer_to(scene()), scene())
             self.assert_painted(self.answer_to(two), two)
