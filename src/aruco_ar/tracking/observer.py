@@ -28,6 +28,8 @@ class Observer:
         for own in settings:
             Detector(**own.of_detector())  # raises if the dictionary does not have the ids
         self._first, self._finds_tags = settings[0], finds_tags
+        any_id = not all(own.ids for own in settings)
+        self._ids = None if any_id else {tag_id for own in settings for tag_id in own.ids}
         # It searches for all ids, since other tags on the same plane help to locate an area.
         self._search = TagSearch(**{**settings[0].of_detector(), 'ids': ()})
         self._areas = [own for own in settings if tracks and isinstance(own, AreaSettings)]
@@ -49,7 +51,7 @@ class Observer:
         areas = see_areas(self._trackers, [own.hold for own in self._areas],
                           FrameSearch(self._search, frame, bending, found), stamp)
         tags = [tag for area in areas for tag in area.tags] if found is None else \
-            [tag for tag in found if not self._first.ids or tag.id in self._first.ids]
+            [tag for tag in found if self._ids is None or tag.id in self._ids]
         return Sight(frame, stamp, lens, bending, tuple(tags), tuple(areas))
 
     def reset(self) -> None:

@@ -148,8 +148,9 @@ def test_the_visible_part_of_an_area_is_painted(frame, earth):
                    Area(area.corners + 200))
     unlike = np.abs(painted.astype(int) - full[200:, 200:])
     assert unlike.max() <= ROUNDING and unlike.mean() < 0.05
-    beyond = Area(AREA.corners + np.float32([5000, 0]))
-    np.testing.assert_array_equal(overlay(frame, earth, beyond), frame)
+    for lens in None, LENS:
+        beyond = Area.from_undistorted(AREA.corners + np.float32([5000, 0]), lens=lens)
+        np.testing.assert_array_equal(overlay(frame, earth, beyond), frame)
 
 
 def test_no_function_changes_the_frame(frame, earth):

@@ -4,7 +4,7 @@ from collections import Counter
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import Lens, draw_tag
+from aruco_ar import Lens, PoseEstimator, draw_tag
 from aruco_ar.hints.hints import Hints
 from aruco_ar.poses.pose_runner import PoseRunner
 from aruco_ar.settings.settings import AreaSettings, PoseSettings
@@ -46,23 +46,28 @@ def wall(number, areas=range(5)):
     return cv2.cvtColor(cv2.GaussianBlur(frame, (0, 0), 0.6), cv2.COLOR_GRAY2BGR)
 
 
-def test_five_areas_and_hints_search_each_frame_at_most_once(searches):
+@pytest.mark.parametrize('finds_tags', [False, True], ids=['areas', 'areas and poses'])
+def test_five_areas_poses_and_hints_search_each_frame_at_most_once(searches, finds_tags):
     settings = [AreaSettings(ids=ids) for ids in IDS]
-    observer, hints, found = Observer(settings), Hints({**AreaSettings().of_detector()}, 'tags'), []
+    observer, hints = Observer(settings, finds_tags), Hints({**AreaSettings().of_detector()}, 'tags')
+    estimator, found = PoseEstimator(0.1), []
     for number in range(60):
         searches.clear()
         sight = observer.look(wall(number), number / 30)
         assert hints.update(sight) == []
         whole = searches['detect', WHOLE] + searches['search', WHOLE]
+        found.append(whole)
+        if finds_tags:
+            assert len(estimator.update(sight.tags, LENS, sight.stamp)) == 20
+            assert sum(searches.values()) == 1, (number, searches)
         assert whole <= 1, (number, searches)
         # Besides, only the surroundings of tags that have just been lost are searched, once for all areas.
         assert sum(searches.values()) - whole <= 20
-        found.append(whole)
         assert sorted(tag.id for tag in sight.tags) == list(range(20))
         for seen, place in zip(sight.areas, PLACES):
             truth = place + CORNERS + moved(number) + 24.5
             np.testing.assert_allclose(seen.area.corners, truth, atol=0.5)
-    assert 3 <= sum(found) <= 6  # at first, and then about every half second
+    assert sum(found) == 60 if finds_tags else 3 <= sum(found) <= 6  # at first, and then every half second
 
 
 def test_areas_that_come_later_are_found_by_the_same_search(searches):
