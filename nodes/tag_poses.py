@@ -78,7 +78,8 @@ class TagPoses(CameraNode):
         self._problems = {}
 
     def look(self, frame, stamp, is_searched):
-        return self.runner.run(frame, stamp, self.lens)
+        wants_area = any(self._publishers[name].get_num_connections() for name in ('area', 'markers'))
+        return self.runner.run(frame, stamp, self.lens, wants_area)
 
     def answer_to(self, sight, poses, header):
         problems = {}

@@ -7,7 +7,7 @@ image_4.jpg in Tags/.
 """
 import sys
 
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import cv2
 from aruco_ar import get_dictionary
 from aruco_ar.tags.tag import add_margin
@@ -22,18 +22,18 @@ def draw_tags(options):
 
     for tag_id in options.ids:  # 1, 2, 3, 4
         # This draws the pattern and the black border around it. The side of the picture is the size, 700
-        # pixels. The width of the border is one cell, so that 8 x 8 cells share these pixels.
+        # pixels. The border is one cell wide on each side, so the picture is 6 + 2 cells wide.
         image = cv2.aruco.generateImageMarker(dictionary, tag_id, options.size, borderBits=options.border)
 
-        # The detector looks for the step from black to white. On white paper, the tag needs no margin of its
-        # own, so quiet is 0 cells.
+        # The detector looks for the step from black to white. On white paper, the tag needs no white margin
+        # of its own, so the width of this margin, "quiet", is 0 cells.
         image = add_margin(image, dictionary.markerSize + 2 * options.border, options.quiet)
 
-        # With JPEG's default quality, faint gray lines would appear along a tag's edges.
+        # Make a file of it. With JPEG's default quality, faint gray lines would appear along a tag's edges.
         data = cv2.imencode('.' + options.format, image, [cv2.IMWRITE_JPEG_QUALITY, 98])[1]
         yield 'image_%d.%s' % (tag_id, options.format), data.tobytes()
 
 
 if __name__ == '__main__':
-    # All files are written into the folder Tags once the last tag is drawn.
+    # Read the options, draw the tags, and write all files into the folder Tags.
     run(draw_tags, __doc__, sys.argv[1:])

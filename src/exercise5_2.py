@@ -5,7 +5,7 @@ A tag is a black square. Light cells inside of it make a pattern that stands for
 a number, its id. For each tag, the detector returns the id and four corners,
 clockwise from the tag's own top left.
 """
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import cv2
 from aruco_ar import Detector
 from aruco_ar.exercise import Exercise, Result
@@ -14,8 +14,8 @@ from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 
 def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
-    # The settings for the detector are the parameters dictionary, ids, search, correction, likeness,
-    # min_side and border of the node: rosrun unit5 exercise5_2.py --help explains them. The dictionary
+    # The detector's settings are parameters of the node: "dictionary", "ids", "search", "correction",
+    # "likeness", "min_side" and "border". rosrun unit5 exercise5_2.py --help explains them. The dictionary
     # lists the patterns of all tags and their ids.
     detector = Detector(**scene.settings.of_detector())
 
@@ -25,7 +25,7 @@ def detect_tags(scene):
     tags = detector.detect(scene.frame)
 
     # Corners are fractions of a pixel, but OpenCV's drawing functions take whole numbers. With the
-    # argument SHIFT, the unit of these numbers is 1 / 2**SHIFT pixel.
+    # argument SHIFT, the unit of these numbers is 1 / 2**SHIFT pixel, so 4 << SHIFT is 4 pixels.
     image = scene.image
     for tag in tags:
         corners = fixed_point(tag.corners)

@@ -5,7 +5,7 @@ The centers will be the corners of the area that we paint into. The polygon
 through them depends on their order. If we take them in the order in which the
 tags were found, the polygon usually crosses itself.
 """
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import cv2
 from aruco_ar.exercise import TAGS, Exercise, Result
 from aruco_ar.painting.marks import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
@@ -13,10 +13,11 @@ from aruco_ar.painting.marks import BLACK, PURPLE, SHIFT, YELLOW, fixed_point
 
 def extract_centers(scene):
     """Mark the centers, and fill the polygon through them, in the order in which they were found."""
-    tags = scene.tags  # exercise 5.2
+    tags = scene.tags  # they were found as in exercise 5.2
 
-    # A tag's center is where its diagonals cross. A camera keeps straight lines straight. So this
-    # point shows the center of the real tag. The mean of the corners does not, if the tag is slanted.
+    # A tag's center is where its diagonals cross. A camera without distortion keeps straight lines
+    # straight. So this point shows the center of the real tag. The mean of the corners, which the
+    # course takes, does not if the tag is slanted.
     centers = [tag.center for tag in tags]
 
     image = scene.image

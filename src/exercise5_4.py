@@ -4,7 +4,7 @@
 Top left, top right, bottom right, bottom left: in this order the polygon is a
 proper quadrilateral, whatever the order in which the tags were found.
 """
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import numpy as np
 from aruco_ar import fill_polygon, find_four_centers, mark_centers, order_coordinates
 from aruco_ar.exercise import LENS, TAGS, Exercise, Result
@@ -12,22 +12,22 @@ from aruco_ar.exercise import LENS, TAGS, Exercise, Result
 
 def order_centers(scene):
     """Put four centers in order, and fill the quadrilateral through them."""
-    tags = scene.tags                  # exercise 5.2
-    centers = find_four_centers(tags)  # exercise 5.3; of more than four, those with the largest area
+    tags = scene.tags                  # they were found as in exercise 5.2
+    centers = find_four_centers(tags)  # as in exercise 5.3; of more than four, those farthest outside
     if centers is None:
         return Result([scene.image], tags)
 
     # x grows to the right and y grows down. So the sum x + y is least at the top left and greatest at the
     # bottom right. The difference y - x is least at the top right and greatest at the bottom left.
-    x, y = centers.T
+    x, y = centers[:, 0], centers[:, 1]
     total, difference = x + y, y - x
     order = [np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)]
     corners = centers[order]
 
-    # This is the course's rule. It fails if the camera rolls until the square stands on a corner. Then two
-    # corners have nearly the same sum, and one of them can also have the least or the greatest difference. So
-    # it is chosen twice, and another one never. In that case we go clockwise around the middle of the four
-    # instead, and begin with the one that is best called the top left.
+    # This is the course's rule. It fails if the camera rolls until the square stands on a corner. For example,
+    # (50, 0), (100, 50), (50, 100) and (0, 50) have the sums 50, 150, 150, 50 and the differences -50, -50,
+    # 50, 50. Now (50, 0) comes first both times, so it is chosen twice, and another center never. Then we go
+    # clockwise around the middle instead, and begin with the center that lies most to the top left.
     if len(set(order)) < 4:
         corners = order_coordinates(centers)
 

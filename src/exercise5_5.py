@@ -4,7 +4,7 @@
 The area is the quadrilateral through the centers of four tags. A mask is an
 image that is white where the area is and black elsewhere.
 """
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import cv2
 from aruco_ar import area_mask
 from aruco_ar.exercise import AREA, Exercise, Result
@@ -12,9 +12,9 @@ from aruco_ar.exercise import AREA, Exercise, Result
 
 def subtract_area(scene):
     """Make the mask of the area, and subtract it from the frame."""
-    # The area is found as in the exercises before: the tags (5.2), their centers (5.3), and these in order
-    # (5.4). The node also remembers the place of each tag on the wall. So it knows the area even while tags
-    # are covered.
+    # The area is found as in the exercises before: tags (5.2), centers (5.3), and their order (5.4). But what
+    # the node calls for that, a tracker, also remembers the place of each tag on the wall. So it knows the area
+    # even while tags are covered.
     area = scene.area
 
     # The mask is white in the area and black elsewhere. On the area's rim, where a pixel is only

@@ -3,7 +3,7 @@
 
 The picture is warped onto the area, and replaces what exercise 5.5 subtracted.
 """
-import aruco_program  # noqa: F401  before all else
+import aruco_program  # noqa: F401  it prepares NumPy and OpenCV, so it comes first
 import cv2
 from aruco_ar.exercise import AREA, PICTURE, Exercise, Result
 from aruco_ar.painting.paint import warp
@@ -16,27 +16,28 @@ def paint_picture(scene):
     if area is None or picture is None:
         return Result([image], scene.tags)
 
-    # The corners of the area are the place where the corners of the picture go. If their shapes differ, the
-    # picture is stretched, or cut off, or leaves a part of the area free. The mask is that of exercise 5.5.
+    # Find out which corners of the picture go where. Usually the picture's corners go to the area's. If the
+    # two differ in shape, "fit" may ask for less of the picture, or for less of the area. The window is the
+    # part of the image with the area: what we change in it is changed in the image. The mask of exercise 5.5
+    # is made for the window alone.
     place = find_place(image, area, picture, scene.settings.fit)
+    window, mask = place.window, place.mask
 
-    # The homography maps the four corners of the picture to those of the place, and straight lines to
-    # straight lines. With it, the picture is warped, as by cv2.warpPerspective. Our function does this only
-    # where the mask is not black. It also avoids flicker, and bends the picture as the lens of the camera
-    # bends the wall.
+    # The homography maps four corners to four corners, and straight lines to straight lines. For four pairs of
+    # points, this function gives the same as cv2.findHomography in the course.
     homography = cv2.getPerspectiveTransform(place.picture_corners, place.corners)
-    warped = warp(picture, homography, place.mask, place.positions)
 
-    # In the course, the mask is subtracted, and the warped picture is added. So it is here with an opaque
-    # picture. But where the picture is transparent, or somebody stands in front of it, less is subtracted and
-    # added.
-    added, subtracted = scene.shares(warped, place)
+    # Warp the picture, as by cv2.warpPerspective. Our function does this only where the mask is not black. It
+    # also avoids flicker, and bends the picture as the lens of the camera bends the wall.
+    warped = warp(picture, homography, mask, place.positions)
 
-    # The window is the part of the image with the area. Subtract the mask, as in 5.5: the area is black now.
-    # Then add the picture, which is black everywhere else.
-    window = place.window
-    cv2.subtract(window, subtracted, window)
-    cv2.add(window, added, window)
+    # Not all of it may be visible: the picture may be transparent, or somebody may stand in front of it.
+    mask, warped = scene.visible(warped, place)
+
+    # Subtract the mask, as in 5.5: the area is black now. Then add the picture, which is black outside of the
+    # area. The last argument is where the result goes.
+    cv2.subtract(window, mask, window)
+    cv2.add(window, warped, window)
     return Result([image], scene.tags)
 
 

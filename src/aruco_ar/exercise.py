@@ -7,7 +7,7 @@ from typing import Any, Callable, Sequence
 from .base.arrays import Image
 from .geometry.lens import Lens
 from .looks.hanging import OnWall
-from .painting.paint import shares
+from .painting.paint import visible
 from .painting.picture import Picture
 from .painting.place import Place
 from .tags.tag import Tag
@@ -40,15 +40,16 @@ class Scene:
     lens: Lens | None = None
     on_wall: OnWall | None = None
 
-    def shares(self, warped: Image, place: Place) -> tuple[Image, Image]:
-        """What to add to the window of a Place to paint a warped picture, and what to subtract from it first.
+    def visible(self, warped: Image, place: Place) -> tuple[Image, Image]:
+        """The mask of a Place, and a picture warped to it, as far as the picture is visible.
 
-        See painting.paint.shares. The settings may ask for more, such as that people stay in front.
+        The first is to be subtracted from the window, the second to be added: see painting.paint.visible. The
+        settings may ask for a picture that is not opaque, or that people stay in front.
         """
         mask = place.mask
         if self.on_wall is not None:
             warped, mask = self.on_wall.apply(warped, place)
-        return shares(place.window, warped, mask, self.settings.opacity)
+        return visible(place.window, warped, mask, self.settings.opacity)
 
 
 @dataclass(frozen=True)

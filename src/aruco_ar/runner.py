@@ -5,13 +5,12 @@ from dataclasses import replace
 from typing import Callable, Protocol, Sequence
 
 from .base.arrays import NO_ARRAY, Image
-from .exercise import AREA, PICTURE, TAGS, Exercise, Scene
+from .exercise import AREA, PICTURE, TAGS, Exercise, Result, Scene
 from .geometry.lens import Lens
 from .looks.hanging import Hanging
 from .painting.picture import Picture
 from .settings.settings import DetectionSettings, PictureSettings
-from .tags.tag import Tag
-from .tracking.observer import Observer, is_same_area
+from .tracking.observer import FOUND, NEEDED, Observer, is_same_area
 from .tracking.sight import SeenArea, Sight
 
 
@@ -34,7 +33,8 @@ class Runner:
         their own settings are unchanged. Raises InputError.
         """
         self.needs, self._exercise, self._open_source = exercise.needs, exercise, open_source
-        self._observer: Observer = Observer(settings, TAGS in exercise.needs, AREA in exercise.needs,
+        self._observer: Observer = Observer(settings, FOUND if TAGS in exercise.needs else NEEDED,
+                                            AREA in exercise.needs,
                                             None if previous is None else previous._observer)
         opens = open_source if PICTURE in exercise.needs else None
         before: Sequence[_Canvas | None] = [None] * len(settings) if previous is None else previous._canvases
@@ -55,12 +55,11 @@ class Runner:
         sight = self._observer.look(frame, stamp, lens)
         image = frame.copy() if keeps_frame or len(self._canvases) > 1 else frame
         seen_areas = sight.areas or [SeenArea(None, sight.tags)]
-        tags: list[Tag] = []
-        images: Sequence[Image] = [image]
+        result = Result([image], sight.tags)
         for canvas, seen in zip(self._canvases, seen_areas):
-            result = self._exercise.step(canvas.scene(sight, seen, images[-1]))
-            tags, images = [*tags, *result.tags], result.images
-        return replace(sight, tags=tuple(tags)), images
+            result = self._exercise.step(canvas.scene(sight, seen, result.images[-1]))
+        # An exercise may also find the tags itself, as 5.2 does.
+        return sight if sight.areas else replace(sight, tags=tuple(result.tags)), result.images
 
     def changed(self, settings: Sequence[DetectionSettings]) -> Runner:
         """A new Runner with changed settings. This one is unchanged. Raises InputError."""

@@ -15,7 +15,7 @@ from .shortfall import Shortfall
 
 
 class Watcher(Protocol):
-    """What watches for one thing that keeps tags from being found.
+    """What watches for one thing that keeps tags from being found. Hints.update gives it what it needs.
 
     ``hint``: a sentence about it with the remedy; None without it.
     """
@@ -29,8 +29,9 @@ class Watcher(Protocol):
 class Hints:
     """Watches frames and what is found in them.
 
-    ``warning``: a sentence about what keeps tags from being found, with the remedy, or None. ``notes``:
-    {kind: sentence} about what may surprise the user.
+    ``warning``: a sentence about what keeps tags from being found, or None. It ends with the remedy. A node
+    logs each last word once, since the rest may change from frame to frame. ``notes``: {kind: sentence} about
+    what may surprise the user.
     """
 
     def __init__(self, detection: Mapping[str, Any], upright: str | None, needs_area: bool = True) -> None:
@@ -68,7 +69,7 @@ class Hints:
         return self._other_tags.may_search(then) or self._missed_tags.may_search(then)
 
     def update(self, sight: Sight) -> list[Callable[[], None]]:
-        """Take in what is seen in a frame.
+        """Take in what is seen in a frame. Unless ``may_search`` was true, the frame may be painted on by now.
 
         Returns functions that search the frame for other tags. They may be called in another thread, and bring
         hints later.

@@ -120,21 +120,24 @@ def _levels_needed(picture: Image, homography: Floats) -> int:
 def put_in(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> None:
     """Paint a warped picture into a window, where the mask is white. This changes the window.
 
-    The arguments are those of ``shares``. Raises InputError as it does, and if the window is read-only.
+    The arguments are those of ``visible``. Raises InputError as it does, and if the window is read-only.
     """
     check_array('frame', window, np.uint8, (*window.shape[:2], 3), writes=True)
-    added, subtracted = shares(window, warped, mask, opacity)
-    cv2.subtract(window, subtracted, window)
-    cv2.add(window, added, window)
+    mask, warped = visible(window, warped, mask, opacity)
+    cv2.subtract(window, mask, window)
+    cv2.add(window, warped, window)
 
 
-def shares(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> tuple[Image, Image]:
-    """What to add to a window to paint a picture into it, and what to subtract from it first, (h, w, 3) each.
+def visible(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> tuple[Image, Image]:
+    """What to subtract from a window to paint a picture into it, and what to add then, (h, w, 3) each.
 
     ``window``: (h, w, 3) uint8. ``warped``: see warp; it may be overwritten. ``mask``: (h, w, 3) uint8, white
-    where to paint. ``opacity``: see overlay. For the course's opaque picture, these are the picture, cut out by
-    the mask, and the mask. Otherwise they are what the picture covers of each pixel, in both of them. Raises
-    InputError for images of other types and shapes.
+    where to paint. ``opacity``: see overlay.
+
+    For an opaque picture, these are the mask, and the picture where it is at most as light as the mask, as in
+    the course. So the rim's pixels are not an exact mixture. For any other picture they are: of the window's
+    and of the picture's pixels, the shares that the picture covers. Raises InputError for images of other
+    types and shapes.
     """
     size = window.shape[:2]
     check_array('frame', window, np.uint8, (*size, 3))
@@ -143,8 +146,8 @@ def shares(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> t
     if not window.size:
         return mask, mask
     if warped.shape[2] == 3 and opacity == 1:
-        return cv2.min(warped, mask, warped), mask
+        return mask, cv2.min(warped, mask, warped)
     if warped.shape[2] == 4:
         mask = cv2.multiply(mask, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
     cover = cv2.convertScaleAbs(mask, alpha=opacity)
-    return cv2.multiply(warped[:, :, :3], cover, scale=1 / 255), cv2.multiply(window, cover, scale=1 / 255)
+    return cv2.multiply(window, cover, scale=1 / 255), cv2.multiply(warped[:, :, :3], cover, scale=1 / 255)

@@ -10,7 +10,7 @@ from aruco_ar.base.files import in_package
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.settings.settings import LEARN, PoseSettings
 from aruco_ar.tags.tag import DICTIONARIES
-from aruco_ar.tracking.observer import Observer
+from aruco_ar.tracking.observer import FOLLOWED, Observer
 from aruco_ar.tracking.sight import Sight
 from aruco_ar.walls.wall import Wall, load_wall
 
@@ -28,7 +28,7 @@ class Poses:
 
     ``tags``: a TagPose for each tag in sight, by id. ``area``, ``camera``: the
     poses of the area and of the camera relative to the wall, or None if they
-    are not known. ``misfit``: what is wrong with the wall's file, in a sentence,
+    are not known or not wanted. ``misfit``: what is wrong with the wall's file, in a sentence,
     or None.
     """
 
@@ -47,7 +47,7 @@ class PoseRunner:
         Raises InputError if there is no such wall, or if its tags are of another dictionary.
         """
         self._settings = settings
-        self._observer: Observer = Observer([settings], finds_tags=True,
+        self._observer: Observer = Observer([settings], FOLLOWED,
                                             previous=None if previous is None else previous._observer)
         self._wall: Wall | None
         self._estimator: PoseEstimator
@@ -59,13 +59,17 @@ class PoseRunner:
             self._wall = _load_wall(settings)
             self._reset_poses()
 
-    def run(self, frame: Image, stamp: float, lens: Lens | None = None) -> tuple[Sight, Poses]:
-        """The Sight of a frame, and the Poses in it. The arguments are those of Observer.look."""
+    def run(self, frame: Image, stamp: float, lens: Lens | None = None,
+            wants_area: bool = True) -> tuple[Sight, Poses]:
+        """The Sight of a frame, and the Poses in it.
+
+        ``wants_area``: whether the area's pose is wanted, too. The other arguments are those of Observer.look.
+        """
         sight = self._observer.look(frame, stamp, lens)
         if lens is None:
             return sight, Poses()
         tags = sorted(self._estimator.update(sight.tags, lens, stamp), key=lambda pose: pose.id)
-        area, camera = sight.areas[0].area, self._estimator.camera()
+        area, camera = sight.areas[0].area if wants_area else None, self._estimator.camera()
         return sight, Poses(tags, None if area is None else self._estimator.area(area, lens), camera,
                             self._watch.check(tags, camera, stamp))
 

@@ -126,6 +126,13 @@ class Detector:
         scale, frame = min(SEARCH_SIDE_PX / side, MAX_ENLARGED), _gray(frame)
         return self._fitted(frame, *self._find(self._sized_finder, frame, scale))
 
+    def find_at(self, frame: Image, ids: Sequence[int], quads: Floats) -> list[Tag]:
+        """Those of the tags with these ids that are at quads, (n, 4, 2) pixels, off by less than a cell.
+
+        A tag whose edges are not all seen is left out, since it would stay where it is expected.
+        """
+        return self._fitted(_gray(frame), list(ids), np.asarray(quads, np.float32), needs_edges=True)
+
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
         return fit_tags(frame, quads, self._cells_of(ids))
@@ -246,7 +253,7 @@ class Detector:
                 turned.append(np.roll(quad, turns, axis=0))
         return found, np.array(turned, np.float32).reshape(-1, 4, 2)
 
-    def _fitted(self, frame: Image, ids: list[int], quads: Floats) -> list[Tag]:
+    def _fitted(self, frame: Image, ids: list[int], quads: Floats, needs_edges: bool = False) -> list[Tag]:
         """The tags among quadrilaterals, (n, 4, 2), moved onto their edges if these are found."""
         if not ids:
             return []
@@ -255,7 +262,8 @@ class Detector:
         room = np.minimum(fitted, far - fitted).reshape(-1, 8).min(axis=1)  # as far is the frame's rim
         sides = side_of(fitted)
         least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
-        good = np.flatnonzero((found | (room >= 1)) & (room >= -BEYOND_PX) & (likeness > self._likeness)
+        is_in_place = found if needs_edges else found | (room >= 1)
+        good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > self._likeness)
                               & (whole > least) & (sides >= self._min_side) & is_quadrilateral(fitted))
         if self._preset.rereads:
             good = _without_duplicates(fitted, whole, good)

@@ -1,37 +1,48 @@
 """Looks at each frame of a camera once, for all who want to know something of it."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Callable, Sequence
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.settings.settings import CORRECT, AreaSettings, DetectionSettings, LensSettings
 from aruco_ar.tags.detector import Detector
+from aruco_ar.tags.tag import Tag
 
 from .area_tracker import AreaTracker
+from .followed_tags import FollowedTags
 from .sight import Sight
 from .tag_search import FrameSearch, TagSearch
 from .tracker import see_areas
+
+# Which tags are wanted: those that tell where an area is; all that a search of the frame finds; or all, but
+# new ones may be found a little later, which takes a small part of the time (see FollowedTags).
+NEEDED, FOUND, FOLLOWED = 'needed', 'found', 'followed'
 
 
 class Observer:
     """Makes the Sight of each frame. Nothing else searches the frames of a camera for tags."""
 
-    def __init__(self, settings: Sequence[DetectionSettings], finds_tags: bool = False, tracks: bool = True,
+    def __init__(self, settings: Sequence[DetectionSettings], tags: str = NEEDED, tracks: bool = True,
                  previous: Observer | None = None) -> None:
         """``settings``: those of each area; AreaSettings if it is tracked.
 
-        ``finds_tags``: whether all tags are wanted in each frame. Otherwise those are found that tell where
-        an area is. ``tracks``: whether the areas are tracked. ``previous``: the Observer with the settings
-        before a change. What it has learned is kept, as far as is_same_area. Raises InputError.
+        ``tags``: which are wanted in each frame, NEEDED, FOUND or FOLLOWED. ``tracks``: whether the areas are
+        tracked. ``previous``: the Observer with the settings before a change. What it has learned is kept, as
+        far as is_same_area. Raises InputError.
         """
         for own in settings:
             Detector(**own.of_detector())  # raises if the dictionary does not have the ids
-        self._first, self._finds_tags = settings[0], finds_tags
+        self._corrects = isinstance(settings[0], LensSettings) and settings[0].lens == CORRECT
         any_id = not all(own.ids for own in settings)
         self._ids = None if any_id else {tag_id for own in settings for tag_id in own.ids}
         # It searches for all ids, since other tags on the same plane help to locate an area.
         self._search = TagSearch(**{**settings[0].of_detector(), 'ids': ()})
+        detector = self._search.detector
+        self._find: Callable[[Image, float], list[Tag] | None] = {
+            NEEDED: lambda frame, stamp: None,
+            FOUND: lambda frame, stamp: detector.detect(frame),
+            FOLLOWED: FollowedTags(detector).find}[tags]
         self._areas = [own for own in settings if tracks and isinstance(own, AreaSettings)]
         self._trackers = [AreaTracker(own.ids, own.upright) for own in self._areas]
         known = [] if previous is None else zip(previous._areas, previous._trackers)
@@ -45,9 +56,8 @@ class Observer:
         ``stamp``: its time, seconds. ``lens``: its Lens, or None if the camera is not calibrated. What was
         learned of the areas is forgotten if the time goes back, or if the frame's size or the lens changes.
         """
-        corrects = isinstance(self._first, LensSettings) and self._first.lens == CORRECT
-        bending = lens if lens is not None and lens.bends and corrects else None
-        found = self._search.detector.detect(frame) if self._finds_tags else None
+        bending = lens if lens is not None and self._corrects and lens.bends else None
+        found = self._find(frame, stamp)
         areas = see_areas(self._trackers, [own.hold for own in self._areas],
                           FrameSearch(self._search, frame, bending, found), stamp)
         tags = [tag for area in areas for tag in area.tags] if found is None else \

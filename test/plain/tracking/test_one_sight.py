@@ -9,7 +9,7 @@ from aruco_ar.hints.hints import Hints
 from aruco_ar.poses.pose_runner import PoseRunner
 from aruco_ar.settings.settings import AreaSettings, PoseSettings
 from aruco_ar.tags.detector import Detector
-from aruco_ar.tracking.observer import Observer
+from aruco_ar.tracking.observer import FOLLOWED, FOUND, NEEDED, Observer
 
 LENS = Lens(1000, 700, np.array([[900.0, 0, 500], [0, 900, 350], [0, 0, 1]]), np.array([]))
 WHOLE = 700, 1000
@@ -46,10 +46,10 @@ def wall(number, areas=range(5)):
     return cv2.cvtColor(cv2.GaussianBlur(frame, (0, 0), 0.6), cv2.COLOR_GRAY2BGR)
 
 
-@pytest.mark.parametrize('finds_tags', [False, True], ids=['areas', 'areas and poses'])
-def test_five_areas_poses_and_hints_search_each_frame_at_most_once(searches, finds_tags):
+@pytest.mark.parametrize('tags', [NEEDED, FOUND, FOLLOWED])
+def test_five_areas_poses_and_hints_search_each_frame_at_most_once(searches, tags):
     settings = [AreaSettings(ids=ids) for ids in IDS]
-    observer, hints = Observer(settings, finds_tags), Hints({**AreaSettings().of_detector()}, 'tags')
+    observer, hints = Observer(settings, tags), Hints({**AreaSettings().of_detector()}, 'tags')
     estimator, found = PoseEstimator(0.1), []
     for number in range(60):
         searches.clear()
@@ -57,9 +57,9 @@ def test_five_areas_poses_and_hints_search_each_frame_at_most_once(searches, fin
         assert hints.update(sight) == []
         whole = searches['detect', WHOLE] + searches['search', WHOLE]
         found.append(whole)
-        if finds_tags:
+        if tags != NEEDED:
             assert len(estimator.update(sight.tags, LENS, sight.stamp)) == 20
-            assert sum(searches.values()) == 1, (number, searches)
+            assert sum(searches.values()) <= 1, (number, searches)
         assert whole <= 1, (number, searches)
         # Besides, only the surroundings of tags that have just been lost are searched, once for all areas.
         assert sum(searches.values()) - whole <= 20
@@ -67,7 +67,8 @@ def test_five_areas_poses_and_hints_search_each_frame_at_most_once(searches, fin
         for seen, place in zip(sight.areas, PLACES):
             truth = place + CORNERS + moved(number) + 24.5
             np.testing.assert_allclose(seen.area.corners, truth, atol=0.5)
-    assert sum(found) == 60 if finds_tags else 3 <= sum(found) <= 6  # at first, and then every half second
+    least, most = {NEEDED: (3, 6), FOUND: (60, 60), FOLLOWED: (9, 15)}[tags]
+    assert least <= sum(found) <= most
 
 
 def test_areas_that_come_later_are_found_by_the_same_search(searches):
@@ -85,7 +86,7 @@ def test_poses_need_no_search_of_their_own(searches):
     for number in range(60):
         searches.clear()
         sight, poses = runner.run(wall(number), number / 30, LENS)
-        assert sum(searches.values()) == 1, (number, searches)
+        assert sum(searches.values()) <= 1, (number, searches)
         assert [pose.id for pose in poses.tags] == list(IDS[0]) and sight.areas[0].area is not None
         if number > 10:  # the wall is known after a few frames
             assert poses.area.width == pytest.approx(0.22, abs=0.005)
