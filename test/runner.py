@@ -1,6 +1,6 @@
 """Run tests, and print how many passed, failed, and were skipped. Called by script/test after the setup.
 
-main.py [--quick | NAME ...]
+runner.py [--quick | NAME ...]
 """
 import glob
 import os

@@ -56,7 +56,9 @@ class PoseRunner:
                                         for name in RELEARN_AFTER):
             self._wall, self._estimator, self._watch = previous._wall, previous._estimator, previous._watch
         else:
-            self._wall = _load_wall(settings)
+            is_same_wall = previous is not None and previous._settings.wall == settings.wall
+            self._wall = previous._wall if previous is not None and is_same_wall else _load_wall(settings)
+            _check_dictionary(settings, self._wall)
             self._reset_poses()
 
     def run(self, frame: Image, stamp: float, lens: Lens | None = None,
@@ -91,11 +93,12 @@ class PoseRunner:
 
 def _load_wall(settings: PoseSettings) -> Wall | None:
     """The Wall that settings name; None if it is learned."""
-    if settings.wall == LEARN:
-        return None
-    wall = load_wall(in_package(settings.wall))
-    if DICTIONARIES[wall.dictionary] != DICTIONARIES[settings.dictionary]:
+    return None if settings.wall == LEARN else load_wall(in_package(settings.wall))
+
+
+def _check_dictionary(settings: PoseSettings, wall: Wall | None) -> None:
+    """Raise InputError if the tags of a wall are of another dictionary than settings say."""
+    if wall is not None and DICTIONARIES[wall.dictionary] != DICTIONARIES[settings.dictionary]:
         raise InputError('The wall "%s" has tags of the dictionary %s, but the node looks for tags of %s. '
                          "Give the wall's dictionary: dictionary:=%s."
                          % (settings.wall, wall.dictionary, settings.dictionary, wall.dictionary))
-    return wall

@@ -12,6 +12,7 @@ from .frame_clock import FrameClock
 SEARCH_S = 0.2    # new tags are looked for at least this often
 RETURN_S = 1.0    # a tag that was lost is looked for in each frame for this time
 GAP_S = 0.1       # frames that are farther apart say little about where a tag is next
+FOUR = 4          # while fewer tags than this are in sight, each frame is searched for more: an area needs four
 
 
 class FollowedTags:
@@ -49,7 +50,7 @@ class FollowedTags:
         """The tags of the last frame in this one; none of them if the frame must be searched."""
         now, ids = self._clock.now, {tag.id for tag in self._tags}
         self._seen_at = {tag_id: seen for tag_id, seen in self._seen_at.items() if now - seen < RETURN_S}
-        if not ids or now - self._searched_at >= SEARCH_S or self._seen_at.keys() - ids:
+        if len(ids) < FOUR or now - self._searched_at >= SEARCH_S or self._seen_at.keys() - ids:
             return []
         quads = np.stack([tag.corners for tag in self._tags]) + np.float32(passed) * self._speeds
         tags = self._detector.find_at(frame, [tag.id for tag in self._tags], quads)
