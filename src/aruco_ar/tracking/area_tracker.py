@@ -140,6 +140,7 @@ class AreaTracker:
         shape = search.frame.shape[:2]
         if self._clock.goes_back(stamp) or self._shape not in ((), shape) or search.lens is not self._lens:
             self.reset()
+            search.reset()
         passed = self._clock.advance(stamp)
         self._shape, self._lens = shape, search.lens
         if self._layout is None:

@@ -66,6 +66,7 @@ class Observer:
 
     def reset(self) -> None:
         """Forget all that was learned of the areas."""
+        self._search.reset()
         for tracker in self._trackers:
             tracker.reset()
 

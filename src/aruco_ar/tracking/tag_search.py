@@ -32,6 +32,10 @@ class TagSearch:
     def __init__(self, dictionary: str, **detection: Any) -> None:
         self.detector = Detector(dictionary, **detection)
         self._never_fine = detection.get('search', 'normal') != 'normal'
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget how earlier frames were searched."""
         self._searches, self._has_some = 0, False  # whether the last usual search found any tags
 
     def find_all(self, frame: Image, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
@@ -66,6 +70,10 @@ class FrameSearch:
         self._search, self._detector = search, search.detector
         self._near: dict[int, list[Tag]] = {}  # what was found near the places of missing tags, as it was found
         self._tags = None if tags is None else undistorted_tags(tags, lens)
+
+    def reset(self) -> None:
+        """Search as if this frame were the first one."""
+        self._search.reset()
 
     def fit_expected(self, layout: Layout, motion: AreaMotion | None) -> tuple[dict[int, Tag], list[int]]:
         """{id: Tag} of the tags in their expected places, and the ids of the four tags that are missing.

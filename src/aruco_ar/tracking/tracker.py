@@ -36,9 +36,13 @@ class Tracker(AreaTracker):
             raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
         ids = frozenset(ids)
         Detector(dictionary, ids)  # raises if the dictionary does not have these ids
-        super().__init__(ids, upright)
         # It searches for all ids, since other tags on the same plane help to locate the four.
         self._search, self._hold = TagSearch(dictionary, **detection), hold
+        super().__init__(ids, upright)
+
+    def reset(self) -> None:
+        super().reset()
+        self._search.reset()
 
     def update(self, frame: Image, stamp: float, lens: Lens | None = None) -> Area | None:
         """The Area in a frame, or None.

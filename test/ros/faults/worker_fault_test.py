@@ -82,10 +82,10 @@ class WorkerFault(NodeTest):
 
     def test_an_exercise_continues_if_its_loop_its_frames_or_its_services_fail(self):
         node = 'aruco_node.nodes.camera_node:CameraNode.'
-        update = 'aruco_ar.tracking.tracker:Tracker.update'
+        look = 'aruco_ar.tracking.observer:Observer.look'
         write = 'aruco_node.health.snapshot:SnapshotService._write'
         self.publisher, self.connections = self.camera()
-        self.start_failing('exercise5_6', [update, write] + [
+        self.start_failing('exercise5_6', [look, write] + [
             node + name for name in ('is_wanted', 'report', 'reset', 'prepare')])
         self.inboxes = {'image': self.listen('/exercise5_6/image')}
         self.use_inboxes(self.inboxes)
@@ -101,7 +101,7 @@ class WorkerFault(NodeTest):
 
         def reconfigure():
             self.assertEqual(change('/exercise5_6', opacity=0.5)['opacity'], 1.0)
-        self.assert_reported({node + 'is_wanted': answers, node + 'report': answers, update: lambda: None,
+        self.assert_reported({node + 'is_wanted': answers, node + 'report': answers, look: lambda: None,
                           node + 'reset': lambda: ask_for('reset'), write: lambda: ask_for('snapshot'),
                           node + 'prepare': reconfigure})
         answers()
