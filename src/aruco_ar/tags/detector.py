@@ -131,7 +131,9 @@ class Detector:
 
         A tag whose edges are not all seen is left out, since it would stay where it is expected.
         """
-        return self._fitted(_gray(frame), list(ids), np.asarray(quads, np.float32), needs_edges=True)
+        # As OpenCV's corners, these are whole pixels. Otherwise a tiny error of one fit would pass to the next
+        # one, and the errors of all frames would be alike.
+        return self._fitted(_gray(frame), list(ids), np.round(quads).astype(np.float32), needs_edges=True)
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
