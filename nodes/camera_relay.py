@@ -26,7 +26,7 @@ class CameraRelay(FrameNode):
     def __init__(self):
         super().__init__([IMAGE], RelaySettings)
         self._set_quality(self.settings)
-        self._info_publisher = self.advertise('~' + INFO, CameraInfo)
+        self._info_publisher = self.advertise('~' + INFO, CameraInfo, is_enough=False)
         self._info, self._info_subscriber = None, InfoSubscriber(info_topics(self.camera), self._on_info)
         self._due = 0.0  # stamp at which the next frame is due, seconds
 

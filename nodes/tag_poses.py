@@ -5,30 +5,21 @@ From frames and the camera's calibration it computes the poses of every tag in
 sight, of the area, of the camera and of the robot. It publishes them as
 messages, TF frames and markers for RViz, and draws axes on the frame.
 """
-import time
-
 import aruco_program  # noqa: F401  before all else
 import rospy
-import tf2_ros
-import yaml
-from aruco_ar.base.errors import shorten
-from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.pose_runner import PoseRunner
 from aruco_ar.settings.settings import LEARN
-from aruco_node.health.diagnostics import ERROR, WARN
-from aruco_node.health.faults import log_once
-from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages import pose_messages
 from aruco_node.messages.frame_names import WALL_FRAME, frame_name
-from aruco_node.nodes.camera_node import CameraNode
-from aruco_node.nodes.frame_node import Answer
+from aruco_node.nodes.camera_node import CameraAnswer, CameraNode
 from aruco_node.nodes.manual import camera_manual
 from aruco_node.nodes.node import run_node
+from aruco_node.nodes.robot import Robot
 from aruco_node.parameters.parameters import AUTO
 from aruco_node.parameters.settings import ID, PoseSettings
 from aruco_node.process.memory import keep_memory
-from aruco_node.ros_internals.tf import Broadcaster, OthersFrames
+from aruco_node.ros_internals.tf import Broadcaster
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from unit5.msg import AreaPose, TagPoseArray
 from visualization_msgs.msg import MarkerArray
@@ -46,40 +37,24 @@ class TagPoses(CameraNode):
     """Publishes the poses of the tags, the area, the camera and the robot."""
 
     needs_calibration = True
+    without_lens = 'Tags are found, but no poses: %s.'
 
     def __init__(self):
         super().__init__(['image'], PoseSettings, True, lambda settings: PoseRunner(*settings))
-        self._problems = {}  # sentences about what is wrong, by kind
-        self._lens_check = LensCheck()
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
+        self._robot = Robot(self.settings.robot_frame, lambda: self._is_heard('robot_pose'))
+        self.inputs.append(self._robot)
         self._transforms = Broadcaster()
+        self.are_heard.append(lambda: self._transforms.is_heard(own=self._robot.listens))
         self._last_tf_stamp = None
-        # Transforms of other nodes, which are received only while somebody listens to ~robot_pose.
-        self._tf_buffer, self._tf_listener = tf2_ros.Buffer(), None
-        self._tf_listening_since = time.monotonic()
 
-    def is_wanted(self):
-        return super().is_wanted() or self._transforms.is_heard(own=self._tf_listener is not None) or \
-            any(publisher.get_num_connections() for publisher in self._publishers.values())
-
-    def update_subscriptions(self, wanted):
-        super().update_subscriptions(wanted)
-        needs_tf = self._publishers['robot_pose'].get_num_connections() > 0
-        if needs_tf and self._tf_listener is None:
-            self._tf_listening_since = time.monotonic()
-            self._tf_listener = OthersFrames(self._tf_buffer)
-        elif not needs_tf and self._tf_listener is not None:
-            self._tf_listener.unregister()
-            self._tf_listener = None
-
-    def forget_last_frames(self):
-        super().forget_last_frames()
-        self._problems = {}
+    def _is_heard(self, *names):
+        """Whether anybody listens to one of these topics."""
+        return any(self._publishers[name].get_num_connections() for name in names)
 
     def look(self, frame, stamp, is_searched):
-        wants_area = any(self._publishers[name].get_num_connections() for name in ('area', 'markers'))
-        return self.runner.run(frame, stamp, self.lens, wants_area)
+        return self.runner.run(frame, stamp, self.lens, self._is_heard('area', 'markers'))
 
     def answer_to(self, sight, poses, header):
         problems = {}
@@ -91,32 +66,11 @@ class TagPoses(CameraNode):
         def publish():
             if sight.lens is not None:
                 self._publish_poses(sight, poses, header, problems)
-            for kind, sentence in problems.items():
-                log_once(kind, sentence, rospy.logwarn)
-            self._problems = problems
         image = sight.frame
         if self.is_image_wanted('image'):
             image = mark_poses(image, sight.tags, poses.tags, sight.lens, sight.areas[0].area)
-        return Answer([image], publish, is_complete=sight.lens is not None or bool(problems))
-
-    def further_checks(self, sight):
-        others = {tag_id for tag_id, _ in self.settings.tag_sizes}
-        check = self._lens_check.update(sight.stamp, [tag for tag in sight.tags if tag.id not in others],
-                                        sight.lens)
-        return [] if check is None else [check]
-
-    @property
-    def warning(self):
-        return super().warning or self._lens_check.hint
-
-    def report(self):
-        level, sentence, values = super().report()
-        problems = list(self._problems.values()) if self.is_receiving else []
-        # Missing poses matter more than dropped frames, but less than an error.
-        return (WARN, problems[0], values) if problems and level < ERROR else (level, sentence, values)
-
-    def explain(self, fault):
-        return 'Tags are found, but no poses: %s.' % fault
+        return CameraAnswer([image], publish, sight.lens is not None or bool(problems), problems=problems,
+                            hint=poses.hint, work=poses.work)
 
     def _publish_poses(self, sight, poses, header, problems):
         """Publish the poses on the topics that somebody listens to. Adds to ``problems`` what is missing."""
@@ -143,7 +97,7 @@ class TagPoses(CameraNode):
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(poses.camera, header.stamp, wall))
         if 'robot_pose' in publish and camera_frame:
-            robot = self._robot(poses.camera, camera_frame, header.stamp, problems)
+            robot = self._robot.pose(poses.camera, camera_frame, header.stamp, problems)
             if robot is not None:
                 publish['robot_pose'](pose_messages.stamped(robot, header.stamp, wall))
 
@@ -162,39 +116,6 @@ class TagPoses(CameraNode):
             names = [frame_name(self.settings.tag_frame.replace(ID, str(pose.id))) for pose in unique]
             self._transforms.sendTransform([pose_messages.transform(pose, stamp, header.frame_id, name)
                                             for pose, name in zip(unique, names)])
-
-    def _robot(self, camera, camera_frame, stamp, problems):
-        """The robot's pose by the camera's pose; None if TF does not say where the camera is mounted."""
-        own, plain = frame_name(self.settings.robot_frame), self.settings.robot_frame.lstrip('/')
-        found = self._mounting(camera_frame, own, stamp)
-        if found is None and plain != own:
-            found = self._mounting(camera_frame, plain, stamp)
-            if found is not None:
-                log_once('robot frame', 'TF joins %s to the camera, and not %s, so it is taken for the robot.'
-                         % (plain, own), rospy.loginfo)
-        if found is not None:
-            return camera.carry(*pose_messages.from_transform(found.transform))
-        if time.monotonic() - self._tf_listening_since > SILENCE_S:
-            problems['robot'] = 'The pose of the robot is not known: TF does not join %s to %s. %s' % (
-                shorten(own, 40), shorten(camera_frame, 40), self._known_frames())
-        return None
-
-    def _mounting(self, camera_frame, frame, stamp):
-        """The TransformStamped from a TF frame to the camera at a time; None if it is not known."""
-        try:
-            return self._tf_buffer.lookup_transform(camera_frame, frame, stamp)
-        except tf2_ros.ExtrapolationException:  # TF may come later than the frame; then the newest is the best
-            return self._mounting(camera_frame, frame, rospy.Time(0)) if stamp else None
-        except (tf2_ros.TransformException, ValueError):  # ValueError: a null character in a name
-            return None
-
-    def _known_frames(self):
-        """What TF frames there are, and what to do, in a sentence."""
-        names = sorted(yaml.safe_load(self._tf_buffer.all_frames_as_yaml()) or [])
-        if not names:
-            return 'No TF frames are published. Start robot_state_publisher or a static_transform_publisher.'
-        return 'Set robot_frame to one of the TF frames that there are: %s.' % shorten(', '.join(names), 200)
-
 
 if __name__ == '__main__':
     keep_memory()

@@ -211,7 +211,7 @@ def _are_clockwise(quads: Floats) -> Booleans:
 
 
 def _are_in_front(rotation: Floats, translation: Floats) -> Booleans:
-    """(n, 2): whether tags with these poses, (n, 2, 3, 3) and (n, 2, 3), are in front of the camera and face it."""
+    """(n, 2): whether tags are in front of the camera and face it. The poses: (n, 2, 3, 3) and (n, 2, 3)."""
     is_facing = np.einsum('npi,npi->np', rotation[..., 2], translation) < 0
     return is_facing & (translation[..., 2] > NEAR_M)
 

@@ -2,11 +2,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Sequence
+from typing import Callable, Sequence
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
+from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.settings.settings import LEARN, PoseSettings
 from aruco_ar.tags.tag import DICTIONARIES
@@ -28,14 +29,18 @@ class Poses:
 
     ``tags``: a TagPose for each tag in sight, by id. ``area``, ``camera``: the
     poses of the area and of the camera relative to the wall, or None if they
-    are not known or not wanted. ``misfit``: what is wrong with the wall's file, in a sentence,
-    or None.
+    are not known or not wanted. ``misfit``: what is wrong with the wall's file,
+    in a sentence, or None. ``hint``: what is wrong with the lens, or None.
+    ``work``: functions that check the lens, which takes some tenths of a second;
+    they may be called in another thread.
     """
 
     tags: Sequence[TagPose] = ()
     area: AreaPose | None = None
     camera: CameraPose | None = None
     misfit: str | None = None
+    hint: str | None = None
+    work: Sequence[Callable[[], None]] = ()
 
 
 class PoseRunner:
@@ -47,6 +52,8 @@ class PoseRunner:
         Raises InputError if there is no such wall, or if its tags are of another dictionary.
         """
         self._settings = settings
+        self._lens_check: LensCheck = LensCheck() if previous is None else previous._lens_check
+        self._others = {tag_id for tag_id, _ in settings.tag_sizes}  # tags of another size than most
         self._observer: Observer = Observer([settings], FOLLOWED,
                                             previous=None if previous is None else previous._observer)
         self._wall: Wall | None
@@ -68,12 +75,14 @@ class PoseRunner:
         ``wants_area``: whether the area's pose is wanted, too. The other arguments are those of Observer.look.
         """
         sight = self._observer.look(frame, stamp, lens)
+        check = self._lens_check.update(stamp, [tag for tag in sight.tags if tag.id not in self._others], lens)
+        hint, work = self._lens_check.hint, () if check is None else (check,)
         if lens is None:
-            return sight, Poses()
+            return sight, Poses(hint=hint, work=work)
         tags = sorted(self._estimator.update(sight.tags, lens, stamp), key=lambda pose: pose.id)
         area, camera = sight.areas[0].area if wants_area else None, self._estimator.camera()
         return sight, Poses(tags, None if area is None else self._estimator.area(area, lens), camera,
-                            self._watch.check(tags, camera, stamp))
+                            self._watch.check(tags, camera, stamp), hint, work)
 
     def changed(self, settings: Sequence[PoseSettings]) -> PoseRunner:
         """A new PoseRunner with changed settings of its one area. This one is unchanged. Raises InputError."""

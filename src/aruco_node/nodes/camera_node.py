@@ -1,6 +1,7 @@
 """A node that looks at each frame of a camera once, and publishes what it makes of it."""
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from typing import Callable, Dict, Optional, Sequence
 
 import rospy
 from aruco_ar.base.errors import InputError
@@ -18,7 +19,21 @@ from aruco_node.parameters.parameters import read, ros_values
 from aruco_node.parameters.settings import LensSettings, load_areas
 
 from .camera_lens import NO_CAMERA_INFO, CameraLens
-from .frame_node import FrameNode
+from .frame_node import Answer, FrameNode
+
+
+@dataclass(frozen=True)
+class CameraAnswer(Answer):
+    """An Answer of a CameraNode.
+
+    ``problems``: sentences about what is wrong, by kind; ``publish`` may still add some. ``hint``: a sentence
+    about what the user may have overlooked, or None. ``work``: functions that look for more of that, in
+    another thread.
+    """
+
+    problems: Dict[str, str] = field(default_factory=dict)
+    hint: Optional[str] = None
+    work: Sequence[Callable[[], None]] = ()
 
 
 class CameraNode(FrameNode):
@@ -30,6 +45,7 @@ class CameraNode(FrameNode):
     """
 
     needs_calibration = False  # whether there is no result without it
+    without_lens = 'The lens is taken to be free of distortion: %s.'  # while the calibration is not known
 
     def __init__(self, topics, kind_of_settings, tracks, new_runner):
         """``topics``: private names of the images. ``kind_of_settings``: the class of the parameters.
@@ -46,9 +62,11 @@ class CameraNode(FrameNode):
         self._hints, self._worker = self._new_hints(self.settings), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
         self._missed_tags = False  # whether it was logged that no tag is in sight
+        self._warning, self._problems = None, {}  # what the user may have overlooked; what is wrong, by kind
         self._calibration = None
         if isinstance(self.settings, LensSettings):
             self._calibration = CameraLens(self.settings, self.camera)
+            self.inputs.append(self._calibration)
         self.lens = self.lens_fault = None
 
     def look(self, frame, stamp, is_searched):
@@ -59,17 +77,20 @@ class CameraNode(FrameNode):
         raise NotImplementedError
 
     def answer_to(self, sight, made, header):
-        """The Answer with what the runner made of a frame. Its tags, and ~tags, are added."""
+        """The CameraAnswer with what the runner made of a frame. Its tags, and ~tags, are added."""
         raise NotImplementedError
 
     def process(self, frame, header, stamp):
         self._update_lens(frame)
         self._sight, made = sight, _ = self.look(frame, stamp, self._hints.may_search(stamp))
-        self._hint(sight)
         answer = self.answer_to(sight, made, header)
+        self._hint([*self._hints.update(sight), *answer.work], answer.hint)
 
         def publish():
             answer.publish()
+            for kind, problem in answer.problems.items():
+                log_once(kind, problem, rospy.logwarn)
+            self._problems = answer.problems
             if self._tags.get_num_connections():
                 self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in sight.tags], header))
         return replace(answer, publish=publish, tags_in_sight=len(sight.tags),
@@ -86,7 +107,7 @@ class CameraNode(FrameNode):
         fault = self.lens_fault  # read once: another thread may change it
         if fault is not None:
             values['lens'] = self.explain(fault)
-        warning = self.warning
+        warning = self._warning
         self._log_missing_tags(warning)
         if warning:
             values['hint'] = warning
@@ -94,7 +115,9 @@ class CameraNode(FrameNode):
                 level, sentence = WARN, warning
         for kind, hint in self._hints.notes.items():
             values[kind] = hint
-        return level, sentence, values
+        problem = next(iter(self._problems.values()), None)
+        # It matters more than dropped frames, but less than an error.
+        return (WARN, problem, values) if problem and level < ERROR else (level, sentence, values)
 
     def decode(self, message):
         frame, scale = super().decode(message), self.settings.scale
@@ -103,20 +126,14 @@ class CameraNode(FrameNode):
         check_size(*(scale * side for side in frame.shape[1::-1]))
         return resize(frame, scale)
 
-    def is_wanted(self):
-        return super().is_wanted() or self._tags.get_num_connections() > 0
-
-    def update_subscriptions(self, wanted):
-        if self._calibration is not None:
-            self._calibration.update_subscription(wanted)
-
     def forget_last_frames(self):
         self._hints.reset()
-        self.lens = self.lens_fault = None
+        self.lens = self.lens_fault = self._warning = None
+        self._problems = {}
 
     def explain(self, fault):
         """A sentence about an InputError that says why the lens is not known."""
-        return 'The lens is taken to be free of distortion: %s.' % fault
+        return self.without_lens % fault
 
     def prepare(self, settings):
         if all('picture' in own for own in self._areas) and settings.picture != self.settings.picture:
@@ -140,15 +157,6 @@ class CameraNode(FrameNode):
         if self._tracks:
             rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
 
-    @property
-    def warning(self):
-        """A sentence about what the user may have overlooked, or None."""
-        return self._hints.warning
-
-    def further_checks(self, sight):
-        """Functions that look for more that a user may have overlooked, in another thread."""
-        return []
-
     def _update_lens(self, frame):
         if self._calibration is None:
             return
@@ -168,12 +176,11 @@ class CameraNode(FrameNode):
         return Hints({**of_areas[0].of_detector(), 'ids': ids}, getattr(settings, 'upright', None),
                      needs_area=not self.needs_calibration)
 
-    def _hint(self, sight):
-        """Log what a user may have overlooked, if there is anything, once."""
-        # In another thread, since they take so long that frames would be late.
-        for work in [*self._hints.update(sight), *self.further_checks(sight)]:
+    def _hint(self, searches, hint):
+        """Have hints looked for, and log what a user may have overlooked, if there is anything, once."""
+        for work in searches:  # in another thread, since it takes so long that frames would be late
             self._worker.submit(fault_barrier(work))
-        warning = self.warning
+        warning = self._warning = self._hints.warning or hint
         if warning:  # once for each remedy, which is the last word, since the tags may change with each frame
             log_once(warning.rpartition(' ')[2], warning, rospy.logwarn)
         for kind, hint in self._hints.notes.items():

@@ -5,8 +5,7 @@ from aruco_ar.runner import Runner
 from aruco_node.parameters.settings import TOPIC, AreaSettings, LensSettings, PictureSettings, TagSettings
 from aruco_node.process.memory import keep_memory
 
-from .camera_node import CameraNode
-from .frame_node import Answer
+from .camera_node import CameraAnswer, CameraNode
 from .manual import camera_manual
 from .node import run_node
 from .pictures import TopicPicture, open_picture
@@ -39,7 +38,7 @@ class ExerciseNode(CameraNode):
         return self.runner.run(frame, stamp, self.lens, is_searched)
 
     def answer_to(self, sight, images, header):
-        return Answer(images)
+        return CameraAnswer(images)
 
     def update_subscriptions(self, wanted):
         super().update_subscriptions(wanted)

@@ -70,6 +70,8 @@ class FrameNode:
         self._frame_problem = None  # why the last frame could not be used
         self._may_end = False  # whether the next frame may be an END_OF_VIDEO, since there was one before it
         self._wake = threading.Event()  # ends the main loop's sleep
+        self.are_heard = []  # functions that tell whether anybody listens to what is published besides images
+        self.inputs = []     # what has an update_subscription: see CameraLens
         self.outputs = {topic: ImagePublisher('~' + topic, self._wake.set) for topic in image_topics}
         self._count, self._lateness = FrameCount(looks_for_tags), Lateness()
         self._diagnostics = Diagnostics(self.report)
@@ -100,7 +102,8 @@ class FrameNode:
 
     def is_wanted(self):
         """Whether anybody listens to any topic that is published for each frame, or waits for a snapshot."""
-        return any(self.is_image_wanted(topic) for topic in self.outputs)
+        return any(self.is_image_wanted(topic) for topic in self.outputs) or \
+            any(is_heard() for is_heard in self.are_heard)
 
     def is_image_wanted(self, topic):
         """Whether anybody listens to the images on this topic, or waits for a snapshot."""
@@ -108,6 +111,8 @@ class FrameNode:
 
     def update_subscriptions(self, wanted):
         """Subscribe to topics other than the camera's, or leave them. Called about once a second."""
+        for each in self.inputs:
+            each.update_subscription(wanted)
 
     def forget_last_frames(self):
         """Forget what is true only of the last frames. Called when the node begins or ceases to listen."""
@@ -151,9 +156,15 @@ class FrameNode:
         with self._processing:
             change()
 
-    def advertise(self, topic, message_class):
-        """A rospy.Publisher. The node notices at once when somebody starts or stops listening to it."""
-        return rospy.Publisher(topic, message_class, ListenerEvents(self._wake.set), queue_size=1)
+    def advertise(self, topic, message_class, is_enough=True):
+        """A rospy.Publisher. The node notices at once when somebody starts or stops listening to it.
+
+        ``is_enough``: whether frames are processed while somebody listens to nothing else.
+        """
+        publisher = rospy.Publisher(topic, message_class, ListenerEvents(self._wake.set), queue_size=1)
+        if is_enough:
+            self.are_heard.append(publisher.get_num_connections)
+        return publisher
 
     def spin(self):
         """Process frames until shutdown."""
