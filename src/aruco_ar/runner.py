@@ -32,7 +32,7 @@ class Runner:
         the Runner with the settings before a change. What it has learned and its sources are kept, as far as
         their own settings are unchanged. Raises InputError.
         """
-        self.needs, self._exercise, self._open_source = exercise.needs, exercise, open_source
+        self._exercise, self._open_source = exercise, open_source
         self._observer: Observer = Observer(settings, FOUND if TAGS in exercise.needs else NEEDED,
                                             AREA in exercise.needs,
                                             None if previous is None else previous._observer)
