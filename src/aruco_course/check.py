@@ -1,0 +1,98 @@
+"""What the check of an exercise consists of. Each exercise's check.py makes one."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Sequence
+
+from aruco_ar.base.arrays import Image
+from aruco_ar.tags.tag import Tag
+
+
+@dataclass(frozen=True)
+class View:
+    """A frame, (h, w, 3) BGR uint8, and the tags that are truly in it."""
+
+    frame: Image
+    tags: tuple[Tag, ...]
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What the learner's code made of a View: an image for each of the check's outputs.
+
+    ``number``: that of the frame, from 1. The images are as the code returned them: gray ones are (h, w), and
+    all may be smaller than the frame, since the course shrinks it to 0.7.
+    """
+
+    number: int
+    view: View
+    images: tuple[Image, ...]
+
+    @property
+    def image(self) -> Image:
+        """The last image: the frame with what was drawn."""
+        return self.images[-1]
+
+
+@dataclass(frozen=True)
+class Fault:
+    """The first thing that is wrong: a sentence or two, and where.
+
+    ``place``: such as "Frame 12" or "Line 34", or nothing. ``shown``: the output that is wrong, if it is one.
+    ``expected``: the image that would have been right, of the same size. ``marked``: (h, w) bool, where they
+    differ.
+    """
+
+    what: str
+    place: str = ''
+    shown: Shown | None = None
+    expected: Image | None = None
+    marked: Image | None = None
+
+    def __str__(self) -> str:
+        return '%s: %s' % (self.place, self.what) if self.place else self.what[:1].upper() + self.what[1:]
+
+
+Judge = Callable[[Sequence[Shown]], 'Fault | None']
+
+
+@dataclass(frozen=True)
+class Challenge:
+    """What a right solution need not survive, but a good one does.
+
+    ``name``: such as "no tag in sight". ``why``: why the course's own code fails there. ``views`` and
+    ``judge``: as those of a Check.
+    """
+
+    name: str
+    why: str
+    views: Callable[[], Sequence[View]]
+    judge: Judge
+
+
+@dataclass(frozen=True)
+class Check:
+    """How an exercise is presented and judged.
+
+    ``number``: such as "5.4". ``function``: the name of the learner's function of an image. ``outputs``: the
+    names of the images that it returns, and of the topics on which its node publishes them; the frame with
+    what was drawn is the last. ``task``: what is to be done, in a few sentences. ``hints``: three, each of
+    which tells more. ``minutes``: how long it takes. ``views``: makes the frames it is judged by. ``judge``:
+    finds the first Fault in what was made of them.
+    """
+
+    number: str
+    title: str
+    minutes: int
+    function: str
+    task: str
+    hints: tuple[str, str, str]
+    views: Callable[[], Sequence[View]]
+    judge: Judge
+    challenges: tuple[Challenge, ...] = ()
+    outputs: tuple[str, ...] = ('image',)
+
+    @property
+    def name(self) -> str:
+        """That of the exercise's files, such as exercise5_4."""
+        return 'exercise' + self.number.replace('.', '_')
