@@ -8,6 +8,7 @@ from typing import Iterable, NamedTuple
 
 from aruco_ar import InputError
 from aruco_ar.base.files import package_folder, read_whole, write_whole
+
 from aruco_course.check import Check
 
 BEGIN, END = '### BEGIN SOLUTION', '### END SOLUTION'
