@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Sequence
 
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Booleans, Image
 from aruco_ar.tags.tag import Tag
 
 
@@ -58,7 +58,7 @@ class Fault:
     place: str = ''
     shown: Shown | None = None
     expected: Image | None = None
-    marked: Image | None = None
+    marked: Booleans | None = None
 
     def __str__(self) -> str:
         return '%s: %s' % (self.place, self.what) if self.place else self.what[:1].upper() + self.what[1:]
