@@ -1,7 +1,9 @@
 """Says in plain data what the learner's code returned or raised, for ../sentences."""
 import builtins
 import difflib
+import linecache
 import os
+import re
 import sys
 
 import cv2
@@ -58,14 +60,14 @@ def line_now(path):
 def error(raised, path, unread):
     """What was raised, where, and what may help to say why."""
     line, inner = 0, None
-    last = None
+    last = own = None
     trace = raised.__traceback__
     while trace:
         code = trace.tb_frame.f_code
         last = trace.tb_frame
         inner = (code.co_filename, trace.tb_lineno, code.co_name)
         if code.co_filename == path:
-            line = trace.tb_lineno
+            line, own = trace.tb_lineno, trace.tb_frame
         trace = trace.tb_next
     beside = ''
     if isinstance(raised, SyntaxError) and raised.filename:
@@ -84,7 +86,17 @@ def error(raised, path, unread):
             'near': near(raised, last), 'opencv': cv2.__version__,
             'name': str(getattr(raised, 'name', None) or '')[:200],
             'file': str(getattr(raised, 'filename', None) or '')[:500],
-            'unread': unread}
+            'values': values_of(path, line, own), 'unread': unread}
+
+
+def values_of(path, line, frame):
+    """What the names have in them that are in this line of the file."""
+    if frame is None:
+        return {}
+    names = dict.fromkeys(re.findall(r'[A-Za-z_]\w*', linecache.getline(path, line)))
+    there = dict(frame.f_globals, **frame.f_locals)
+    return {name[:60]: describe(there[name]) for name in list(names)[:30]
+            if name in there and not isinstance(there[name], (type(sys), type)) and not callable(there[name])}
 
 
 def near(raised, frame):

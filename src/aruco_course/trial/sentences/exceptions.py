@@ -9,9 +9,12 @@ from aruco_course.check import Fault
 
 from .gone import of_gone
 from .opencv import of_opencv
+from .shapes import Values, fit_of
 
 # Such as "module 'cv2.aruco' has no attribute 'Dictionary_get'".
 ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no attribute '([^']+)'")
+OTHER_NAMES = {'opencv': 'cv2', 'cv': 'cv2', 'OpenCV': 'cv2', 'open_cv': 'cv2', 'opencv_python': 'cv2', 'np': 'numpy as np',
+               'cvbridge': 'cv_bridge', 'CvBridge': 'cv_bridge', 'ros': 'rospy', 'sensor_msg': 'sensor_msgs'}
 PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml': 'PyYAML', 'imutils': 'imutils',
        'scipy': 'scipy', 'skimage': 'scikit-image', 'matplotlib': 'matplotlib', 'sklearn': 'scikit-learn'}
 
@@ -32,6 +35,7 @@ class Error:
         self.stage = str(record['stage'])
         self.call = int(record['call'])
         self.function = function
+        self.values: Values = {str(name): dict(what) for name, what in record['values'].items()}
         unread = record['unread']
         self.unread = (str(unread[0]), int(unread[1])) if unread else None
         linecache.checkcache(path)
@@ -107,12 +111,14 @@ def of_end_of_file(error: Error) -> str:
 
 def of_module(error: Error) -> str:
     root = error.name.split('.')[0]
+    if root == 'aruco':
+        return 'there is no module aruco. It is a part of OpenCV: "from cv2 import aruco".'
+    if root in OTHER_NAMES:
+        return 'there is no module %s: it is "import %s".' % (error.name, OTHER_NAMES[root])
     if error.name == 'cv2.aruco':
         return of_no_aruco(error)
     if error.near and error.near != root:
         return 'there is no module %s. Is %s meant?' % (error.name, error.near)
-    if root == 'aruco':
-        return 'there is no module aruco. It is a part of OpenCV: "from cv2 import aruco".'
     return 'there is no module %s here. Is its name right? "pip install %s" may bring it.' % (
         error.name, PIP.get(root, root))
 
@@ -178,11 +184,12 @@ def of_none(error: Error, but: str) -> str:
     """The sentence for a None where something else was expected. ``but``: what cannot be done with it."""
     if error.unread and error.stage:
         return of_unread(error)
-    if re.search(r'\bids\b', error.source):
-        return ('ids is None here, and %s: detectMarkers found no tag. Ask "if ids is None" first, and return '
-                'the image as it is.' % but)
-    return ('something is None here, and %s. Which value on this line can be None? OpenCV gives ids = None '
-            'without tags, and an image = None if imread finds no file.' % but)
+    name = next((name for name, what in error.values.items() if what['type'] == 'NoneType'), 'something')
+    if name == 'ids' or (name == 'something' and re.search(r'\bids\b', error.source)):
+        return ('ids is None here, and %s: detectMarkers found no tag. Ask "if ids is None" first, and return the image '
+                'as it is.' % but)
+    return ('%s is None here, and %s. Where does it come from? OpenCV gives ids = None without tags, and imread gives '
+            'None if it finds no file.' % (name, but))
 
 
 def of_unread(error: Error) -> str:
@@ -195,6 +202,10 @@ def of_unread(error: Error) -> str:
 
 def of_type(error: Error) -> str:
     message = error.message
+    match = re.match(r"(?:descriptor|unbound method) '(\w+)'.* '?cv2\.(?:aruco\.)?(\w+)", message)
+    if match:
+        return ('%s belongs to a %s, which must be made first: %s(…).%s(…).' % (
+            match.group(1), match.group(2), match.group(2), match.group(1)))
     if "'NoneType'" in message:
         if 'len()' in message:
             return of_none(error, 'it has no length')
@@ -258,6 +269,9 @@ def of_index(error: Error) -> str:
     match = re.match(r'index (-?\d+) is out of bounds for axis (\d+) with size (\d+)', error.message)
     if match:
         index, axis, size = match.groups()
+        if re.search('argm(in|ax)', error.source):
+            return ('there is no [%s] here, only %s of them. np.argmin and np.argmax count through all numbers of a '
+                    'table: do they, or what comes before them, need axis=1?' % (index, size))
         if int(size) > 100:
             return ('there is no place %s along axis %s, which has %s. An image is indexed image[y, x]: are x '
                     'and y exchanged?' % (index, axis, size))
@@ -316,7 +330,7 @@ def of_ros(error: Error) -> str:
 def of_opencv_error(error: Error) -> str:
     if error.unread and re.search(r'empty\(\)|NoneType|is not a numpy array', error.message):
         return of_unread(error)
-    return of_opencv(error.message, error.source)
+    return of_opencv(error.message, error.source, error.values)
 
 
 def of_syntax(error: Error) -> str:

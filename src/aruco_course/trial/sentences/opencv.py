@@ -3,20 +3,49 @@ from __future__ import annotations
 
 import re
 
+from .shapes import Values, arrays_of, fit_of
+
+UNEQUAL = (r'Sizes of input arguments do not match|StsUnmatchedSizes|neither .array op array|have different types|'
+           r'src1\.size|size\(\) == ')
+DRAWN = 'drawContours', 'fillPoly', 'polylines', 'fillConvexPoly'
 IN = re.compile(r"in function '?([\w:]+)'?")
 
 
-def of_opencv(message: str, source: str) -> str:
-    """The sentence for a cv2.error. ``source``: the line of the learner's file."""
+def of_opencv(message: str, source: str, values: Values) -> str:
+    """The sentence for a cv2.error. ``source``: the line of the learner's file. ``values``: what its names have."""
     text = ' '.join(message.split())
     match = IN.search(text)
     written = re.findall(r'(?:cv2|aruco)\.([a-z]\w*)\(', source)
     function = written[0] if len(written) == 1 else match.group(1).split('::')[-1] if match else ''
-    said = ' (OpenCV says: %s.)' % short(text)
+    what = of_values(function, text, values)
+    if what:
+        return what
     for pattern, what in SENTENCES:
         if re.search(pattern, function + ': ' + text):
-            return what % {'name': 'cv2.' + function if function else 'OpenCV'} + said
-    return 'OpenCV refuses this%s.%s' % (' in ' + function if function else '', said)
+            return what % {'name': 'cv2.' + function if function else 'OpenCV'}
+    return 'OpenCV refuses this%s. It says: %s.' % (' in ' + function if function else '', short(text))
+
+
+def of_values(function: str, text: str, values: Values) -> str:
+    """What the values of the line tell of the error, or ''."""
+    if re.search(UNEQUAL, text):
+        fit = fit_of(values)
+        return 'the two images do not fit together: %s' % fit if fit else ''
+    if function in DRAWN:
+        points = {name: what for name, what in arrays_of(values).items() if what['shape'][-1:] == [2]}
+        for name, what in points.items():
+            if what['dtype'] == 'int32' or what['dtype'] == 'int64':
+                return 'cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].' % (function, name)
+            return ('cv2.%s wants whole numbers, of int32, and %s is of %s: [np.int32(%s)].' % (
+                function, name, what['dtype'], name))
+    for name, what in values.items():
+        if function in ('warpPerspective', 'warpAffine', 'perspectiveTransform') and what['type'] == 'tuple' and (
+                what['length'] == 2 and what['items'][0].get('shape') == [3, 3]):
+            return ('%s has two things in it, since cv2.findHomography returns two: "%s, status = …".' % (name, name))
+        if function == 'drawDetectedMarkers' and name == 'ids' and what['type'] in ('tuple', 'list'):
+            return ('what is called ids here is a list of corners. detectMarkers returns three things, in the order '
+                    'corners, ids, rejected.')
+    return ''
 
 
 def short(text: str) -> str:

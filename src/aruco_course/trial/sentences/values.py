@@ -111,7 +111,7 @@ def fault_of_images(images: Sequence[Image], names: Sequence[str], frame: tuple[
         return Fault('your %s differ in size: %s.' % (' and '.join(names), ' and '.join(
             '%d x %d pixels' % image.shape[1::-1] for image in images)), place)
     if len(images) == 2 and names[0] == 'mask' and is_black_or_white(images[1]) and not is_black_or_white(images[0]):
-        return Fault('mask and image are exchanged: "return %s".' % ', '.join(names), place)
+        return Fault('mask and image are returned in the wrong order: "return %s".' % ', '.join(names), place)
     return None
 
 
