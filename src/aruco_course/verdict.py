@@ -12,11 +12,8 @@ from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
 from .learner.package import HIDDEN
-from .judge.verdict_picture import verdict_picture
-from .trial import Trial, fault_of_plumbing, fault_of_source, run_function, run_program
+from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
 
-CAMERA_S = 1 / 30     # between two frames of the robot's camera
-MUCH_SLOWER = 5       # times as long as OpenCV needs to find the tags: then it is not the machine that is slow
 MAX_PRINTED = 2000    # characters
 ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
 
@@ -97,7 +94,9 @@ def _judge_function(check: Check, path: Path) -> Verdict:
     fault = trial.fault or check.judge(shown)
     verdict = Verdict(check, fault, _picture(check, fault, shown), trial.printed[:MAX_PRINTED])
     if fault is None:
-        verdict.notes += _slowness(trial)
+        slow = fault_of_speed(trial)
+        if slow is not None:  # how fast is no question of right or wrong, and this machine is not the robot
+            verdict.notes.append(str(slow))
     return verdict
 
 
@@ -110,7 +109,7 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         trial = run_program(str(path), cwd=name)
         after = {**_image_files(folder), **_image_files(elsewhere)}
         # Older files are not taken for what it writes: one of the same content has another time.
-        written = sorted((each for each in after if after[each] != before.get(each)), key=lambda each: after[each])
+        written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
         fault = trial.fault or check.judge(Written(folder, tuple(written)))
         picture = _picture(check, fault, [])
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
@@ -131,17 +130,10 @@ def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:
     return run_function(path, check.function, [view.arguments for view in views], outputs=len(check.outputs))
 
 
+def _picture(check: Exercise, fault: Fault | None, shown: Sequence[Shown]) -> Image | None:
+    """The verdict's picture, if there is anything to see."""
+    return None
+
+
 def _shown(views: Sequence[View], images: Sequence[tuple[Image, ...]]) -> list[Shown]:
     return [Shown(number, view, each) for number, (view, each) in enumerate(zip(views, images), start=1)]
-
-
-def _slowness(trial: Trial) -> list[str]:
-    """A sentence if the code cannot keep up with the camera, and finding the tags is not what takes the time."""
-    if not trial.seconds:
-        return []
-    usual = sorted(trial.seconds)[len(trial.seconds) // 2]
-    if usual < CAMERA_S or usual * len(trial.seconds) < MUCH_SLOWER * trial.baseline_seconds:
-        return []
-    return ['It takes %.0f ms for a frame, but the camera sends one every %.0f ms, so your node will skip frames. '
-            'What can be done once, before the first frame? What can NumPy do without a loop over pixels?'
-            % (1000 * usual, 1000 * CAMERA_S)]
