@@ -25,9 +25,9 @@ from .watch import watch
 RIGHT, WRONG, USAGE = 0, 1, 2
 Run = Callable[[argparse.Namespace, Screen], int]
 
-DESCRIPTION = ('Write the nodes of the course yourself, and be told whether they are right. First, "start" '
-               'makes a package of your own. Then leave "watch" open in a terminal: it looks at your files each '
-               'time you save them.')
+DESCRIPTION = ('Write the nodes of the course yourself, and be told whether they are right. First, '
+               '"start" makes a package of your own. Then leave "watch" open in a terminal: it looks at a file each time '
+               'you save it.')
 DEFAULT_PLACE = os.path.join(learner.WORKSPACE, learner.NAME)
 CALLED = 'rosrun unit5 learn.py'
 
@@ -95,7 +95,8 @@ def _add_shared(parser: argparse.ArgumentParser, package: str | None, plain: boo
                         help='your package (default: the one around this folder, else %s)' % DEFAULT_PLACE)
     parser.add_argument('--plain', action='store_true', default=plain,
                         help='plain text, line by line, for example for a screen reader')
-    parser.add_argument('--called', default=called, help=argparse.SUPPRESS)  # how this program was started
+    # How this program was started.
+    parser.add_argument('--called', default=called, help=argparse.SUPPRESS)
 
 
 def _course(options: argparse.Namespace) -> Course:

@@ -47,16 +47,14 @@ def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -
     """Judge the file of an exercise in a learner's package. It runs in a process of its own, with limits."""
     began = time.monotonic()
     path = Path(folder, 'src', check.name + '.py')
-    fault = fault_of_source(path, check)
-    if fault is not None:
-        verdict = Verdict(check, fault)
-    elif isinstance(check, ProgramCheck):
+    if isinstance(check, ProgramCheck):
         verdict = _judge_program(check, path)
     else:
         assert isinstance(check, Check)
-        verdict = _judge_function(check, path)
-    if verdict.passed:
-        verdict.fault = fault_of_plumbing(path, check)
+        fault = fault_of_source(str(path), check)
+        verdict = Verdict(check, fault) if fault is not None else _judge_function(check, path)
+        if verdict.passed:
+            verdict.fault = fault_of_plumbing(str(path), check)
     verdict.seconds = time.monotonic() - began
     if with_challenges and verdict.passed:
         verdict.challenges = list(try_challenges(check, folder))
@@ -127,7 +125,7 @@ def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
 
 
 def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:
-    return run_function(path, check.function, [view.arguments for view in views], outputs=len(check.outputs))
+    return run_function(str(path), check.function, [view.arguments for view in views], outputs=check.outputs)
 
 
 def _picture(check: Exercise, fault: Fault | None, shown: Sequence[Shown]) -> Image | None:
