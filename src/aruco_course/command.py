@@ -25,9 +25,9 @@ from .watch import watch
 RIGHT, WRONG, USAGE = 0, 1, 2
 Run = Callable[[argparse.Namespace, Screen], int]
 
-DESCRIPTION = ('Write the nodes of the course yourself, and be told whether they are right. First, '
-               '"start" makes a package of your own. Then leave "watch" open in a terminal: it looks at a file each time '
-               'you save it.')
+DESCRIPTION = ('Write the nodes of the course yourself, and be told whether they are right. First, "start" '
+               'makes a package of your own. Then leave "watch" open in a terminal: it looks at a file each '
+               'time you save it.')
 DEFAULT_PLACE = os.path.join(learner.WORKSPACE, learner.NAME)
 CALLED = 'rosrun unit5 learn.py'
 

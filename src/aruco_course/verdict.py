@@ -53,8 +53,6 @@ def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -
         assert isinstance(check, Check)
         fault = fault_of_source(str(path), check)
         verdict = Verdict(check, fault) if fault is not None else _judge_function(check, path)
-        if verdict.passed:
-            verdict.fault = fault_of_plumbing(str(path), check)
     verdict.seconds = time.monotonic() - began
     if with_challenges and verdict.passed:
         verdict.challenges = list(try_challenges(check, folder))
@@ -89,7 +87,7 @@ def _judge_function(check: Check, path: Path) -> Verdict:
     views = check.views()
     trial = _run(check, path, views)
     shown = _shown(views, trial.images)
-    fault = trial.fault or check.judge(shown)
+    fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0])
     verdict = Verdict(check, fault, _picture(check, fault, shown), trial.printed[:MAX_PRINTED])
     if fault is None:
         slow = fault_of_speed(trial)
@@ -108,7 +106,9 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         after = {**_image_files(folder), **_image_files(elsewhere)}
         # Older files are not taken for what it writes: one of the same content has another time.
         written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
-        fault = trial.fault or check.judge(Written(folder, tuple(written)))
+        # If nothing calls main, this says more than that nothing was written.
+        fault = trial.fault or fault_of_plumbing(str(path), check) \
+            or check.judge(Written(folder, tuple(written)))
         picture = _picture(check, fault, [])
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
 

@@ -6,9 +6,6 @@ from aruco_course.exercises import CHECKS
 from aruco_course.learner import package as learner
 from aruco_course.terminal import Screen
 
-# What a learner may write for exercise 5.4.
-CROSSED = 'ordered = centers[[0, 2, 1, 3]]'
-
 
 @pytest.fixture
 def course(tmp_path):
