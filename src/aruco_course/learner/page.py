@@ -42,19 +42,19 @@ def _section(package: Package, check: Exercise, done: Done) -> str:
     if not done.passed:
         sentence = 'Begun, and not right yet.' if done.attempts else 'Not begun yet.'
         return '\n'.join([*parts, '<p class="quiet">%s</p>' % sentence, '</section>'])
-    parts.append('<p>%s</p>' % escape(_how(done)))
     picture = _picture(package, check)
     if picture:
-        parts.append('<img src="data:image/png;base64,%s" alt="What the learner\'s code for exercise %s shows">'
-                     % (picture, check.number))
-    survived = [name for name, survives in done.challenges.items() if survives]
+        parts.append('<div class="both">\n<div><img src="data:image/png;base64,%s" alt="What the learner\'s code '
+                     'for exercise %s shows"></div>' % (picture, check.number))
+    parts.append('<div>\n<p>%s</p>' % escape(_how(done)))
     if done.challenges:
-        parts.append('<p>%s</p>' % escape('Challenges survived: %s.' % (', '.join(survived) or 'none yet')))
+        survived = ', '.join(name for name, survives in done.challenges.items() if survives)
+        parts.append('<p>Challenges survived: %s.</p>' % escape(survived or 'none yet'))
     if done.faults:
-        parts.append('<details open><summary class="quiet">Mended on the way</summary>\n<ul class="quiet">')
+        parts.append('<p class="quiet">Mended on the way:</p>\n<ul class="quiet">')
         parts += ['<li>%s</li>' % escape(sentence) for sentence in done.faults]
-        parts.append('</ul></details>')
-    return '\n'.join([*parts, '</section>'])
+        parts.append('</ul>')
+    return '\n'.join([*parts, '</div>', *(['</div>'] if picture else []), '</section>'])
 
 
 def _how(done: Done) -> str:
