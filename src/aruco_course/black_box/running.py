@@ -1,4 +1,4 @@
-"""A program of the learner's while it runs: what it has printed, whether it still does something, and its end."""
+"""A learner's program while it runs: what it has printed, whether it still does something, and its end."""
 from __future__ import annotations
 
 import glob
@@ -20,7 +20,8 @@ TRACEBACK = 'Traceback (most recent call last):'
 RAISED = re.compile(r'([A-Za-z_][\w.]*)(?:: (.*))?$', re.DOTALL)
 PLACE = re.compile(r'  File "([^"]+)", line (\d+)')
 THROWN = re.compile(r"terminate called after throwing an instance of '([^']+)'(?:\n  what\(\): +(.*))?")
-STACK = re.compile(r'(?:Fatal Python error: .*|Current thread [^\n]*|Thread 0x[^\n]*\(most recent call first\):)')
+# What faulthandler prints above the stack of each thread.
+STACK = re.compile(r'(?:Current thread|Thread) 0x[^\n]*\(most recent call first\):')
 
 
 class Raised(NamedTuple):
@@ -42,8 +43,9 @@ class Program:
         """
         self._file, self._changed = command[0], changed
         self._output, self._cut = bytearray(), 0
-        self._process = subprocess.Popen(command, env=dict(environment), cwd=folder, stdin=subprocess.DEVNULL,
-                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+        self._process = subprocess.Popen(command, env=dict(environment), cwd=folder, start_new_session=True,
+                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                         stderr=subprocess.STDOUT)
         self._busy = _Busy(self._process.pid)
         for work in self._read, self._wait:
             threading.Thread(target=work, daemon=True).start()
@@ -81,13 +83,14 @@ class Program:
         """What it has printed, at most the last 64 kB."""
         return self._output.decode(errors='replace')
 
+    @property
+    def count(self) -> int:
+        """How many bytes it has printed."""
+        return self._cut + len(self._output)
+
     def is_idle(self, seconds: float) -> bool:
         """Whether its processes have done nothing for that time: they wait, and for nothing on a disk."""
         return self._busy.idle_s() >= seconds
-
-    def work_began(self) -> None:
-        """It was given something to do now, so it is not idle."""
-        self._busy.begin()
 
     def raised(self) -> Raised | None:
         """The last exception that it printed, with its traceback or as C++ does."""
@@ -100,7 +103,8 @@ class Program:
         """End it, and say which line of its own file it worked on, if it is a program in Python."""
         before = len(self.printed)
         with suppress(ProcessLookupError):
-            os.kill(self._process.pid, signal.SIGABRT)  # with PYTHONFAULTHANDLER, Python then prints where it is
+            # With PYTHONFAULTHANDLER, Python then prints where it is.
+            os.kill(self._process.pid, signal.SIGABRT)
         with self._changed:
             self._changed.wait_for(lambda: self.code is not None, REAP_S)
             self._changed.wait_for(lambda: STACK.search(self.printed[before:]), 1.0)
@@ -127,9 +131,6 @@ class _Busy:
 
     def __init__(self, group: int) -> None:
         self._group, self._used, self._since = group, -1, time.monotonic()
-
-    def begin(self) -> None:
-        self._since = time.monotonic()
 
     def idle_s(self) -> float:
         used, waits = self._look()

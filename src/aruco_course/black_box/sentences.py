@@ -3,13 +3,16 @@ from __future__ import annotations
 
 import os
 import signal
+from statistics import median
 from typing import Sequence
 
 from aruco_course.check import Fault
 
 from .running import Program
 
-SHOWN = 6  # so many topics are named at most
+SHOWN = 6            # so many topics are named at most
+LEAST_SLOW_S = 0.25  # for a frame, and
+SLOWER = 12          # times as long as OpenCV's detector takes here: then it is not the machine that is slow
 
 
 def raised(program: Program) -> Fault | None:
@@ -29,15 +32,12 @@ def ended(program: Program) -> Fault:
         return found
     code = program.code or 0
     if code < 0:
-        return Fault('the node crashed (%s). Memory that it must not touch was touched: in Python, an array of a '
-                     'wrong shape or type was given to a function of OpenCV.' % signal.Signals(-code).name
-                     if -code in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS) else
-                     'the node was ended by the signal %s.' % signal.Signals(-code).name)
+        return Fault('the node crashed: it got the signal %s.' % signal.Signals(-code).name)
     last = next((line.strip() for line in reversed(program.printed.splitlines()) if line.strip()), '')
     if code == 0:
-        return Fault('the node ends by itself, before a frame comes. It must wait for frames until it is stopped: '
-                     'rospy.spin() is the last line of main(), and main() is called.')
-    return Fault('the node ended with the exit code %d%s' % (code, ': ' + last if last else '.'))
+        return Fault('the node ends by itself. It must wait for frames until it is stopped: call main() at the '
+                     'end of the file, and rospy.spin() at the end of main().')
+    return Fault('the node ended with the exit code %d. It printed last: %s' % (code, last or 'nothing.'))
 
 
 def not_startable(path: str, error: OSError) -> str:
@@ -48,14 +48,15 @@ def not_startable(path: str, error: OSError) -> str:
         return '%s does not begin with the line that says who runs it: #!/usr/bin/env python3' \
             % os.path.basename(path)
     if first.endswith(b'\r\n'):
-        return '%s has the line ends of Windows, so its first line names no program. Save it with those of Linux: ' \
-            'sed -i "s/\\r$//" %s' % (os.path.basename(path), path)
-    return '%s cannot be started: %s. Does its first line name a program that is there: #!/usr/bin/env python3?' \
-        % (os.path.basename(path), error.strerror)
+        return '%s has the line ends of Windows, so its first line names no program. Save it with those of ' \
+            'Linux: sed -i "s/\\r$//" %s' % (os.path.basename(path), path)
+    return '%s cannot be started: %s. Its first line must name a program that is there: ' \
+        '#!/usr/bin/env python3' % (os.path.basename(path), error.strerror)
 
 
 def no_node() -> Fault:
-    return Fault('the program runs, but is no ROS node. Call rospy.init_node first in main(), and main() at the end.')
+    return Fault('the program runs, but is no ROS node. Call rospy.init_node first in main(), and main() at '
+                 'the end of the file.')
 
 
 def no_subscription(camera: str, others: Sequence[str]) -> Fault:
@@ -72,24 +73,24 @@ def other_cameras(camera: str, nodes: Sequence[str]) -> Fault:
 
 
 def no_topic(topic: str, name: str, kind: str, others: Sequence[str]) -> Fault:
-    """``kind``: the type of the topic if it is published with a wrong one. ``others``: image topics of the node."""
+    """``kind``: the type of the topic if it is a wrong one. ``others``: image topics of the node."""
     if kind:
         return Fault('the node publishes %s as %s, but it must be sensor_msgs/Image.' % (topic, kind))
     others = [each for each in others if each != topic]
     if others:
         return Fault('the node publishes nothing on %s. It publishes on %s; give %s:=%s.'
                      % (topic, _listed(others), name, others[0]))
-    return Fault('the node publishes no images. Make a rospy.Publisher of %s in main(), and publish in the callback.'
-                 % topic)
+    return Fault('the node publishes no images. Make a rospy.Publisher of %s in main(), and publish in the '
+                 'callback.' % topic)
 
 
 def silent(topic: str, number: int) -> Fault:
     """It has a publisher, but nothing comes."""
     if number == 1:
-        return Fault('nothing comes on %s, though frames arrive. Call publish at the end of the callback, for each '
-                     'frame.' % topic)
-    return Fault('nothing comes on %s for this frame. Publish an image for each frame, also if there is nothing to '
-                 'draw.' % topic, 'Frame %d' % number)
+        return Fault('nothing comes on %s, though frames arrive. Call publish at the end of the callback, for '
+                     'each frame.' % topic)
+    return Fault('nothing comes on %s for this frame. Publish an image for each frame, also if there is '
+                 'nothing to draw.' % topic, 'Frame %d' % number)
 
 
 def hangs(line: int | None, number: int) -> Fault:
@@ -98,8 +99,8 @@ def hangs(line: int | None, number: int) -> Fault:
 
 
 def unreadable(topic: str, encoding: str, error: Exception) -> Fault:
-    return Fault('what comes on %s cannot be read as an image: its encoding is "%s". Publish an array of uint8, with '
-                 'bgr8 if it has colors, and mono8 if it has none: bridge.cv2_to_imgmsg(image, "bgr8").'
+    return Fault('what comes on %s cannot be read as an image: its encoding is "%s". Publish an array of '
+                 'uint8, with bgr8 if it has colors, and mono8 if it has none: bridge.cv2_to_imgmsg(image, "bgr8").'
                  % (topic, encoding))
 
 
@@ -109,14 +110,24 @@ def several(topic: str, nodes: Sequence[str]) -> Fault:
 
 
 def late_publisher(topic: str) -> Fault:
-    return Fault('the publisher of %s is made in the callback, when the first frame comes. Whoever listens misses '
-                 'what is published before he is connected: make the publisher once in main(), before the '
-                 'subscriber.' % topic)
+    return Fault('the publisher of %s is made in the callback, when the first frame comes. Who listens is not '
+                 'connected yet then, and misses it: make the publisher once in main(), before the subscriber.'
+                 % topic)
 
 
 def exchanged_colors() -> Fault:
-    return Fault('blue and red are exchanged in what the node publishes. Name the same encoding in both directions: '
-                 'imgmsg_to_cv2(message, "bgr8") and cv2_to_imgmsg(image, "bgr8").')
+    return Fault('blue and red are exchanged in what the node publishes. Name the same encoding in both '
+                 'directions: imgmsg_to_cv2(message, "bgr8") and cv2_to_imgmsg(image, "bgr8").')
+
+
+def slow(seconds: Sequence[float], baseline_seconds: float) -> Fault | None:
+    """It cannot keep up with the camera. ``seconds``: for each frame, until its image came."""
+    usual = median(seconds)
+    if usual < LEAST_SLOW_S or usual < SLOWER * baseline_seconds:
+        return None
+    return Fault('the callback takes %.1f s for a frame, but the camera has 30 frames a second, so most of '
+                 'them are skipped. Do in main() what is needed once, such as loading a picture, and let NumPy or '
+                 'OpenCV do what a loop over pixels does.' % usual)
 
 
 def no_stamp() -> str:

@@ -12,12 +12,13 @@ OF_ROS = '/rosout', '/rosout_agg'
 
 
 class Graph:
-    """A look at what is published and subscribed to now, by the nodes of the learner's program and by others."""
+    """What is published and subscribed to now, by the nodes of the learner's program and by others."""
 
     def __init__(self, group, known):
-        """``group``: the id of the program's process group. ``known``: {(node, uri): whether it is in the group}, kept.
+        """Ask the master.
 
-        Raises InputError if the master does not answer.
+        ``group``: the id of the program's process group. ``known``: {(node, uri): whether it is in the group},
+        which is filled. Raises InputError if the master does not answer.
         """
         published, subscribed, _ = ask('getSystemState')[1]
         self._kinds = dict(ask('getTopicTypes')[1])
