@@ -29,7 +29,7 @@ def parse(argv):
     parser.add_argument('--mask', metavar='TOPIC', default='',
                         help='topic of the masks of exercise 5.5 (default: mask beside the images)')
     parser.add_argument('--picture', metavar='FILE', default='',
-                        help='what it paints in exercise 5.6 (default: images/earth.jpg of its package, or ours)')
+                        help='what it paints in exercise 5.6 (default: images/earth.jpg in its package)')
     parser.add_argument('--camera', metavar='TOPIC', default=CAMERA,
                         help='topic on which it gets frames (default: %(default)s)')
     parser.add_argument('--bag', metavar='FILE', default='',

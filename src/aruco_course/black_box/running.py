@@ -33,7 +33,10 @@ class Raised(NamedTuple):
 
 
 class Program:
-    """A running program, in a process group of its own, so that all that it starts ends with it."""
+    """A running program, in a process group of its own, so that all that it starts ends with it.
+
+    ``file``: its path.
+    """
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str], folder: str,
                  changed: threading.Condition) -> None:
@@ -41,7 +44,7 @@ class Program:
 
         Raises OSError if it cannot be started.
         """
-        self._file, self._changed = command[0], changed
+        self.file, self._changed = command[0], changed
         self._output, self._cut = bytearray(), 0
         self._process = subprocess.Popen(command, env=dict(environment), cwd=folder, start_new_session=True,
                                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -95,7 +98,7 @@ class Program:
     def raised(self) -> Raised | None:
         """The last exception that it printed, with its traceback or as C++ does."""
         printed = self.printed
-        found = [_raised(part, self._file) for part in printed.split(TRACEBACK)[1:]]
+        found = [_raised(part, self.file) for part in printed.split(TRACEBACK)[1:]]
         thrown = [Raised(kind, message or '', None) for kind, message in THROWN.findall(printed)]
         return next(filter(None, [*thrown[::-1], *found[::-1]]), None)
 
@@ -110,7 +113,7 @@ class Program:
             self._changed.wait_for(lambda: STACK.search(self.printed[before:]), 1.0)
         for thread in STACK.split(self.printed[before:]):
             for path, line in PLACE.findall(thread):
-                if _is_same(path, self._file):
+                if _is_same(path, self.file):
                     return int(line)
         return None
 

@@ -1,28 +1,63 @@
 """What is said of a node: each is a Fault in a sentence or two, with what helps."""
 from __future__ import annotations
 
+import builtins
 import os
+import re
 import signal
-from statistics import median
 from typing import Sequence
 
+import cv2
+
 from aruco_course.check import Fault
+from aruco_course.trial.sentences.exceptions import fault_of_error
+from aruco_course.trial.source import fault_of_syntax
 
 from .running import Program
 
-SHOWN = 6            # so many topics are named at most
-LEAST_SLOW_S = 0.25  # for a frame, and
-SLOWER = 12          # times as long as OpenCV's detector takes here: then it is not the machine that is slow
+SHOWN = 6  # so many topics are named at most
+NEAR = re.compile(r"\. Did you mean: '([^']+)'\?$")  # Python 3.10 and later
+MODULE = re.compile(r"^No module named '([^']+)'")
+FILE = re.compile(r"^\[Errno 2\] [^:]*: '([^']+)'")
+VERSION = re.compile(r'^OpenCV\(([\d.]+)')
+# What cv_bridge says, and what helps.
+OF_BRIDGE = {
+    'encoding specified as .* incompatible type':
+        'the image does not have the encoding that cv2_to_imgmsg is given (%s). It is "bgr8" for an array of '
+        'height x width x 3, and "mono8" for one of height x width.',
+    'is not a color format':
+        'cv_bridge cannot convert between these encodings (%s). A mask is "mono8", an image with colors "bgr8".',
+    'Your input type is not a numpy array':
+        'cv2_to_imgmsg is given something that is no image (%s). Does your function return the image at its end, '
+        'also if there are no tags?',
+}
+# Python cannot read the file, so there is no traceback.
+UNREADABLE = re.compile(r'^  File "([^"]+)", line \d+\n(?:.*\n){1,3}(?:Syntax|Indentation|Tab)Error: ', re.MULTILINE)
 
 
 def raised(program: Program) -> Fault | None:
     """The exception that a program has printed, if it did."""
+    syntax = UNREADABLE.search(program.printed)
+    if syntax:
+        return fault_of_syntax(syntax[1])
     found = program.raised()
     if found is None:
         return None
-    message = ' '.join(found.message.split())
-    return Fault('the node stopped with %s%s' % (found.kind, ': ' + message if message else '.'),
-                 'Line %d' % found.line if found.line else '')
+    kind, message = found.kind.replace('::', '.').rpartition('.')[2], found.message
+    for pattern, what in OF_BRIDGE.items():
+        if re.search(pattern, message):
+            return Fault(what % ' '.join(message.split()), 'Line %d' % found.line if found.line else '')
+    if '::' in found.kind:  # C++
+        return Fault('the node ended with %s: %s' % (found.kind, ' '.join(message.split())))
+    # What inside/describe.py tells of an exception, as far as it can be read.
+    kinds = [each.__name__ for each in getattr(getattr(builtins, kind, None), '__mro__', ())] or [kind]
+    near, module, file = NEAR.search(message), MODULE.search(message), FILE.search(message)
+    version = VERSION.search(message)
+    return fault_of_error(
+        dict(type=kind, types=kinds, message=NEAR.sub('', message), line=found.line or 0, beside='',
+             near=near[1] if near else '', opencv=version[1] if version else cv2.__version__,
+             name=module[1] if module else '', file=file[1] if file else '', stage='call', call=0, unread=None),
+        program.file, 'the callback')
 
 
 def ended(program: Program) -> Fault:
@@ -100,7 +135,7 @@ def hangs(line: int | None, number: int) -> Fault:
 
 def unreadable(topic: str, encoding: str, error: Exception) -> Fault:
     return Fault('what comes on %s cannot be read as an image: its encoding is "%s". Publish an array of '
-                 'uint8, with bgr8 if it has colors, and mono8 if it has none: bridge.cv2_to_imgmsg(image, "bgr8").'
+                 'uint8, with bgr8 if it has colors, else with mono8: bridge.cv2_to_imgmsg(image, "bgr8").'
                  % (topic, encoding))
 
 
@@ -118,16 +153,6 @@ def late_publisher(topic: str) -> Fault:
 def exchanged_colors() -> Fault:
     return Fault('blue and red are exchanged in what the node publishes. Name the same encoding in both '
                  'directions: imgmsg_to_cv2(message, "bgr8") and cv2_to_imgmsg(image, "bgr8").')
-
-
-def slow(seconds: Sequence[float], baseline_seconds: float) -> Fault | None:
-    """It cannot keep up with the camera. ``seconds``: for each frame, until its image came."""
-    usual = median(seconds)
-    if usual < LEAST_SLOW_S or usual < SLOWER * baseline_seconds:
-        return None
-    return Fault('the callback takes %.1f s for a frame, but the camera has 30 frames a second, so most of '
-                 'them are skipped. Do in main() what is needed once, such as loading a picture, and let NumPy or '
-                 'OpenCV do what a loop over pixels does.' % usual)
 
 
 def no_stamp() -> str:

@@ -8,11 +8,11 @@ import rospy
 from aruco_ar import load_picture
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package, write_whole
-from aruco_course.black_box import sentences
 from aruco_course.black_box.verdict import NodeVerdict
 from aruco_course.check import Check
 from aruco_course.exercises import CHECKS
 from aruco_course.judge.verdict_picture import verdict_picture
+from aruco_course.trial import Trial, fault_of_speed
 
 from .bag_views import views_of_bag
 from .black_box import BlackBox, Topics
@@ -58,7 +58,7 @@ def check_node(options, is_shared):
     collected = BlackBox(path, topics, views, is_shared).run()
     fault = collected.fault or check.judge(collected.shown)
     if fault is None:
-        fault = sentences.slow(collected.seconds, collected.baseline_seconds)
+        fault = fault_of_speed(Trial(seconds=collected.seconds, baseline_seconds=collected.baseline_seconds))
     verdict.passed = fault is None
     if fault is not None:
         verdict.fault, verdict.place = fault.what, fault.place
