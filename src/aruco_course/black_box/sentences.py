@@ -26,13 +26,14 @@ OF_BRIDGE = {
         'the image does not have the encoding that cv2_to_imgmsg is given (%s). It is "bgr8" for an array of '
         'height x width x 3, and "mono8" for one of height x width.',
     'is not a color format':
-        'cv_bridge cannot convert between these encodings (%s). A mask is "mono8", an image with colors "bgr8".',
+        'cv_bridge cannot convert between these encodings (%s). A mask is "mono8", an image in colors "bgr8".',
     'Your input type is not a numpy array':
-        'cv2_to_imgmsg is given something that is no image (%s). Does your function return the image at its end, '
-        'also if there are no tags?',
+        'cv2_to_imgmsg is given something that is no image (%s). Does your function return the image at its '
+        'end, also if there are no tags?',
 }
 # Python cannot read the file, so there is no traceback.
-UNREADABLE = re.compile(r'^  File "([^"]+)", line \d+\n(?:.*\n){1,3}(?:Syntax|Indentation|Tab)Error: ', re.MULTILINE)
+UNREADABLE = re.compile(r'^  File "([^"]+)", line \d+\n(?:.*\n){1,3}(?:Syntax|Indentation|Tab)Error: ',
+                        re.MULTILINE)
 
 
 def raised(program: Program) -> Fault | None:

@@ -1,6 +1,7 @@
 """Which nodes of a process group publish and subscribe to what, as the ROS master tells."""
 import os
 from contextlib import suppress
+from typing import Any
 from xmlrpc.client import ServerProxy
 
 import rospy
@@ -56,6 +57,6 @@ def _is_of(node, group, known):
     if (node, uri) not in known:
         with suppress(Exception):  # it has just ended, or is on another machine
             with ServerProxy(uri, transport=ImpatientTransport()) as proxy:
-                code, _, pid = proxy.getPid(rospy.get_name())
-            known[node, uri] = code == 1 and os.getpgid(pid) == group
+                answer: Any = proxy.getPid(rospy.get_name())
+            known[node, uri] = os.getpgid(answer[2]) == group
     return known.get((node, uri), False)
