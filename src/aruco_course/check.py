@@ -2,18 +2,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Callable, Sequence
 
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Booleans, Image
 from aruco_ar.tags.tag import Tag
 
 
 @dataclass(frozen=True)
 class View:
-    """A frame, (h, w, 3) BGR uint8, and the tags that are truly in it."""
+    """A frame, (h, w, 3) BGR uint8, and the tags that are truly in it.
+
+    ``picture``: where one is to be painted, that picture, (h, w, 3) BGR uint8. The function gets it after the
+    frame.
+    """
 
     frame: Image
     tags: tuple[Tag, ...]
+    picture: Image | None = None
+
+    @property
+    def arguments(self) -> tuple[Image, ...]:
+        """What the learner's function is called with."""
+        return (self.frame,) if self.picture is None else (self.frame, self.picture)
 
 
 @dataclass(frozen=True)
@@ -47,10 +58,23 @@ class Fault:
     place: str = ''
     shown: Shown | None = None
     expected: Image | None = None
-    marked: Image | None = None
+    marked: Booleans | None = None
 
     def __str__(self) -> str:
         return '%s: %s' % (self.place, self.what) if self.place else self.what[:1].upper() + self.what[1:]
+
+
+@dataclass(frozen=True)
+class Written:
+    """The image files that a learner's program wrote.
+
+    ``folder``: that of the learner's package. ``paths``: the files, in the order in which they were written.
+    ``refused``: the paths for which ``cv2.imwrite`` returned False, which nobody notices.
+    """
+
+    folder: Path
+    paths: tuple[Path, ...]
+    refused: tuple[Path, ...] = ()
 
 
 Judge = Callable[[Sequence[Shown]], 'Fault | None']
@@ -71,28 +95,46 @@ class Challenge:
 
 
 @dataclass(frozen=True)
-class Check:
-    """How an exercise is presented and judged.
+class Exercise:
+    """How an exercise is presented.
 
-    ``number``: such as "5.4". ``function``: the name of the learner's function of an image. ``outputs``: the
-    names of the images that it returns, and of the topics on which its node publishes them; the frame with
-    what was drawn is the last. ``task``: what is to be done, in a few sentences. ``hints``: three, each of
-    which tells more. ``minutes``: how long it takes. ``views``: makes the frames it is judged by. ``judge``:
-    finds the first Fault in what was made of them.
+    ``number``: such as "5.4". ``minutes``: how long it takes. ``task``: what is to be done, in a few sentences.
+    ``hints``: three, each of which tells more.
     """
 
     number: str
     title: str
     minutes: int
-    function: str
     task: str
     hints: tuple[str, str, str]
-    views: Callable[[], Sequence[View]]
-    judge: Judge
-    challenges: tuple[Challenge, ...] = ()
-    outputs: tuple[str, ...] = ('image',)
 
     @property
     def name(self) -> str:
         """That of the exercise's files, such as exercise5_4."""
         return 'exercise' + self.number.replace('.', '_')
+
+
+@dataclass(frozen=True)
+class Check(Exercise):
+    """An exercise that asks for a function of an image, and how what it returns is judged.
+
+    ``function``: the name of the learner's function. ``outputs``: the names of the images that it returns, and
+    of the topics on which its node publishes them; the frame with what was drawn is the last. ``views``: makes
+    the frames it is judged by. ``judge``: finds the first Fault in what was made of them.
+    """
+
+    function: str
+    views: Callable[[], Sequence[View]]
+    judge: Judge
+    challenges: tuple[Challenge, ...] = ()
+    outputs: tuple[str, ...] = ('image',)
+
+
+@dataclass(frozen=True)
+class ProgramCheck(Exercise):
+    """An exercise that asks for a program, and how the files that it writes are judged.
+
+    ``judge``: finds the first Fault in them.
+    """
+
+    judge: Callable[[Written], Fault | None]
