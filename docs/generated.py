@@ -34,7 +34,8 @@ SETTINGS = [
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'calibrate_live', 'page']
-PROGRAMS = ['learn', 'check_node', 'artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
+PROGRAMS = ['learn', 'check_node', 'artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall',
+            'video_camera']
 
 
 # What the page says of all nodes, above the table, which leaves it out.
