@@ -1,9 +1,9 @@
 """Whether a learner's file is right: what it is judged by, and the picture that shows it."""
 from __future__ import annotations
 
-import shutil
 import tempfile
 import time
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator, Sequence
@@ -11,13 +11,14 @@ from typing import Iterator, Sequence
 from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
+from .learner.package import HIDDEN
 from .judge.verdict_picture import verdict_picture
 from .trial import Trial, fault_of_plumbing, fault_of_source, run_function, run_program
 
 CAMERA_S = 1 / 30     # between two frames of the robot's camera
 MUCH_SLOWER = 5       # times as long as OpenCV needs to find the tags: then it is not the machine that is slow
 MAX_PRINTED = 2000    # characters
-Outcome = 'tuple[Challenge, Fault | None]'
+ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
 
 
 @dataclass
@@ -101,15 +102,29 @@ def _judge_function(check: Check, path: Path) -> Verdict:
 
 
 def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
-    """Run the program in a copy of its package, so that no older files are taken for what it writes."""
+    """Run the program where it is, but from an empty folder, as one may start it from anywhere."""
+    folder = path.parent.parent
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name, 'package')
-        copy = folder / 'src' / path.name
-        copy.parent.mkdir(parents=True)
-        shutil.copy(str(path), str(copy))
-        trial = run_program(copy, cwd=folder)
-        fault = trial.fault or check.judge(Written(folder, ()))
-    return Verdict(check, fault, None, trial.printed[:MAX_PRINTED])
+        elsewhere = Path(name)
+        before = _image_files(folder)
+        trial = run_program(str(path), cwd=name)
+        after = {**_image_files(folder), **_image_files(elsewhere)}
+        # Older files are not taken for what it writes: one of the same content has another time.
+        written = sorted((each for each in after if after[each] != before.get(each)), key=lambda each: after[each])
+        fault = trial.fault or check.judge(Written(folder, tuple(written)))
+        picture = _picture(check, fault, [])
+    return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
+
+
+def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
+    """The image files in a folder and those below it, with what changes when they are written."""
+    found = {}
+    for path in folder.rglob('*'):
+        if path.suffix.lower() in ENDINGS and HIDDEN not in path.parts:
+            with suppress(OSError):  # it is gone
+                status = path.stat()
+                found[path] = status.st_mtime_ns, status.st_ctime_ns, status.st_ino
+    return found
 
 
 def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:

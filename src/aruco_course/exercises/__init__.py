@@ -5,12 +5,12 @@ import os
 import re
 from importlib import import_module
 
-from aruco_course.check import Check
+from aruco_course.check import Exercise
 
 _HERE = os.path.dirname(os.path.abspath(__file__))
 
 
-def _found() -> tuple[Check, ...]:
+def _found() -> tuple[Exercise, ...]:
     names = [name for name in os.listdir(_HERE) if re.fullmatch(r'exercise\d+_\d+', name)
              and os.path.isfile(os.path.join(_HERE, name, 'check.py'))]
     names.sort(key=lambda name: [int(number) for number in re.findall(r'\d+', name)])
@@ -18,4 +18,4 @@ def _found() -> tuple[Check, ...]:
 
 
 # In the order of their numbers.
-CHECKS: tuple[Check, ...] = _found()
+CHECKS: tuple[Exercise, ...] = _found()

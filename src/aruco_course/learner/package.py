@@ -9,7 +9,7 @@ from typing import Iterable, NamedTuple
 from aruco_ar import InputError
 from aruco_ar.base.files import package_folder, read_whole, write_whole
 
-from aruco_course.check import Check
+from aruco_course.check import Exercise
 
 BEGIN, END = '### BEGIN SOLUTION', '### END SOLUTION'
 TO_DO = '# Your code comes here.'
@@ -54,15 +54,15 @@ class Package:
         """The full path of a file in it."""
         return os.path.join(self.folder, *parts)
 
-    def source(self, check: Check) -> str:
+    def source(self, check: Exercise) -> str:
         """The full path of the learner's file of an exercise."""
         return self.path('src', check.name + '.py')
 
-    def picture(self, check: Check) -> str:
+    def picture(self, check: Exercise) -> str:
         """The full path of the newest picture of an exercise's verdict."""
         return self.path(HIDDEN, 'pictures', check.number.replace('.', '_') + '.png')
 
-    def passed_picture(self, check: Check) -> str:
+    def passed_picture(self, check: Exercise) -> str:
         """The full path of the picture of when the exercise was right."""
         return self.path(HIDDEN, 'pictures', check.number.replace('.', '_') + '_right.png')
 
@@ -86,7 +86,7 @@ class Package:
         return kept
 
 
-def start(folder: str, checks: Iterable[Check], learn: str = 'rosrun unit5 learn.py') -> Started:
+def start(folder: str, checks: Iterable[Exercise], learn: str = 'rosrun unit5 learn.py') -> Started:
     """Make a package in a folder, or what is missing of it. No file that is there is changed.
 
     ``learn``: the command that starts this program. Raises InputError if the folder is no place for one.
@@ -130,7 +130,7 @@ def start(folder: str, checks: Iterable[Check], learn: str = 'rosrun unit5 learn
     return started
 
 
-def reset(package: Package, check: Check) -> str | None:
+def reset(package: Package, check: Exercise) -> str | None:
     """Bring back an exercise's skeleton. Returns where the old file is kept, or None if there was none."""
     path = package.source(check)
     kept = package.keep(path)
@@ -139,7 +139,7 @@ def reset(package: Package, check: Check) -> str | None:
     return kept
 
 
-def is_untouched(package: Package, check: Check) -> bool:
+def is_untouched(package: Package, check: Exercise) -> bool:
     """Whether the learner's file is still the skeleton."""
     try:
         return read_whole(package.source(check), MAX_SOURCE_BYTES) == skeleton(check).encode()
@@ -147,17 +147,17 @@ def is_untouched(package: Package, check: Check) -> bool:
         return False
 
 
-def has_node(check: Check) -> bool:
+def has_node(check: Exercise) -> bool:
     """Whether the exercise's file is a ROS node. That of 5.1 is not: it writes files."""
     return 'rospy' in solution(check)
 
 
-def skeleton(check: Check) -> str:
+def skeleton(check: Exercise) -> str:
     """The source that the learner begins with: the solution without what is between its marks."""
     return without_solution(_marked_solution(check))
 
 
-def solution(check: Check) -> str:
+def solution(check: Exercise) -> str:
     """Our plain solution, without the marks."""
     return ''.join(line for line in _marked_solution(check).splitlines(keepends=True)
                    if line.strip() not in (BEGIN, END))
@@ -214,7 +214,7 @@ def _package_around(folder: str) -> str | None:
     return None
 
 
-def _marked_solution(check: Check) -> str:
+def _marked_solution(check: Exercise) -> str:
     path = os.path.join(EXERCISES, check.name, 'solution.py')
     return read_whole(path, MAX_SOURCE_BYTES).decode()
 
