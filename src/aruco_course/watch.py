@@ -62,7 +62,7 @@ def _state(path: str) -> tuple[int, ...]:
 
 
 def events(files: Files, screen: Screen, stdin: IO[str] | None) -> Iterator[Event]:
-    """What happens, without end, or until the learner closes what he types into. ``stdin``: a terminal, or None."""
+    """What happens, without end, or until the learner types Ctrl-D. ``stdin``: a terminal, or None."""
     width = screen.width
     while True:
         for number in files.changed():
