@@ -10,8 +10,11 @@ from typing import Sequence
 
 @dataclass
 class NodeVerdict:
-    """``fault``: the first thing that is wrong, with its ``place``, or nothing. ``remarks``: what is not asked, but
-    might be better. ``picture``: the path of the verdict's picture, or nothing. ``printed``: what the node printed.
+    """Whether a node is right.
+
+    ``fault``: the first thing that is wrong, with its ``place``, or nothing. ``remarks``: what is not asked
+    for, but would be better. ``picture``: the path of the verdict's picture, or nothing. ``printed``: what the
+    node printed last. ``seconds``: how long the check took.
     """
 
     exercise: str
@@ -44,9 +47,10 @@ def command_for_node(exercise: str, node: str, image: str = '', mask: str = '', 
                      camera: str = '', bag: str = '', verdict: str = '') -> list[str]:
     """The command that checks a node in a ROS of its own, and prints a NodeVerdict as JSON in its last line.
 
-    ``exercise``: such as "5.4". ``node``: package/program or the path of a program. ``verdict``: the path of a PNG
-    for the verdict's picture. For the others see ``check_node.py --help``; nothing stands for their defaults. The
-    command returns 0 for a pass, 1 for a fault, 2 if there could be no verdict: then stderr has a sentence.
+    ``exercise``: such as "5.4". ``node``: package/program or the path of a program. ``verdict``: the path of a
+    PNG for the verdict's picture. For the others see ``check_node.py --help``; nothing stands for their
+    defaults. The command returns 0 for a pass, 1 for a fault, 2 if there could be no verdict: then stderr has a
+    sentence.
     """
     options = dict(image=image, mask=mask, picture=picture, camera=camera, bag=bag, verdict=verdict)
     return [sys.executable, _program(), '--json', *['--%s=%s' % item for item in options.items() if item[1]],
