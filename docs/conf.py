@@ -4,6 +4,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.join(os.path.dirname(HERE), 'src'), HERE]
+sys.path.append(os.path.join(os.path.dirname(HERE), 'test'))  # for its corpus of mistakes
 
 import generated  # noqa: E402  found there
 

@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 from aruco_ar.settings.declaration import parameters_of
 from aruco_node.parameters import settings
 from aruco_node.parameters.parameters import ros_values
+from course import corpus
 from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -33,7 +34,8 @@ SETTINGS = [
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'calibrate_live', 'page']
-PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
+PROGRAMS = ['learn', 'check_node', 'artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall',
+            'video_camera']
 
 
 # What the page says of all nodes, above the table, which leaves it out.
@@ -46,7 +48,8 @@ def write_all(folder):
     nodes = manuals(NODES)
     pages = {'parameters': parameters(), 'launch': launch_files(), 'messages': messages(),
              'nodes': boxes(nodes), 'programs': boxes(manuals(PROGRAMS)), 'node_table': node_table(nodes),
-             'subscribed': topics(nodes, 'Subscribes'), 'published': topics(nodes, 'Publishes')}
+             'subscribed': topics(nodes, 'Subscribes'), 'published': topics(nodes, 'Publishes'),
+             'mistakes': mistakes()}
     for name, text in pages.items():
         path = os.path.join(folder, name + '.md')
         if not os.path.exists(path) or text_of(path) != text:
@@ -75,7 +78,8 @@ def parameters():
 def launch_files():
     """The arguments of every launch file, and the comment at its top."""
     parts = []
-    for path in sorted(glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))):
+    for path in sorted(glob.glob(os.path.join(PACKAGE, 'launch', '*.launch')) + [
+            os.path.join(PACKAGE, 'launch', 'check.test')]):
         parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
         root = ElementTree.parse(path, parser).getroot()
         about = root[0].text.strip() if root[0].tag is ElementTree.Comment else ''
@@ -91,6 +95,14 @@ def messages():
     paths = sorted(glob.glob(os.path.join(PACKAGE, 'msg', '*.msg')))
     return '\n'.join('## unit5/%s\n\n```text\n%s```\n' % (os.path.basename(path)[:-len('.msg')], text_of(path))
                      for path in paths)
+
+
+def mistakes():
+    """A table for each exercise of the course: mistakes, and what is said of each. A test sees to that."""
+    rows = {number: [(plain(wrong.what), plain(wrong.says)) for wrong in corpus.wrong_solutions(number)]
+            for number in corpus.NUMBERS}
+    return '\n'.join('### Exercise %s\n\n%s' % (number, table(('What is wrong', 'What `learn.py` says'), each))
+                     for number, each in rows.items())
 
 
 def manuals(names):
@@ -145,6 +157,11 @@ def interface(text, title):
 def code(value):
     """A value as code, as YAML and a command line have it."""
     return '`%s`' % (str(value).lower() if isinstance(value, bool) else value)
+
+
+def plain(text):
+    """A sentence that may have code in it, for Markdown, in which some of its signs mean something."""
+    return re.sub(r'([\\`*_\[\]<>~#$])', r'\\\1', text)
 
 
 def table(head, rows):

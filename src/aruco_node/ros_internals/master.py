@@ -13,7 +13,7 @@ from aruco_ar.base.errors import InputError
 TIMEOUT_S = 2.0
 
 
-class _ImpatientTransport(Transport):
+class ImpatientTransport(Transport):
     """HTTP that waits for TIMEOUT_S at most."""
 
     def make_connection(self, host):
@@ -31,7 +31,7 @@ def no_answer(why):
 def ask(method, *arguments):
     """(code, value) that the ROS master answers; code 1 is success. Raises InputError if it does not answer."""
     try:
-        with ServerProxy(rosgraph.get_master_uri(), transport=_ImpatientTransport()) as master:
+        with ServerProxy(rosgraph.get_master_uri(), transport=ImpatientTransport()) as master:
             code, _, value = getattr(master, method)(rospy.get_name(), *arguments)
     except Exception as error:  # the network, the XML, or another server at that port may be the cause
         raise no_answer(error) from None

@@ -1,0 +1,90 @@
+"""What to say of an error of OpenCV's own, whose messages tell of its source and not of the learner's."""
+from __future__ import annotations
+
+import re
+
+IN = re.compile(r"in function '?([\w:]+)'?")
+
+
+def of_opencv(message: str, source: str) -> str:
+    """The sentence for a cv2.error. ``source``: the line of the learner's file."""
+    text = ' '.join(message.split())
+    match = IN.search(text)
+    written = re.findall(r'(?:cv2|aruco)\.([a-z]\w*)\(', source)
+    function = written[0] if len(written) == 1 else match.group(1).split('::')[-1] if match else ''
+    said = ' (OpenCV says: %s.)' % short(text)
+    for pattern, what in SENTENCES:
+        if re.search(pattern, function + ': ' + text):
+            return what % {'name': 'cv2.' + function if function else 'OpenCV'} + said
+    return 'OpenCV refuses this%s.%s' % (' in ' + function if function else '', said)
+
+
+def short(text: str) -> str:
+    """The part of OpenCV's message that says what was wrong."""
+    text = re.sub(r'^OpenCV\([^)]*\) *(\S*:-?\d+: )?(error: )?', '', text)
+    text = re.sub(r'^\(-?\d+:([^)]*)\) *', r'\1: ', text)
+    text = re.sub(r'> Overload resolution failed: *', '', text)
+    text = re.sub(r"in function '?[\w:]+'? *", '', text)
+    text = re.sub(r': \{anonymous\}.*', '', text)
+    parts = []
+    for part in re.split(r' > - ', ' ' + text):  # the same is said of each overload
+        part = part.strip(' >-')
+        if part and part not in parts:
+            parts.append(part)
+    return '; '.join(parts[:2])[:200].rstrip(' .')
+
+
+SENTENCES = (
+    (r'function is not implemented|cvShowImage|cvNamedWindow|can.t initialize GTK|could not connect to display',
+     'there is no screen to show a window on. Publish the image instead, and look at it with rqt_image_view.'),
+    (r'^imwrite.*empty',
+     '%(name)s got no image to write: it is None, or empty. Does the function that made it return it?'),
+    (r'sidePixels',
+     'the tag would be smaller than its cells. The order is (dictionary, id, size): are id and size exchanged?'),
+    (r'(generateImageMarker|drawMarker).*(id|rows)',
+     'the dictionary has no tag of this id. DICT_6X6_250 has 0 to 249.'),
+    (r'Failed to allocate|OutOfMemory|Insufficient memory',
+     '%(name)s needs more memory than the 1 GB that it may have. Look at the size that it gets.'),
+    (r'!_src\.empty\(\)|!src\.empty\(\)|\.empty\(\)|_img\.empty',
+     '%(name)s got an empty image. Where does it come from: was its file found, or is a part of an image cut '
+     'out that lies outside?'),
+    (r'(drawContours|drawContours_|fillPoly|polylines|fillConvexPoly|contourArea|boundingRect|pointPolygonTest|'
+     r'minAreaRect|convexHull|isContourConvex).*(npoints >= 0|CV_32S|depth|checkVector|total)|npoints >= 0|'
+     r'checkVector\(2, CV_32S\)',
+     'the points that %(name)s draws must be whole numbers of 32 bits, a list of arrays: '
+     '[np.int32(points)].'),
+    (r"contours.*(wrong type|not a sequence|Can't parse|is not a numerical tuple)|"
+     r"(drawContours|polylines|fillPoly).*(Can't parse|Expected|not a)",
+     '%(name)s wants a list of arrays of points: [np.int32(points)], with the brackets.'),
+    (r"Can't parse '(center|pt1|pt2|org)'|argument '?(center|pt1|pt2|org)",
+     'a point must be a tuple of two whole numbers: (int(x), int(y)).'),
+    (r"Can't parse '(dsize|ksize|size)'|argument '?(dsize|ksize)",
+     'a size must be a tuple of two whole numbers, the width first: (int(width), int(height)).'),
+    (r"Can't parse '(color|fontColor)'|Scalar value for argument '(color)'",
+     'a color must be three numbers from 0 to 255: (blue, green, red).'),
+    (r'scn is|Invalid number of channels in input image',
+     '%(name)s gets an image with a number of channels that does not fit: is it gray already, or is it colored '
+     'where a gray one is needed?'),
+    (r'Sizes of input arguments do not match|size.*same|StsUnmatchedSizes|\(src1\.size|arithm_op|'
+     r'neither .array op array.',
+     '%(name)s needs two images of the same size and the same number of channels. print(image.shape, '
+     'mask.shape) shows them. A gray mask becomes one of three channels with cv2.merge([mask, mask, mask]).'),
+    (r'(findHomography|getPerspectiveTransform).*(npoints|checkVector|count|total|src|Input)|'
+     r'at least 4|calibration.*>= 4|The input arrays should be 2D or 3D point sets|'
+     r'src\.checkVector\(2, CV_32F\) == 4',
+     '%(name)s needs as many points on both sides, at least four each: arrays of 4 x 2 numbers, np.float32(points).'),
+    (r'warpPerspective.*(M0|matrix|rows == 3)|\(M0\.type|M0\.rows',
+     'cv2.warpPerspective needs a matrix of 3 x 3. findHomography returns two values: matrix, status.'),
+    (r'_in\.channels\(\)|in\.channels\(\) == 1|detectMarkers.*channel',
+     'the search for tags needs a gray or a colored image of uint8.'),
+    (r'drawDetectedMarkers|_corners\.total\(\) == _ids\.total',
+     'drawDetectedMarkers needs a colored image, and as many ids as corners.'),
+    (r'Expected Ptr<cv::UMat>|is not a numpy array|Expected cv::UMat',
+     '%(name)s got something that is no array where it needs an image or points. np.array(…) makes one of a '
+     'list; is something None?'),
+    (r'data type = (\w+) is not supported|is not supported|Unsupported (depth|combination)|depth\(\)',
+     '%(name)s cannot use numbers of this kind. Images are np.uint8, points np.float32 or np.int32.'),
+    (r'could not find a writer', 'OpenCV knows images by the end of their names: .jpg or .png is missing.'),
+    (r'required argument|missing required|takes (at most|exactly)|Unknown argument|not a keyword|unexpected keyword',
+     'the arguments of %(name)s do not fit.'),
+)

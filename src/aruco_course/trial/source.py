@@ -1,0 +1,170 @@
+"""What is wrong with the learner's file before it is run: it is gone, cannot be read, or lacks the function."""
+from __future__ import annotations
+
+import ast
+import difflib
+import os
+import warnings
+
+from aruco_course.check import Check, Fault
+
+from .names import Function, imported, other_names, read_tree, top_functions
+
+LARGEST = 1 << 20  # bytes
+NO_FUNCTIONS = 'cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg'  # of which many import *
+EXERCISES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'exercises')
+
+
+def fault_of_source(path: str, check: Check) -> Fault | None:
+    """The first thing that is wrong with the file as it is written, or None."""
+    fault = fault_of_syntax(path)
+    if fault or not check.function:
+        return fault
+    tree = read_tree(path)
+    function = top_functions(tree).get(check.function)
+    if not function:
+        # A program without ROS is judged by the files it makes, however it makes them.
+        if is_program(check) or check.function in other_names(tree) or has_star(tree):
+            return None
+        return fault_of_missing(path, check.function, check.number)
+    wanted = wanted_arguments(check)
+    return fault_of_arguments(function, wanted) if wanted else None
+
+
+def fault_of_syntax(path: str) -> Fault | None:
+    """A file that is gone, is empty, is no text, or is no Python, or None."""
+    name = os.path.basename(path)
+    try:
+        with open(path, 'rb') as file:
+            source = file.read(LARGEST + 1)
+    except FileNotFoundError:
+        return Fault('%s is not there. "learn.py reset" brings it back as it was at the beginning.' % name)
+    except OSError as error:
+        return Fault('%s cannot be read: %s.' % (name, error.strerror))
+    if len(source) > LARGEST:
+        return Fault('%s is larger than 1 MB. Is it the right file?' % name)
+    if not source.strip():
+        return Fault('%s is empty. Was it saved? "learn.py reset" brings it back as it was at the beginning.' % name)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')
+            compile(source, path, 'exec', dont_inherit=True)
+    except SyntaxError as error:
+        return of_syntax_error(error, source)
+    except ValueError:
+        return Fault('%s has zero bytes in it, so it is no text. Was it saved as UTF-8?' % name)
+    except (RecursionError, MemoryError):
+        return Fault('%s is nested too deep for Python.' % name)
+    return None
+
+
+def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
+    """What is wrong with the syntax, in words, and where."""
+    message = (error.msg or '').rstrip('.')
+    place = 'Line %d' % error.lineno if error.lineno else ''
+    lines = source.decode('utf-8', 'replace').splitlines()
+    line = lines[error.lineno - 1] if error.lineno and error.lineno <= len(lines) else ''
+    if 'codec' in message or 'encoding' in message or 'Non-UTF-8' in message or isinstance(error.__cause__, UnicodeError):
+        before = source[:len(source)]
+        try:
+            before.decode('utf-8')
+        except UnicodeDecodeError as bad:
+            place = 'Line %d' % (source[:bad.start].count(b'\n') + 1)
+        return Fault('this is no UTF-8, so Python cannot read it. Save the file as UTF-8 in your editor.', place)
+    if isinstance(error, TabError) or 'inconsistent use of tabs' in message:
+        return Fault('tabs and spaces are mixed here. Indent with spaces alone, four for each step.', place)
+    if isinstance(error, IndentationError):
+        if 'expected an indented block' in message:
+            return Fault('something must be indented here, below the line that ends with a colon. A comment '
+                         'alone is not enough: "pass" does nothing.', place)
+        return Fault('this line is not indented as those around it: %s.' % message, place)
+    if "Missing parentheses in call to 'print'" in message or line.strip().startswith('print '):
+        return Fault('this is Python 2. In Python 3, print takes brackets: print(…).', place)
+    if 'was never closed' in message or 'unexpected EOF' in message:
+        return Fault('a bracket that begins here, or before, is never closed (Python says: %s).' % message, place)
+    if "expected ':'" in message:
+        return Fault('a colon (:) is missing at the end of this line.', place)
+    if line.strip().startswith('return') and 'outside function' in message:
+        return Fault('this return is outside of the function. Is the line indented as the others in it?', place)
+    if message == 'invalid syntax':
+        return Fault('this is no Python (invalid syntax). Look at the end of the line before it as well: is a '
+                     'bracket, a comma or a colon missing?', place)
+    return Fault('this is no Python: %s.' % message, place)
+
+
+def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
+    """What to say of a file without the function: which name may be meant, and what there is."""
+    tree = read_tree(path)
+    functions = top_functions(tree)
+    node = ' "learn.py check%s --node" judges the node as it is.' % (' ' + number if number else '')
+    for holder in ast.walk(tree):
+        if isinstance(holder, (ast.ClassDef, ast.FunctionDef)):
+            for inner in holder.body:
+                if isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)) and inner.name == name:
+                    kind = 'class' if isinstance(holder, ast.ClassDef) else 'function'
+                    return Fault('%s is inside the %s %s, where it cannot be called alone. Move it to the left '
+                                 'margin, or let a function of this name call it.%s' % (name, kind, holder.name, node),
+                                 'Line %d' % inner.lineno)
+    close = difflib.get_close_matches(name, list(functions), 1, 0.75)
+    same = [one for one in functions if one.replace('_', '').lower() == name.replace('_', '').lower()]
+    if same or close:
+        meant = functions[(same or close)[0]]
+        return Fault('the function is called %s, but it is judged by its name, which must be %s.' % (meant.name, name),
+                     'Line %d' % meant.lineno)
+    classes = [one for one in tree.body if isinstance(one, ast.ClassDef)]
+    callbacks = [one for one in functions if 'callback' in one.lower() or one.lower().endswith(('_cb', 'cb'))]
+    there = [one for one in functions if one != 'main' and one not in callbacks]
+    if classes or (callbacks and not there):
+        what = 'the class %s' % classes[0].name if classes else 'the callback %s' % callbacks[0]
+        return Fault('there is no function %s, only %s. A function is judged by its name: let %s(…) take an '
+                     'image and return one, and call it from there.%s' % (name, what, name, node))
+    if there:
+        return Fault('there is no function %s. There %s %s; which of them is it? It is judged by its name.' % (
+            name, 'are' if len(there) > 1 else 'is', ' and '.join([', '.join(there[:-1]), there[-1]] if len(there) > 1
+                                                                  else there)))
+    return Fault('there is no function %s. It is judged by its name: "def %s(…):" at the left margin.%s' % (
+        name, name, node))
+
+
+def fault_of_arguments(function: Function, wanted: list[str]) -> Fault | None:
+    """A function that cannot be called with the arguments it gets, or None."""
+    arguments = function.args
+    names = [one.arg for one in [*getattr(arguments, 'posonlyargs', []), *arguments.args]]
+    needed = len(names) - len(arguments.defaults)
+    forced = [one.arg for one, default in zip(arguments.kwonlyargs, arguments.kw_defaults) if default is None]
+    right = 'def %s(%s):' % (function.name, ', '.join(wanted))
+    place = 'Line %d' % function.lineno
+    if names[:1] == ['self']:
+        return Fault('%s takes self, but it is in no class: "%s".' % (function.name, right), place)
+    if needed > len(wanted) or forced or (len(names) < len(wanted) and not arguments.vararg):
+        return Fault('%s takes %s, but it is called with %s: "%s".' % (
+            function.name, count(len(names) + len(forced)), count(len(wanted)), right), place)
+    return None
+
+
+def count(number: int) -> str:
+    """Such as '2 arguments'."""
+    return 'no argument' if not number else '1 argument' if number == 1 else '%d arguments' % number
+
+
+def wanted_arguments(check: Check) -> list[str]:
+    """The names of the arguments that the function gets: those of its solution's. None if there is no solution."""
+    function = top_functions(read_tree(solution(check))).get(check.function)
+    return [one.arg for one in function.args.args] if function else []
+
+
+def is_program(check: Check) -> bool:
+    """Whether the exercise's solution is a program without ROS."""
+    tree = read_tree(solution(check))
+    return bool(tree.body) and 'rospy' not in imported(tree)
+
+
+def solution(check: Check) -> str:
+    """The path of the exercise's solution."""
+    return os.path.join(EXERCISES, check.name, 'solution.py')
+
+
+def has_star(tree: ast.Module) -> bool:
+    """Whether the file imports all that another one has."""
+    return any(isinstance(node, ast.ImportFrom) and any(alias.name == '*' for alias in node.names)
+               and node.module not in NO_FUNCTIONS for node in ast.walk(tree))

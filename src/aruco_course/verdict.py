@@ -1,0 +1,149 @@
+"""Whether a learner's file is right: what it is judged by, and the picture that shows it."""
+from __future__ import annotations
+
+import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Iterator, Sequence
+
+import cv2
+import numpy as np
+from aruco_ar.base.arrays import Image
+
+from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
+from .learner.package import HIDDEN
+from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
+
+MAX_PRINTED = 2000  # characters
+MOST_FILES, FILE_PX, GAP_PX, WHITE = 4, 240, 20, (255, 255, 255)  # of a picture of files
+ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
+
+
+@dataclass
+class Verdict:
+    """What is to be said of a learner's file.
+
+    ``fault``: the first thing that is wrong; None if nothing is. ``picture``: (h, w, 3) BGR uint8, what is
+    expected beside what the code shows; what it shows alone if that is right; None if it shows nothing.
+    ``printed``: what the code printed, or the beginning. ``seconds``: how long the verdict took. ``notes``:
+    sentences on what is right, but could be better. ``challenges``: what else was tried, and what went wrong
+    there; see ``try_challenges``.
+    """
+
+    check: Exercise
+    fault: Fault | None
+    picture: Image | None = None
+    printed: str = ''
+    seconds: float = 0.0
+    notes: list[str] = field(default_factory=list)
+    challenges: list[tuple[Challenge, Fault | None]] = field(default_factory=list)
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is right. Challenges are not asked for."""
+        return self.fault is None
+
+
+def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -> Verdict:
+    """Judge the file of an exercise in a learner's package. It runs in a process of its own, with limits."""
+    began = time.monotonic()
+    path = Path(folder, 'src', check.name + '.py')
+    if isinstance(check, ProgramCheck):
+        verdict = _judge_program(check, path)
+    else:
+        assert isinstance(check, Check)
+        fault = fault_of_source(str(path), check)
+        verdict = Verdict(check, fault) if fault is not None else _judge_function(check, path)
+    verdict.seconds = time.monotonic() - began
+    if with_challenges and verdict.passed:
+        verdict.challenges = list(try_challenges(check, folder))
+    return verdict
+
+
+def try_challenges(check: Exercise, folder: str) -> Iterator[tuple[Challenge, Fault | None]]:
+    """What of an exercise's challenges the learner's code does not survive, one after the other."""
+    challenges = getattr(check, 'challenges', ())
+    if not challenges:
+        return
+    assert isinstance(check, Check)
+    path = Path(folder, 'src', check.name + '.py')
+    left = list(challenges)
+    while left:
+        # One run for all that are left: starting a process takes longest. If the code fails at one of them,
+        # the run ends there, and another is made for those after it.
+        views = [list(challenge.views()) for challenge in left]
+        trial = _run(check, path, [view for each in views for view in each])
+        done = 0
+        for challenge, own in zip(list(left), views):
+            images = trial.images[done:done + len(own)]
+            done += len(own)
+            left.remove(challenge)
+            if len(images) < len(own):
+                yield challenge, trial.fault or Fault('it returned nothing')
+                break
+            yield challenge, challenge.judge(_shown(own, images))
+
+
+def _judge_function(check: Check, path: Path) -> Verdict:
+    views = check.views()
+    trial = _run(check, path, views)
+    shown = _shown(views, trial.images)
+    fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0])
+    verdict = Verdict(check, fault, _picture(check, fault, shown), trial.printed[:MAX_PRINTED])
+    if fault is None:
+        slow = fault_of_speed(trial)
+        if slow is not None:  # how fast is no question of right or wrong, and this machine is not the robot
+            verdict.notes.append(str(slow))
+    return verdict
+
+
+def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
+    """Run the program where it is, but from an empty folder, as one may start it from anywhere."""
+    folder = path.parent.parent
+    with tempfile.TemporaryDirectory() as name:
+        elsewhere = Path(name)
+        before = _image_files(folder)
+        trial = run_program(str(path), cwd=name)
+        after = {**_image_files(folder), **_image_files(elsewhere)}
+        # Older files are not taken for what it writes: one of the same content has another time.
+        written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
+        # If nothing calls main, this says more than that nothing was written.
+        fault = trial.fault or fault_of_plumbing(str(path), check) \
+            or check.judge(Written(folder, tuple(written)))
+        picture = _side_by_side(written)
+    return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
+
+
+def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
+    """The image files in a folder and those below it, with what changes when they are written."""
+    found = {}
+    for path in folder.rglob('*'):
+        if path.suffix.lower() in ENDINGS and HIDDEN not in path.parts:
+            with suppress(OSError):  # it is gone
+                status = path.stat()
+                found[path] = status.st_mtime_ns, status.st_ctime_ns, status.st_ino
+    return found
+
+
+def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:
+    return run_function(str(path), check.function, [view.arguments for view in views], outputs=check.outputs)
+
+
+def _side_by_side(paths: Sequence[Path]) -> Image | None:
+    """The first images that the program wrote, small, in a row; None if there are none."""
+    images = [cv2.imread(str(path)) for path in paths[:MOST_FILES]]
+    small = [cv2.copyMakeBorder(cv2.resize(image, (FILE_PX, FILE_PX), interpolation=cv2.INTER_AREA),
+                                GAP_PX, GAP_PX, GAP_PX, GAP_PX, cv2.BORDER_CONSTANT, value=WHITE)
+             for image in images if image is not None]
+    return np.hstack(small) if small else None
+
+
+def _picture(check: Exercise, fault: Fault | None, shown: Sequence[Shown]) -> Image | None:
+    """The verdict's picture, if there is anything to see."""
+    return None
+
+
+def _shown(views: Sequence[View], images: Sequence[tuple[Image, ...]]) -> list[Shown]:
+    return [Shown(number, view, each) for number, (view, each) in enumerate(zip(views, images), start=1)]
