@@ -45,3 +45,25 @@ def other_names(tree: ast.Module) -> set[str]:
             names |= {node.id for node in ast.walk(statement)
                       if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
     return names
+
+
+def called(call: ast.Call) -> str:
+    """The name of what is called, behind the last dot."""
+    func = call.func
+    return func.attr if isinstance(func, ast.Attribute) else func.id if isinstance(func, ast.Name) else ''
+
+
+def text_of(node: ast.expr) -> str | None:
+    """The text that is written there, or None if it is none, or is computed."""
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else None
+
+
+def imported(tree: ast.Module) -> list[str]:
+    """The modules that the file imports; '.' for one beside it."""
+    names = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names.append('.' if node.level else node.module or '')
+    return names

@@ -8,9 +8,10 @@ import warnings
 
 from aruco_course.check import Check, Fault
 
-from .names import Function, other_names, read_tree, top_functions
+from .names import Function, imported, other_names, read_tree, top_functions
 
 LARGEST = 1 << 20  # bytes
+NO_FUNCTIONS = 'cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg'  # of which many import *
 EXERCISES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'exercises')
 
 
@@ -22,9 +23,12 @@ def fault_of_source(path: str, check: Check) -> Fault | None:
     tree = read_tree(path)
     function = top_functions(tree).get(check.function)
     if not function:
-        return None if check.function in other_names(tree) or has_star(tree) else fault_of_missing(
-            path, check.function, check.number)
-    return fault_of_arguments(function, wanted_arguments(check))
+        # A program without ROS is judged by the files it makes, however it makes them.
+        if is_program(check) or check.function in other_names(tree) or has_star(tree):
+            return None
+        return fault_of_missing(path, check.function, check.number)
+    wanted = wanted_arguments(check)
+    return fault_of_arguments(function, wanted) if wanted else None
 
 
 def fault_of_syntax(path: str) -> Fault | None:
@@ -79,7 +83,7 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     if 'was never closed' in message or 'unexpected EOF' in message:
         return Fault('a bracket that begins here, or before, is never closed (Python says: %s).' % message, place)
     if "expected ':'" in message:
-        return Fault('a colon is missing at the end of this line.', place)
+        return Fault('a colon (:) is missing at the end of this line.', place)
     if line.strip().startswith('return') and 'outside function' in message:
         return Fault('this return is outside of the function. Is the line indented as the others in it?', place)
     if message == 'invalid syntax':
@@ -144,12 +148,23 @@ def count(number: int) -> str:
 
 
 def wanted_arguments(check: Check) -> list[str]:
-    """The names of the arguments that the function gets: those of its solution's."""
-    function = top_functions(read_tree(os.path.join(EXERCISES, check.name, 'solution.py'))).get(check.function)
-    return [one.arg for one in function.args.args] if function else ['image']
+    """The names of the arguments that the function gets: those of its solution's. None if there is no solution."""
+    function = top_functions(read_tree(solution(check))).get(check.function)
+    return [one.arg for one in function.args.args] if function else []
+
+
+def is_program(check: Check) -> bool:
+    """Whether the exercise's solution is a program without ROS."""
+    tree = read_tree(solution(check))
+    return bool(tree.body) and 'rospy' not in imported(tree)
+
+
+def solution(check: Check) -> str:
+    """The path of the exercise's solution."""
+    return os.path.join(EXERCISES, check.name, 'solution.py')
 
 
 def has_star(tree: ast.Module) -> bool:
     """Whether the file imports all that another one has."""
     return any(isinstance(node, ast.ImportFrom) and any(alias.name == '*' for alias in node.names)
-               and node.module not in ('cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg') for node in ast.walk(tree))
+               and node.module not in NO_FUNCTIONS for node in ast.walk(tree))
