@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page shows a learner's images beside ours, and the picture of his last verdict, while they are published."""
+"""The page shows a learner's images beside ours, and his last verdict, while they are published."""
 import os
 import re
 import tempfile
