@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 from typing import Iterable
 
-from .check import Challenge, Exercise, Fault
+from .check import Challenge, Exercise, Fault, ProgramCheck
 from .course import Course
 from .learner.package import has_node
 from .terminal import Screen
@@ -45,7 +45,8 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
         if len(lines) > PRINTED_LINES:
             screen.lines('and more lines', 'dim')
     if judged.picture is not None:
-        what = 'What yours shows' if judged.passed else 'What is expected, and what yours shows'
+        what = 'What yours shows' if judged.passed or isinstance(check, ProgramCheck) \
+            else 'What is expected, and what yours shows'
         screen.text('%s: %s' % (what, shortest(course.package.picture(check))), 'dim')
 
 
