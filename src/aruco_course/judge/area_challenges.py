@@ -6,10 +6,10 @@ from itertools import combinations
 from typing import Callable, Sequence
 
 import numpy as np
-
 from aruco_ar.base.arrays import Image
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.walls.wall import WallTag
+
 from aruco_course.check import Challenge, Fault, Judge, Shown, View
 
 from .areas import changed
@@ -45,18 +45,21 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
         return None
 
     return (
-        Challenge('no tag in sight', "Without tags, ids is None. The course's loop, for i in range(len(ids)), ends with "
-                  'a TypeError there, and the node shows nothing any more.', views(_no_tags), judge_none),
-        Challenge('three tags', 'With three tags the course does not put the centers in order, and then uses the '
-                  'order that it does not have.', views(_three_tags), judge_none),
-        Challenge('five tags', 'Among five centers, one may have the least x + y and the greatest y - x. The course '
-                  'then takes it twice, and its area is a triangle.', views(_five_tags), either),
-        Challenge('one id twice', 'The course takes any four tags. If two of them have the same id, one may be a '
-                  'reflection, or a page on a desk, and nothing tells which.', views(_one_id_twice), judge_none),
-        Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the least '
-                  'x + y and the greatest y - x. The course then takes it twice.', views(_rolled), judge_turned),
-        Challenge('a noisy frame', 'In the dark, pixels are noisy. The course finds fewer tags then, and its code '
-                  'only works with four.', views(_noisy), either),
+        Challenge('no tag in sight', "Without tags, ids is None. The course's loop, for i in range(len(ids)), "
+                  'ends with a TypeError there, and the node shows nothing any '
+                  'more.', views(_no_tags), judge_none),
+        Challenge('three tags', 'With three tags the course does not put the centers in order, and then uses '
+                  'the order that it does not have.', views(_three_tags), judge_none),
+        Challenge('five tags', 'Among five centers, one may have the least x + y and the greatest y - x. The '
+                  'course then takes it twice, and its area is a triangle.', views(_five_tags), either),
+        Challenge('one id twice', 'The course takes any four tags. If two of them have the same id, one may be '
+                  'a reflection, or a page on a desk, and nothing tells '
+                  'which.', views(_one_id_twice), judge_none),
+        Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the '
+                  'least x + y and the greatest y - x. The course then takes it '
+                  'twice.', views(_rolled), judge_turned),
+        Challenge('a noisy frame', 'In the dark, pixels are noisy. The course finds fewer tags then, and its '
+                  'code only works with four.', views(_noisy), either),
     )
 
 
@@ -68,7 +71,8 @@ def untouched(shown: Sequence[Shown]) -> Fault | None:
         if drawing.fault is not None:
             return drawing.fault
         if np.mean(different) > TOUCHED and not _only_on_tags(different, one, drawing.place):
-            return Fault('There is no area, since there are not four different tags. So the image stays as it is.',
+            return Fault('There is no area, since there are not four different tags. So the image stays as it '
+                         'is.',
                          place_of(one), one, drawing.frame, different)
     return None
 

@@ -4,16 +4,27 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import permutations
-from typing import Callable, Iterator, NamedTuple, Sequence
+from typing import Iterator, NamedTuple, Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Booleans, Floats, Image
-from aruco_ar.geometry.homography import transform
-from aruco_course.check import Fault, Shown, View
 
-from .areas import (NOISE, RIM_PX, Sight, brightest, changed, crossing_orders, fill, ids_text, other_shapes, outside_of, where)
+from aruco_course.check import Fault, View
+
+from .areas import (
+    NOISE,
+    RIM_PX,
+    Sight,
+    brightest,
+    changed,
+    crossing_orders,
+    fill,
+    ids_text,
+    other_shapes,
+    outside_of,
+    where,
+)
 from .drawing import place_of
 
 SIZES = (240, 320), (300, 300), (400, 230)  # width and height of the pictures, which are not those of the areas
@@ -74,11 +85,12 @@ def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
         what = 'The area is of one color only, and there is no picture in it.'
     if not what and inside_wrong:
         share = np.mean(wrong[sight.inside])
-        what = ('The picture is not in the area as it should be%s. Each of its corners goes to the center at the same '
-                'corner of the area, and it fills the area.'
+        what = ('The picture is not in the area as it should be%s. Each of its corners goes to the center at '
+                'the same corner of the area, and it fills the area.'
                 % ('' if share > 0.4 else ', as can be seen ' + where(wrong, sight)))
     if not what:
-        what = ('Your image is changed outside of the area, too, %s of it. The rest of the frame stays as it is.'
+        what = ('Your image is changed outside of the area, too, %s of it. The rest of the frame stays as it '
+                'is.'
                 % where(touched, sight))
     return Fault(what, place_of(shown), shown, expected, marked)
 
@@ -208,12 +220,13 @@ def _shrunk(canvas: Canvas) -> Canvas:
 TURNS = {
     (1, 2, 3, 0): 'Your picture is turned by a quarter, clockwise: its top left corner is at the top right.',
     (2, 3, 0, 1): 'Your picture is upside down: it is turned by 180 degrees.',
-    (3, 0, 1, 2): 'Your picture is turned by a quarter, counterclockwise: its top left corner is at the bottom left.',
+    (3, 0, 1, 2): 'Your picture is turned by a quarter, counterclockwise: its top left corner is at the bottom '
+                  'left.',
     (1, 0, 3, 2): 'Your picture is mirrored: its left and its right are exchanged.',
     (3, 2, 1, 0): 'Your picture is upside down and mirrored: its top and its bottom are exchanged.',
     (0, 3, 2, 1): 'Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?',
-    (2, 1, 0, 3): 'Your picture is mirrored and turned: its top left corner is at the bottom right, and the other two '
-                  'have stayed.',
+    (2, 1, 0, 3): 'Your picture is mirrored and turned: its top left corner is at the bottom right, and the '
+                  'other two have stayed.',
 }
 
 
@@ -223,8 +236,9 @@ def _orders(sight: Sight) -> Iterator[tuple[str, tuple[int, ...]]]:
         if order in TURNS:
             yield TURNS[order], order
         elif order != (0, 1, 2, 3):
-            yield ("Your picture is twisted: its corners go to the tags %s, in the order top left, top right, bottom "
-                   "right, bottom left. List the picture's corners and the centers in the same order." % ids_text([sight.ids[corner] for corner in order]), order)
+            yield ("Your picture is twisted: its corners go to the tags %s, in the order top left, top right, "
+                   "bottom right, bottom left. List the picture's corners and the centers in the same "
+                   "order." % ids_text([sight.ids[corner] for corner in order]), order)
 
 
 def _arrangements(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
@@ -237,33 +251,33 @@ def _arrangements(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
 def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
     """What may be made of the frame and the warped picture other than what is right."""
     frame, mask = canvas.frame, canvas.mask
-    yield Explanation('The picture is added to the wall, which shines through and makes it too bright. Subtract the '
-                      'area first, as in exercise 5.5.', cv2.add(frame, warped))
-    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add the picture "
-             'with cv2.add.')
+    yield Explanation('The picture is added to the wall, which shines through and makes it too bright. '
+                      'Subtract the area first, as in exercise 5.5.', cv2.add(frame, warped))
+    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
+             'the picture with cv2.add.')
     yield Explanation(wraps, frame + warped)
     yield Explanation(wraps, frame - mask + warped)
     for share in 0.3, 0.5, 0.7:
-        what = ('The picture is half transparent: the wall shines through. Make the area black first, as in exercise '
-                '5.5, then add the picture.')
+        what = ('The picture is half transparent: the wall shines through. Make the area black first, as in '
+                'exercise 5.5, then add the picture.')
         mixed = cv2.addWeighted(frame, 1 - share, warped, share, 0)
         yield Explanation(what, mixed)
         yield Explanation(what, np.where(mask > 0, mixed, frame))
         yield Explanation(what, cv2.addWeighted(frame, 1, warped, share, 0))
         yield Explanation('Your picture is too dark. Add all of it: the area is black already.',
                           cv2.add(canvas.black, np.asarray(share * warped, np.uint8)))
-    yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame of which '
-                      'the area was subtracted.', warped)
+    yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame '
+                      'of which the area was subtracted.', warped)
     yield Explanation('The picture is on a white area: the mask was added. Subtract it.',
                       cv2.add(cv2.add(frame, mask), warped))
-    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
-                      'picture.', cv2.bitwise_or(frame, warped))
-    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
-                      'picture.', cv2.max(frame, warped))
+    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
+                      'then add the picture.', cv2.bitwise_or(frame, warped))
+    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
+                      'then add the picture.', cv2.max(frame, warped))
 
 
 def _shining(canvas: Canvas) -> Iterator[Explanation]:
-    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels count."""
+    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels matter."""
     warped = canvas.warped(canvas.to_area())
     what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
             'picture.')
@@ -273,8 +287,7 @@ def _shining(canvas: Canvas) -> Iterator[Explanation]:
 
 def _recolored(canvas: Canvas) -> Iterator[tuple[str, Image]]:
     swapped = np.ascontiguousarray(canvas.picture[:, :, ::-1])
-    yield ("Your picture's colors are exchanged: its red is blue. OpenCV's images are blue, green, red, also that of "
-           'cv2.imread.', swapped)
+    yield "Your picture's colors are exchanged: its red is blue. OpenCV's images are blue, green, red.", swapped
     yield 'Your picture has no colors: it is gray.', _gray(canvas.picture)
     yield 'Your picture is a negative.', cv2.bitwise_not(canvas.picture)
 
@@ -283,8 +296,8 @@ def _compositions(canvas: Canvas) -> Iterator[Explanation]:
     yield from _blended(canvas, canvas.warped(canvas.to_area()))
     for what, picture in _recolored(canvas):
         yield Explanation(what, replace(canvas, picture=picture).painted())
-    yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do its corners go to the '
-                      'centers in the same order?', canvas.black)
+    yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do '
+                      'its corners go to the centers in the same order?', canvas.black)
     yield Explanation('Your image is the frame as it came, and there is no picture in it.', canvas.frame)
     yield Explanation('The area is white, and there is no picture in it.', cv2.add(canvas.frame, canvas.mask))
     yield Explanation('Your image is black all over.', np.zeros_like(canvas.frame))
@@ -304,15 +317,16 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
         for image in add(homography):
             yield Explanation(what, image)
 
-    exchanged = "Your picture is stretched: its width and its height are exchanged. An array's shape is (height, width)," \
-                ' and a corner is (x, y), so the bottom right one is (width, height).'
+    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, width), "
+                 'and a corner is (x, y), so the bottom right one is (width, height).')
     yield from within(exchanged, canvas.to_area(height, width))
-    sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its corners, '
-             'not those of the frame.')
+    sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its '
+             'corners, not those of the frame.')
     yield from within(sizes, canvas.to_area(frame_width, frame_height))
     yield from within(sizes, canvas.to_area(frame_height, frame_width))
     for factor in 0.5, 0.7, 1 / 0.7, 2.0:
-        yield from within('Your picture has the wrong size: its corners are those of a picture %.3g times as large.'
+        yield from within('Your picture has the wrong size: its corners are those of a picture %.3g times as '
+                          'large.'
                           % factor, canvas.to_area(factor * width, factor * height))
     homography = canvas.to_area()
     backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
@@ -324,19 +338,19 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)
     box = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
-    yield from within('Your picture is an upright rectangle, which is only cut out to the area. Warp it, so that each of '
-                      'its corners is at a center.', replace(canvas, area=box).to_area())
+    yield from within('Your picture is an upright rectangle, which is only cut out to the area. Warp it, so '
+                      'that each of its corners is at a center.', replace(canvas, area=box).to_area())
     for kept in range(4):
         three = [i for i in range(4) if i != kept]
-        own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * (canvas.picture.shape[1], canvas.picture.shape[0])
+        own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * canvas.picture.shape[1::-1]
         affine = cv2.getAffineTransform(np.float32(own), np.float32(canvas.area[three]))
         yield from within('Your picture is a parallelogram, as from three of the centers. Four points and '
                           'cv2.warpPerspective let far sides be shorter.', np.vstack([affine, [0, 0, 1]]))
     full = np.array([[0, 0], [frame_width, 0], [frame_width, frame_height], [0, frame_height]], np.float64)
     to_frame = replace(canvas, area=full).to_area()
     yield Explanation('Your picture covers the whole frame. Warp it to the area.', canvas.warped(to_frame))
-    yield from within('Your picture is as large as the frame, and only cut out to the area. Warp it, so that all of it is '
-                      'in the area.', to_frame)
+    yield from within('Your picture is as large as the frame, and only cut out to the area. Warp it, so that '
+                      'all of it is in the area.', to_frame)
     # Without a warp: the picture in its own size.
     own_size = np.diag([width / canvas.picture.shape[1], height / canvas.picture.shape[0], 1.0])
     unwarped = 'Your picture is not warped: it has its own size and shape.'
@@ -357,7 +371,8 @@ def _shapes(canvas: Canvas, sight: Sight, before: Sequence[Sight]) -> Iterator[E
                 yield Explanation('Your picture is not in the right area. Its rim ' + what, other.painted())
                 warped = canvas.warped(other.to_area())
                 for image in warped, cv2.bitwise_and(warped, canvas.mask):
-                    yield Explanation('Your picture is not warped to the area that you subtract. The rim of the picture '
+                    yield Explanation('Your picture is not warped to the area that you subtract. The rim of '
+                                      'the picture '
                                       + what, cv2.add(canvas.black, image))
     warped = canvas.warped(canvas.to_area())
     for what, filled in crossing_orders(sight):
@@ -380,7 +395,8 @@ def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
         if order not in TURNS:  # the area to be subtracted has the same order
             convex = np.zeros(canvas.frame.shape, np.uint8)
             cv2.fillConvexPoly(convex, np.asarray(np.round(canvas.area[list(order)]), np.int32), (255, 255, 255))
-            for mask in convex, cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR):
+            filled = cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR)
+            for mask in convex, filled:
                 yield Explanation(what, cv2.add(cv2.subtract(canvas.frame, mask), warped))
 
 
