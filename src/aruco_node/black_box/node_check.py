@@ -14,7 +14,6 @@ from aruco_course.exercises import CHECKS
 from aruco_course.judge.verdict_picture import verdict_picture
 from aruco_course.trial import Trial, fault_of_speed
 
-from .bag_views import views_of_bag
 from .black_box import BlackBox, Topics
 from .program import program_of
 
@@ -93,6 +92,7 @@ def _views(check, options, package):
     views = list(check.views())
     paints = views[0].picture is not None
     if options.bag:
+        from .bag_views import views_of_bag  # which takes long to import
         views = views_of_bag(options.bag, rospy.resolve_name(options.camera))
     if not paints:
         return views
