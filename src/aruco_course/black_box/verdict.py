@@ -6,6 +6,8 @@ import os
 import sys
 from dataclasses import asdict, dataclass, field
 
+NAME = 'check_node.py'
+
 
 @dataclass
 class NodeVerdict:
@@ -57,11 +59,12 @@ def command_for_node(exercise: str, node: str, image: str = '', mask: str = '', 
 
 
 def _program() -> str:
-    """The path of check_node.py: in nodes/ beside src/, or installed in lib/unit5."""
+    """The path of check_node.py: in nodes/ of the source folder, or in lib/unit5 of an install space."""
     source = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', '..'))
-    path = os.path.join(source, 'nodes', 'check_node.py')
+    path = os.path.join(source, 'nodes', NAME)
     if os.path.exists(path):
         return path
-    import rospkg  # an install space; without ROS no node can run
+    import rospkg  # without ROS no node can run
     share = rospkg.RosPack().get_path('unit5')
-    return os.path.join(os.path.dirname(os.path.dirname(share)), 'lib', 'unit5', 'check_node.py')
+    paths = [os.path.join(share, 'nodes', NAME), os.path.join(share, '..', '..', 'lib', 'unit5', NAME)]
+    return os.path.abspath(next((path for path in paths if os.path.exists(path)), paths[-1]))

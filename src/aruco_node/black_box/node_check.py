@@ -11,10 +11,8 @@ from aruco_ar.base.files import in_package, write_whole
 from aruco_course.black_box.verdict import NodeVerdict
 from aruco_course.check import Check
 from aruco_course.exercises import CHECKS
-from aruco_course.judge.verdict_picture import verdict_picture
 from aruco_course.trial import Trial, fault_of_speed
 
-from .bag_views import views_of_bag
 from .black_box import BlackBox, Topics
 from .program import program_of
 
@@ -64,7 +62,7 @@ def check_node(options, is_shared):
         verdict.fault, verdict.place = fault.what, fault.place
     verdict.remarks, verdict.printed = collected.remarks, collected.printed[-MAX_PRINTED:]
     if options.verdict and collected.shown:
-        verdict.picture = _save_picture(check, fault, collected.shown, options.verdict)
+        verdict.picture = _save_picture(fault, collected.shown, options.verdict)
     verdict.seconds = round(time.monotonic() - began, 2)
     return verdict
 
@@ -93,6 +91,7 @@ def _views(check, options, package):
     views = list(check.views())
     paints = views[0].picture is not None
     if options.bag:
+        from .bag_views import views_of_bag  # which takes long to import
         views = views_of_bag(options.bag, rospy.resolve_name(options.camera))
     if not paints:
         return views
@@ -102,9 +101,9 @@ def _views(check, options, package):
     return [replace(view, picture=picture) for view in views]
 
 
-def _save_picture(check, fault, shown, path):
-    picture = verdict_picture(fault, shown[-1])
-    done, data = cv2.imencode('.png', picture)
+def _save_picture(fault, shown, path):
+    wrong = fault and fault.shown
+    done, data = cv2.imencode('.png', (wrong or shown[-1]).image)
     if not done:
         raise InputError('The picture of the verdict cannot be written as PNG.')
     write_whole(path, data.tobytes())
