@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 from typing import Iterable
 
-from .check import Challenge, Exercise, Fault, ProgramCheck
+from .check import Challenge, Exercise, Fault
 from .course import Course
 from .learner.package import has_node
 from .terminal import Screen
@@ -45,8 +45,8 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
         if len(lines) > PRINTED_LINES:
             screen.lines('and more lines', 'dim')
     if judged.picture is not None:
-        what = 'What yours shows' if judged.passed or isinstance(check, ProgramCheck) \
-            else 'What is expected, and what yours shows'
+        both = judged.fault is not None and judged.fault.expected is not None
+        what = 'What is expected, and what yours shows' if both else 'What yours shows'
         screen.text('%s: %s' % (what, shortest(course.package.picture(check))), 'dim')
 
 

@@ -72,6 +72,9 @@ def _nothing(written: Written) -> str:
     """Why there is no new file in the folder Tags."""
     if written.refused:
         path = written.refused[0]
+        if not path.is_absolute() and path.parent.name:
+            return ('%s was not written: cv2.imwrite only returns False then. This path begins at the folder from '
+                    'which the program is started. The path TAGS begins at the file.' % path)
         why = ('There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the '
                'path.' % path.parent
                if not path.parent.is_dir() else
