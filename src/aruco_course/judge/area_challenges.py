@@ -1,4 +1,4 @@
-"""The challenges of exercises that make something of the area: views without four proper tags, and hard ones."""
+"""The challenges of exercises with an area: views without four proper tags, and hard ones."""
 from __future__ import annotations
 
 from functools import lru_cache
@@ -6,13 +6,13 @@ from itertools import combinations
 from typing import Callable, Sequence
 
 import numpy as np
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Booleans, Floats, Numbers
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.walls.wall import WallTag
 
 from aruco_course.check import Challenge, Fault, Judge, Shown, View
 
-from .areas import changed
+from .areas import NEAR_TAG, changed, fill, grown
 from .drawing import drawing_of, place_of
 from .views import SIDE_M, Stand, look, square_wall
 
@@ -29,7 +29,8 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
                     prepare: Prepare = lambda view: view) -> tuple[Challenge, ...]:
     """The Challenges of an exercise. ``judge``: that of Views with an area; ``judge_none``: without one.
 
-    ``judge_turned``: with an area that is turned by about 45 degrees. ``prepare``: makes the exercise's own View of each.
+    ``judge_turned``: with an area that is turned by about 45 degrees. ``prepare``: makes
+    the exercise's own View of each.
     """
     def views(make: Callable[[], Sequence[View]]) -> Callable[[], Sequence[View]]:
         return lambda: [prepare(view) for view in make()]
@@ -77,11 +78,10 @@ def untouched(shown: Sequence[Shown]) -> Fault | None:
     return None
 
 
-def _only_on_tags(different: Image, shown: Shown, place: Callable[[Image], Image]) -> bool:
+def _only_on_tags(different: Booleans, shown: Shown, place: Callable[[Numbers], Floats]) -> bool:
     """Whether only the tags themselves are marked, which is free."""
-    from .areas import NEAR_TAG, fill, grown
-    near = fill(different.shape, *(grown(place(tag.corners), NEAR_TAG) for tag in shown.view.tags)) > 0
-    return bool(np.mean(different & ~near) <= TOUCHED)
+    near = fill(different.shape, *(grown(place(tag.corners), NEAR_TAG) for tag in shown.view.tags))
+    return bool(np.mean(different & np.asarray(near == 0)) <= TOUCHED)
 
 
 def choices(shown: Shown) -> list[Shown]:

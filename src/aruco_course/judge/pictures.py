@@ -53,8 +53,8 @@ def own_picture(number: int = 0) -> Image:
     unit = min(width, height) / 10
     cv2.putText(picture, 'TOP', (int(0.6 * unit), int(2.2 * unit)), cv2.FONT_HERSHEY_DUPLEX, unit / 17,
                 (255, 255, 255), max(1, round(unit / 9)), cv2.LINE_AA)
-    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73], [0.88, 0.84],
-                      [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
+    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73],
+                      [0.88, 0.84], [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
     cv2.fillPoly(picture, [black.astype(np.int32)], (0, 0, 0))
     picture.flags.writeable = False
     return picture
@@ -66,7 +66,7 @@ def with_pictures(views: Sequence[View]) -> tuple[View, ...]:
 
 
 def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
-    """Why a View's picture is not painted into its area, or None. ``before``: the Sights of the frames before it."""
+    """Why a View's picture is not painted into its area, or None. ``before``: the Sights before it."""
     shown, canvas = sight.shown, _canvas_of(sight)
     wrong = _wrong(canvas, sight)
     touched = changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags
@@ -97,9 +97,9 @@ def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2) in the frame.
+    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2).
 
-    ``fitted``: the size of the picture that counts, if the picture itself is a smaller version: (width, height).
+    ``fitted``: (width, height) of the true picture, of which the picture may be a smaller version.
     """
 
     frame: Image
@@ -121,7 +121,8 @@ class Canvas:
         width, height = width or self.fitted[0], height or self.fitted[1]
         across, down = self.picture.shape[1] / self.fitted[0], self.picture.shape[0] / self.fitted[1]
         corners = np.array([[0, 0], [width, 0], [width, height], [0, height]]) * (across, down)
-        return np.asarray(cv2.getPerspectiveTransform(np.float32(corners), np.float32(self.area[list(order)])))
+        return np.asarray(cv2.getPerspectiveTransform(np.asarray(corners, np.float32),
+                                                      np.asarray(self.area[list(order)], np.float32)), np.float64)
 
     def warped(self, homography: Floats, picture: Image | None = None) -> Image:
         """(h, w, 3): the picture, or another one, warped to the size of the frame, and black elsewhere."""
@@ -167,7 +168,7 @@ def _wrong(canvas: Canvas, sight: Sight) -> Booleans:
     reach = [max(1, int(np.ceil(RIM_PX * length / max(min(pair), 1))))
              for length, pair in ((width, sides[[0, 2]]), (height, sides[[1, 3]]))]
     around = np.ones((2 * reach[1] + 1, 2 * reach[0] + 1), np.uint8)
-    low, high = (canvas.warped(homography, change(canvas.picture, around)) for change in (cv2.erode, cv2.dilate))
+    low, high = (canvas.warped(homography, near(canvas.picture, around)) for near in (cv2.erode, cv2.dilate))
     return outside_of(sight.drawing.image, low, high, PICTURE_SLACK) & sight.inside & ~sight.near_tags
 
 
@@ -277,7 +278,7 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
 
 
 def _shining(canvas: Canvas) -> Iterator[Explanation]:
-    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels matter."""
+    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk."""
     warped = canvas.warped(canvas.to_area())
     what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
             'picture.')
@@ -317,8 +318,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
         for image in add(homography):
             yield Explanation(what, image)
 
-    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, width), "
-                 'and a corner is (x, y), so the bottom right one is (width, height).')
+    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, "
+                 'width), and a corner is (x, y), so the bottom right one is (width, height).')
     yield from within(exchanged, canvas.to_area(height, width))
     sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its '
              'corners, not those of the frame.')
@@ -333,7 +334,7 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
     whole = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
-    scaled = np.linalg.inv(whole) @ np.linalg.inv(to_small)
+    scaled: Floats = np.linalg.inv(whole) @ np.linalg.inv(to_small)
     yield from within(backward, scaled)
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)
@@ -343,7 +344,7 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     for kept in range(4):
         three = [i for i in range(4) if i != kept]
         own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * canvas.picture.shape[1::-1]
-        affine = cv2.getAffineTransform(np.float32(own), np.float32(canvas.area[three]))
+        affine = cv2.getAffineTransform(np.asarray(own, np.float32), np.asarray(canvas.area[three], np.float32))
         yield from within('Your picture is a parallelogram, as from three of the centers. Four points and '
                           'cv2.warpPerspective let far sides be shorter.', np.vstack([affine, [0, 0, 1]]))
     full = np.array([[0, 0], [frame_width, 0], [frame_width, frame_height], [0, frame_height]], np.float64)
@@ -393,9 +394,9 @@ def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
         for _, image in _blended(canvas, warped):
             yield Explanation(what, image)
         if order not in TURNS:  # the area to be subtracted has the same order
-            convex = np.zeros(canvas.frame.shape, np.uint8)
-            cv2.fillConvexPoly(convex, np.asarray(np.round(canvas.area[list(order)]), np.int32), (255, 255, 255))
-            filled = cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR)
+            area, convex = canvas.area[list(order)], np.zeros(canvas.frame.shape, np.uint8)
+            cv2.fillConvexPoly(convex, np.asarray(np.round(area), np.int32), (255, 255, 255))
+            filled = cv2.cvtColor(fill(canvas.frame.shape, area), cv2.COLOR_GRAY2BGR)
             for mask in convex, filled:
                 yield Explanation(what, cv2.add(cv2.subtract(canvas.frame, mask), warped))
 

@@ -44,7 +44,7 @@ def image_files(folder: Path) -> dict[Path, tuple[int, int]]:
 
 
 def files_fault(written: Written) -> Fault | None:
-    """The first Fault in the files of tags that a program wrote: four, of the ids 1 to 4, into the folder Tags."""
+    """The first Fault in the files that a program wrote: of the tags 1 to 4, in the folder Tags."""
     here = [path for path in dict.fromkeys(written.paths) if _is_in(path, written.folder / FOLDER)]
     if not here:
         return Fault(_nothing(written))
