@@ -21,15 +21,19 @@ def task(screen: Screen, check: Exercise) -> None:
     screen.text(check.task)
 
 
-def verdict(screen: Screen, course: Course, judged: Verdict) -> None:
-    """Whether the file is right, the first thing that is wrong, and where the picture is."""
+def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> None:
+    """Whether the file is right, the first thing that is wrong, and where the picture is.
+
+    ``when``: the time of the verdict, so that one who watches sees that it is a new one.
+    """
     check = judged.check
+    when = ' (%s)' % when if when else ''
     if judged.fault is None:
-        screen.right('%s is right.' % check.number)
+        screen.right('%s is right.%s' % (check.number, when))
     elif course.is_untouched(check):
-        screen.text('Nothing is written yet.', 'yellow')
+        screen.text('Nothing is written yet.%s' % when, 'yellow')
     else:
-        screen.wrong('%s is not right yet.' % check.number)
+        screen.wrong('%s is not right yet.%s' % (check.number, when))
     if judged.fault is not None:
         screen.text(str(judged.fault), indent=0 if screen.is_plain else 2)
     for note in judged.notes:

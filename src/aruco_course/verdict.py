@@ -8,13 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator, Sequence
 
+import cv2
+import numpy as np
 from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
 from .learner.package import HIDDEN
 from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
 
-MAX_PRINTED = 2000    # characters
+MAX_PRINTED = 2000  # characters
+MOST_FILES, FILE_PX, GAP_PX, WHITE = 4, 240, 20, (255, 255, 255)  # of a picture of files
 ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
 
 
@@ -109,7 +112,7 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         # If nothing calls main, this says more than that nothing was written.
         fault = trial.fault or fault_of_plumbing(str(path), check) \
             or check.judge(Written(folder, tuple(written)))
-        picture = _picture(check, fault, [])
+        picture = _side_by_side(written)
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
 
 
@@ -126,6 +129,15 @@ def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
 
 def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:
     return run_function(str(path), check.function, [view.arguments for view in views], outputs=check.outputs)
+
+
+def _side_by_side(paths: Sequence[Path]) -> Image | None:
+    """The first images that the program wrote, small, in a row; None if there are none."""
+    images = [cv2.imread(str(path)) for path in paths[:MOST_FILES]]
+    small = [cv2.copyMakeBorder(cv2.resize(image, (FILE_PX, FILE_PX), interpolation=cv2.INTER_AREA),
+                                GAP_PX, GAP_PX, GAP_PX, GAP_PX, cv2.BORDER_CONSTANT, value=WHITE)
+             for image in images if image is not None]
+    return np.hstack(small) if small else None
 
 
 def _picture(check: Exercise, fault: Fault | None, shown: Sequence[Shown]) -> Image | None:

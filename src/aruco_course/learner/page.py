@@ -44,8 +44,8 @@ def _section(package: Package, check: Exercise, done: Done) -> str:
         return '\n'.join([*parts, '<p class="quiet">%s</p>' % sentence, '</section>'])
     picture = _picture(package, check)
     if picture:
-        parts.append('<div class="both">\n<div><img src="data:image/png;base64,%s" alt="What the learner\'s code '
-                     'for exercise %s shows"></div>' % (picture, check.number))
+        parts.append('<div class="both">\n<div><img src="data:image/png;base64,%s" alt="What the code of '
+                     'exercise %s shows"></div>' % (picture, check.number))
     parts.append('<div>\n<p>%s</p>' % escape(_how(done)))
     if done.challenges:
         survived = ', '.join(name for name, survives in done.challenges.items() if survives)

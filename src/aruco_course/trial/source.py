@@ -83,7 +83,7 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     if 'was never closed' in message or 'unexpected EOF' in message:
         return Fault('a bracket that begins here, or before, is never closed (Python says: %s).' % message, place)
     if "expected ':'" in message:
-        return Fault('a colon is missing at the end of this line.', place)
+        return Fault('a colon (:) is missing at the end of this line.', place)
     if line.strip().startswith('return') and 'outside function' in message:
         return Fault('this return is outside of the function. Is the line indented as the others in it?', place)
     if message == 'invalid syntax':

@@ -24,7 +24,8 @@ class Trial:
 
     ``images``: for each call that was done, what it returned. ``seconds``: how long each took. ``fault``: why
     it ended early. ``printed``: what it printed. ``baseline_seconds``: how long OpenCV takes to find the tags
-    in such a frame, in the same process; 0 if that is not known.
+    in such a frame, in the same process; 0 if that is not known. ``refused``: the paths for which a program's
+    cv2.imwrite returned False.
     """
 
     images: list[tuple[Image, ...]] = field(default_factory=list)
@@ -32,6 +33,7 @@ class Trial:
     fault: Fault | None = None
     printed: str = ''
     baseline_seconds: float = 0.0
+    refused: list[str] = field(default_factory=list)
 
     @property
     def call_seconds(self) -> float:
@@ -117,9 +119,7 @@ def _run(path: str, job: dict[str, Any], arrays: list[Image], limits: Limits, cw
             return limits.call
         elif say == 'end':
             trial.baseline_seconds = float(record['baseline'])
-            if record['unwritten']:
-                name, line = record['unwritten']
-                trial.fault = fault_of_unwritten(str(name), int(line))
+            trial.refused = [str(one) for one in record.get('refused', ())]
         return None
 
     ending = run(dict(job, path=path, call=limits.call, load=limits.load), arrays, limits, cwd, hear)
@@ -127,12 +127,3 @@ def _run(path: str, job: dict[str, Any], arrays: list[Image], limits: Limits, cw
     if not trial.fault and ending.how != 'end':
         trial.fault = fault_of_ending(ending, left, now, path, function, limits)
     return trial
-
-
-def fault_of_unwritten(name: str, line: int) -> Fault:
-    """An image that could not be written, of which OpenCV says nothing."""
-    folder = os.path.dirname(name)
-    why = 'there is no folder %s' % folder if folder else 'it is not allowed to'
-    return Fault('cv2.imwrite could not write %s, since %s. It does not complain, it only returns False. Make '
-                 'the path from that of your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).'
-                 % (name, why), 'Line %d' % line if line else '')

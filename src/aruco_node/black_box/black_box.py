@@ -34,6 +34,7 @@ LONGEST_S = 90.0  # the longest wait for a node that works without end
 LOOK_S = 0.1      # from one look at the node to the next
 AGAIN_S = 0.5     # a frame is shown again after this time, as nodes may drop frames
 MOST_TIMES = 6    # a frame is shown so often before a node is said to ignore it
+APART_NS = 2 * 10**9  # from the stamps of a view to those of the next one, besides the time that has passed
 STRANGE = 10      # so many images that are like another frame are enough: then one of them is judged
 OF_BRIDGE = '8UC1', '8UC3'  # what cv_bridge itself writes if it is given no encoding
 GRAY = 'mono8', 'mono16', '8uc1', '16uc1', 'mono', 'gray', 'grey'
@@ -251,7 +252,9 @@ class BlackBox:
         return any(map(len, self._outputs.values()))
 
     def _show(self, number, view):
-        stamp = rospy.Time(*divmod(time.time_ns(), 10**9))
+        # The next view is elsewhere, so time has passed for nodes that follow the tags from frame to frame. The
+        # stamps are late rather than early, since nodes may leave out old frames.
+        stamp = rospy.Time(*divmod(time.time_ns() + APART_NS * (number - 1), 10**9))
         self._stamps[stamp] = number
         header = Header(stamp=stamp, frame_id=FRAME_ID)
         self._info.publish(camera_info(Camera(), header))

@@ -138,7 +138,7 @@ class Child:
             return self._tell_error(error, 'load')
         faulthandler.cancel_dump_traceback_later()
         if self._job['function'] is None:
-            self._wire.send({'say': 'end', 'baseline': 0.0, 'unwritten': self._stand_ins.unwritten})
+            self._wire.send({'say': 'end', 'baseline': 0.0, 'refused': self._stand_ins.refused})
             return None
         function = getattr(module, self._job['function'], None)
         if not callable(function):
@@ -169,7 +169,7 @@ class Child:
                 self._wire.send({'say': 'value', 'call': number, 'what': what})
                 return None
             self._wire.send({'say': 'images', 'call': number, 'seconds': seconds}, images)
-        self._wire.send({'say': 'end', 'baseline': self._baseline(), 'unwritten': None})
+        self._wire.send({'say': 'end', 'baseline': self._baseline()})
         return None
 
     def _baseline(self):

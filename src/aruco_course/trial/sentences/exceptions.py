@@ -209,6 +209,8 @@ def of_type(error: Error) -> str:
         return '%s cannot be called with the arguments that it gets: %s.' % (error.function, one_line(message))
     if 'only integer scalar arrays' in message or 'indices must be integers' in message:
         return 'an index must be a whole number (%s): int(…), or .astype(int) for an array.' % one_line(message)
+    if 'can only concatenate str' in message:
+        return 'a text and a number cannot be added. str(…) makes a text of a number.'
     if "'float' object cannot be interpreted as an integer" in message:
         return 'this must be a whole number: int(…), or // instead of /.'
     if "'tuple' object is not callable" in message or 'object is not callable' in message:
@@ -325,7 +327,17 @@ def of_assertion(error: Error) -> str:
     return 'an assert of the code itself failed%s.' % (': ' + one_line(error.message)[:200] if error.message else '')
 
 
+def of_screen(error: Error) -> str:
+    return ('cv2.%s needs a window on a screen, which a robot does not have, nor the OpenCV that comes with pip. Leave it '
+            'out%s.' % (error.message, ', and return the image' if error.function else ''))
+
+
+def of_file_there(error: Error) -> str:
+    return '%s is there already. os.makedirs(…, exist_ok=True) does not mind that.' % error.file if error.file else ''
+
+
 SENTENCES = (
+    ('NoScreenError', of_screen), ('FileExistsError', of_file_there),
     ('NodeNeededError', of_node), ('SystemExit', of_exit), ('KeyboardInterrupt', of_interrupt),
     ('MemoryError', of_memory), ('RecursionError', of_recursion), ('EOFError', of_end_of_file),
     ('ModuleNotFoundError', of_module), ('ImportError', of_import), ('AttributeError', of_attribute),

@@ -14,7 +14,7 @@ def of_opencv(message: str, source: str) -> str:
     function = written[0] if len(written) == 1 else match.group(1).split('::')[-1] if match else ''
     said = ' (OpenCV says: %s.)' % short(text)
     for pattern, what in SENTENCES:
-        if re.search(pattern, text) or re.search(pattern, function + ': ' + text):
+        if re.search(pattern, function + ': ' + text):
             return what % {'name': 'cv2.' + function if function else 'OpenCV'} + said
     return 'OpenCV refuses this%s.%s' % (' in ' + function if function else '', said)
 
@@ -37,6 +37,12 @@ def short(text: str) -> str:
 SENTENCES = (
     (r'function is not implemented|cvShowImage|cvNamedWindow|can.t initialize GTK|could not connect to display',
      'there is no screen to show a window on. Publish the image instead, and look at it with rqt_image_view.'),
+    (r'^imwrite.*empty',
+     '%(name)s got no image to write: it is None, or empty. Does the function that made it return it?'),
+    (r'sidePixels',
+     'the tag would be smaller than its cells. The order is (dictionary, id, size): are id and size exchanged?'),
+    (r'(generateImageMarker|drawMarker).*(id|rows)',
+     'the dictionary has no tag of this id. DICT_6X6_250 has 0 to 249.'),
     (r'Failed to allocate|OutOfMemory|Insufficient memory',
      '%(name)s needs more memory than the 1 GB that it may have. Look at the size that it gets.'),
     (r'!_src\.empty\(\)|!src\.empty\(\)|\.empty\(\)|_img\.empty',
