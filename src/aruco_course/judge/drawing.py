@@ -98,7 +98,8 @@ COLORED: Sequence[Change] = (lambda image: image, *PLAIN[:2])
 
 # What else may become of a frame.
 LOOKS: Sequence[tuple[str, Change]] = (
-    ('The colors of your image are exchanged: blue is red, and red is blue.', lambda image: np.ascontiguousarray(image[:, :, ::-1])),
+    ('The colors of your image are exchanged: blue is red, and red is blue.',
+     lambda image: np.ascontiguousarray(image[:, :, ::-1])),
     ('Your image is mirrored.', lambda image: cv2.flip(image, 1)),
     ('Your image is upside down.', lambda image: cv2.flip(image, 0)),
     ('Your image is turned by 180 degrees.', lambda image: cv2.flip(image, -1)),
@@ -119,15 +120,15 @@ def _bases(frame: Image, size: Sequence[int], changes: Sequence[Change]) -> Iter
 
 
 def _closest(image: Image, bases: Iterator[Image]) -> tuple[Image, float]:
-    """The base of which the image has most pixels, and their share. The first that is good enough is taken."""
+    """The base of which the image has most pixels exactly, and the share of those that are nearly the same."""
     best, most = image, -1.0
     for base in bases:
-        same = float(np.mean(_difference(image[::2, ::2], base[::2, ::2]) <= SAME))
-        if same > most:
-            best, most = base, same
-        if most > 0.95:
+        exact = float(np.mean(_difference(image[::2, ::2], base[::2, ::2]) == 0))
+        if exact > most:
+            best, most = base, exact
+        if most > 0.9:  # it will not become better
             break
-    return best, most
+    return best, float(np.mean(_difference(image, best) <= SAME))
 
 
 def _difference(image: Image, other: Image) -> Image:
@@ -141,8 +142,8 @@ def _size_fault(shown: Shown, scale: Floats) -> Fault | None:
     if abs(across - down) <= ASPECT * max(across, down):
         return None
     height, width = shown.view.frame.shape[:2]
-    return Fault('Your image is %d pixels wide and %d high, but the frame is %d wide and %d high. The shape of an '
-                 'array has the height first, while OpenCV takes a size as (width, height).'
+    return Fault('Your image is %d pixels wide and %d high, but the frame is %d wide and %d high. The shape of '
+                 'an array has the height first, while OpenCV takes a size as (width, height).'
                  % (round(across * width), round(down * height), width, height), place_of(shown), shown)
 
 
