@@ -13,7 +13,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import transform
 from aruco_course.check import Fault, Shown, View
 
-from .areas import RIM_PX, Sight, brightest, changed, fill, ids_text, other_shapes, outside_of, sight_of, turned_sight, where
+from .areas import (NOISE, RIM_PX, Sight, brightest, changed, crossing_orders, fill, ids_text, other_shapes, outside_of, where)
 from .drawing import place_of
 
 SIZES = (240, 320), (300, 300), (400, 230)  # width and height of the pictures, which are not those of the areas
@@ -21,6 +21,8 @@ PICTURE_SLACK = 20    # gray levels that a pixel of the picture may be beyond al
 WRONG = 0.02          # share of the area in which the picture may be wrong
 TOUCHED = 0.0005      # share of the frame that may be changed outside of the area
 LIKE = 0.35           # an explanation differs from the image at most so many times as much as what is right
+CLEARLY = 0.95        # a later explanation differs at most so many times as much as the best one before
+SURELY = 0.1          # an explanation that differs less than that is right
 SHRINK = 4            # explanations are compared in images so many times smaller
 FLAT = 8              # gray levels that the least difference worth an explanation has, where it is
 DARK = 8              # gray levels up to which a pixel counts as black
@@ -40,8 +42,8 @@ def own_picture(number: int = 0) -> Image:
     unit = min(width, height) / 10
     cv2.putText(picture, 'TOP', (int(0.6 * unit), int(2.2 * unit)), cv2.FONT_HERSHEY_DUPLEX, unit / 17,
                 (255, 255, 255), max(1, round(unit / 9)), cv2.LINE_AA)
-    black = np.array([[0.62, 0.58], [0.92, 0.58], [0.92, 0.66], [0.71, 0.66], [0.71, 0.72], [0.84, 0.72], [0.84, 0.8],
-                      [0.71, 0.8], [0.71, 0.93], [0.62, 0.93]]) * (width, height)  # an F
+    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73], [0.88, 0.84],
+                      [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
     cv2.fillPoly(picture, [black.astype(np.int32)], (0, 0, 0))
     picture.flags.writeable = False
     return picture
@@ -52,15 +54,9 @@ def with_pictures(views: Sequence[View]) -> tuple[View, ...]:
     return tuple(replace(view, picture=own_picture(number)) for number, view in enumerate(views))
 
 
-def picture_fault(shown: Shown, before: Sequence[Sight], turned: int = 0) -> Fault | None:
-    """Why a View's picture is not painted into its area, or None.
-
-    ``before``: the Sights of the frames before it. ``turned``: by how many quarters clockwise the picture is to be
-    turned from upright, which is for frames that show the wall turned.
-    """
-    sight = sight_of(shown)
-    sight = turned_sight(sight, turned)
-    canvas = _canvas_of(sight)
+def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
+    """Why a View's picture is not painted into its area, or None. ``before``: the Sights of the frames before it."""
+    shown, canvas = sight.shown, _canvas_of(sight)
     wrong = _wrong(canvas, sight)
     touched = changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags
     fault = sight.drawing.fault
@@ -74,10 +70,13 @@ def picture_fault(shown: Shown, before: Sequence[Sight], turned: int = 0) -> Fau
     what = _explanation(sight, before)
     if not what and fault is not None:
         return fault
+    if not what and inside_wrong and _is_plain(sight):
+        what = 'The area is of one color only, and there is no picture in it.'
     if not what and inside_wrong:
         share = np.mean(wrong[sight.inside])
         what = ('The picture is not in the area as it should be%s. Each of its corners goes to the center at the same '
-                'corner of the area, and it fills the area.' % ('' if share > 0.7 else ': look ' + where(wrong, sight)))
+                'corner of the area, and it fills the area.'
+                % ('' if share > 0.4 else ', as can be seen ' + where(wrong, sight)))
     if not what:
         what = ('Your image is changed outside of the area, too, %s of it. The rest of the frame stays as it is.'
                 % where(touched, sight))
@@ -160,18 +159,26 @@ def _wrong(canvas: Canvas, sight: Sight) -> Booleans:
     return outside_of(sight.drawing.image, low, high, PICTURE_SLACK) & sight.inside & ~sight.near_tags
 
 
+def _is_plain(sight: Sight) -> bool:
+    colors = sight.drawing.image[sight.inside & ~sight.near_tags].astype(int)
+    return bool(np.mean(np.abs(colors - np.median(colors, axis=0)).max(axis=1) <= NOISE) > 0.9)
+
+
 def _explanation(sight: Sight, before: Sequence[Sight]) -> str:
     """The sentence that says what was done instead of what is right, or nothing."""
-    canvas = _shrunk(_canvas_of(sight))
+    whole = _canvas_of(sight)
+    canvas = _shrunk(whole)
     image = _small(sight.drawing.image)
     usual = _difference(image, canvas.painted())
     best, least = '', LIKE * usual
-    for explanations in (_arrangements(canvas, sight), _compositions(canvas), _others(canvas),
+    for explanations in (_compositions(canvas), _shining(whole), _arrangements(canvas, sight), _others(canvas),
                          _shapes(canvas, sight, before), _pairs(canvas, sight)):
         for what, seen in explanations:
             difference = _difference(image, seen)
-            if difference < least:
+            if difference < CLEARLY * least:
                 best, least = what, difference
+        if least < SURELY * usual:
+            break  # simple mistakes come first, and some of the others look the same
     return best
 
 
@@ -243,18 +250,25 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
         yield Explanation(what, mixed)
         yield Explanation(what, np.where(mask > 0, mixed, frame))
         yield Explanation(what, cv2.addWeighted(frame, 1, warped, share, 0))
+        yield Explanation('Your picture is too dark. Add all of it: the area is black already.',
+                          cv2.add(canvas.black, np.asarray(share * warped, np.uint8)))
     yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame of which '
                       'the area was subtracted.', warped)
     yield Explanation('The picture is on a white area: the mask was added. Subtract it.',
                       cv2.add(cv2.add(frame, mask), warped))
-    yield Explanation('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
-                      'picture.', np.where(brightest(warped)[..., None] > 0, warped, frame))
-    yield Explanation('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
-                      'picture.', np.where(warped > 0, warped, frame))
     yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
                       'picture.', cv2.bitwise_or(frame, warped))
     yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
                       'picture.', cv2.max(frame, warped))
+
+
+def _shining(canvas: Canvas) -> Iterator[Explanation]:
+    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels count."""
+    warped = canvas.warped(canvas.to_area())
+    what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
+            'picture.')
+    for painted in (warped > 0, brightest(warped)[..., None] > 0, brightest(warped)[..., None] > 10):
+        yield Explanation(what, _small(np.where(painted, warped, canvas.frame)))
 
 
 def _recolored(canvas: Canvas) -> Iterator[tuple[str, Image]]:
@@ -269,7 +283,8 @@ def _compositions(canvas: Canvas) -> Iterator[Explanation]:
     yield from _blended(canvas, canvas.warped(canvas.to_area()))
     for what, picture in _recolored(canvas):
         yield Explanation(what, replace(canvas, picture=picture).painted())
-    yield Explanation('The area is black, and there is no picture in it. Add the warped picture.', canvas.black)
+    yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do its corners go to the '
+                      'centers in the same order?', canvas.black)
     yield Explanation('Your image is the frame as it came, and there is no picture in it.', canvas.frame)
     yield Explanation('The area is white, and there is no picture in it.', cv2.add(canvas.frame, canvas.mask))
     yield Explanation('Your image is black all over.', np.zeros_like(canvas.frame))
@@ -338,9 +353,18 @@ def _shapes(canvas: Canvas, sight: Sight, before: Sequence[Sight]) -> Iterator[E
     for what, corners in other_shapes(sight, before):
         if len(corners) == 4:
             for first in range(4):
-                area = (np.roll(corners, -first, axis=0) + 0.5) * scale - 0.5
-                yield Explanation('Your picture is not in the right area, whose rim ' + what,
-                                  replace(canvas, area=area).painted())
+                other = replace(canvas, area=(np.roll(corners, -first, axis=0) + 0.5) * scale - 0.5)
+                yield Explanation('Your picture is not in the right area. Its rim ' + what, other.painted())
+                warped = canvas.warped(other.to_area())
+                for image in warped, cv2.bitwise_and(warped, canvas.mask):
+                    yield Explanation('Your picture is not warped to the area that you subtract. The rim of the picture '
+                                      + what, cv2.add(canvas.black, image))
+    warped = canvas.warped(canvas.to_area())
+    for what, filled in crossing_orders(sight):
+        mask = cv2.cvtColor(_small(filled), cv2.COLOR_GRAY2BGR)
+        for image in warped, cv2.bitwise_and(warped, mask):
+            yield Explanation('The area that you subtract is not the right one. Its rim ' + what,
+                              cv2.add(cv2.subtract(canvas.frame, mask), image))
 
 
 def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
@@ -350,8 +374,14 @@ def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
         for other, picture in _recolored(canvas):
             warped = canvas.warped(homography, picture)
             yield Explanation(what + ' ' + other, cv2.add(canvas.black, warped))
-        for _, image in _blended(canvas, canvas.warped(homography)):
+        warped = canvas.warped(homography)
+        for _, image in _blended(canvas, warped):
             yield Explanation(what, image)
+        if order not in TURNS:  # the area to be subtracted has the same order
+            convex = np.zeros(canvas.frame.shape, np.uint8)
+            cv2.fillConvexPoly(convex, np.asarray(np.round(canvas.area[list(order)]), np.int32), (255, 255, 255))
+            for mask in convex, cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR):
+                yield Explanation(what, cv2.add(cv2.subtract(canvas.frame, mask), warped))
 
 
 def _gray(image: Image) -> Image:

@@ -6,7 +6,7 @@ from typing import Sequence
 
 from aruco_course.check import Check, Fault, Shown, View
 from aruco_course.judge.area_challenges import area_challenges, untouched
-from aruco_course.judge.areas import Sight, sight_of
+from aruco_course.judge.areas import Sight, sight_of, turned_sight
 from aruco_course.judge.pictures import picture_fault, own_picture, with_pictures
 from aruco_course.judge.views import area_views
 
@@ -30,17 +30,18 @@ def judge(shown: Sequence[Shown]) -> Fault | None:
     """The first Fault in images of Views with four tags and a picture."""
     before: list[Sight] = []
     for one in shown:
-        fault = picture_fault(one, before)
+        sight = sight_of(one)
+        fault = picture_fault(sight, before)
         if fault is not None:
             return fault
-        before.append(sight_of(one))
+        before.append(sight)
     return None
 
 
 def judge_turned(shown: Sequence[Shown]) -> Fault | None:
     """The same for frames that are turned so much that either of two corners is the area's top left one."""
     for one in shown:
-        faults = [picture_fault(one, (), turned) for turned in (0, 1, 3)]
+        faults = [picture_fault(turned_sight(sight_of(one), turned), ()) for turned in (0, 1, 3)]
         if all(faults):
             return faults[0]
     return None
