@@ -188,6 +188,9 @@ def of_none(error: Error, but: str) -> str:
 def of_unread(error: Error) -> str:
     assert error.unread
     name, line = error.unread
+    if name.startswith('~'):
+        return ('cv2.imread found no image at %s, and gave None instead: only a shell knows what ~ is. '
+                'os.path.expanduser(path) replaces it.' % name)
     return ('cv2.imread found no image at %s%s, and gave None instead. Is the path right? Make it from that of '
             'your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).' % (
                 name, ' (line %d)' % line if line and line != error.line else ''))
