@@ -45,7 +45,8 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
     # The course needs no more than that.
     learn = str(tmp_path / 'env' / 'bin' / 'aruco-learn')
     run(learn, 'start', 'mine', PATH='')
-    solution, = (tmp_path / 'env').glob('lib/python*/site-packages/aruco_course/exercises/exercise5_6/solution.py')
+    installed, = (tmp_path / 'env').glob('lib/python*/site-packages/aruco_course')
+    solution = installed / 'exercises' / 'exercise5_6' / 'solution.py'
     shutil.copyfile(str(solution), str(tmp_path / 'mine' / 'src' / 'exercise5_6.py'))
     run(learn, 'check', '5.6', '--package', 'mine', PATH=os.path.dirname(learn))
 
