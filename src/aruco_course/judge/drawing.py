@@ -50,7 +50,8 @@ def drawing_of(shown: Shown, output: int = -1) -> Drawing:
     image = as_bgr(shown.images[output])
     frame = shown.view.frame
     scale = np.array(image.shape[1::-1]) / np.array(frame.shape[1::-1])
-    plain = bool(np.all(np.ptp(image, axis=2) == 0))
+    blue, green, red = cv2.split(image)
+    plain = np.array_equal(blue, green) and np.array_equal(green, red)
     base, same = _closest(image, _bases(frame, image.shape[1::-1], PLAIN if plain else COLORED))
     difference = _difference(image, base)
     # Pixels that were sent as JPEG, or scaled by another program, differ a little everywhere.
@@ -67,7 +68,8 @@ def as_bgr(image: Image) -> Image:
     image = np.asarray(image)
     if image.dtype == np.bool_:
         image = image * np.uint8(255)
-    image = np.ascontiguousarray(np.clip(image, 0, 255), np.uint8)
+    if image.dtype != np.uint8:
+        image = np.asarray(np.clip(image, 0, 255), np.uint8)
     if image.ndim == 2 or image.shape[2] == 1:
         return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     return np.ascontiguousarray(image[:, :, :3])

@@ -16,7 +16,7 @@ from aruco_ar.walls.wall import WallTag
 from aruco_course.check import Fault, Shown, View
 
 from .drawing import as_bgr
-from .polygon_judge import SHRUNK, nothing_drawn
+from .polygon_judge import MOST_FRAMES, SHRUNK, nothing_drawn
 from .polygons import LEAST_DRAWN, area_mask, line_at, outlined
 from .scene import GREEN, Mistake, Scene, apart, wide, words
 from .views import Stand, area_views, look, square_wall
@@ -135,6 +135,7 @@ def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
                                    % words(lost), scene)
         return _expected_fault('tag %s is not outlined.' % words(lost) if len(lost) == 1
                                else 'the tags %s are not outlined.' % words(lost), scene)
+    faulty = faulty[:MOST_FRAMES]
     best, most = None, 0
     for sentence, quads, closed in MISTAKES:
         fits = [scene for scene in faulty

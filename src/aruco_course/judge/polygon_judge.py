@@ -16,6 +16,7 @@ from .scene import Mistake, Scene, words
 # The three ways around four points that are given in order: the first does not cross itself.
 CYCLES = (0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3)
 CIRCLE_PX = 3         # a center is marked if something is drawn that near
+MOST_FRAMES = 4       # so many frames are looked at to name a mistake
 SHRUNK = 0.7          # by how much the course shrinks the frame
 
 Polygons = Iterator[Floats]
@@ -64,6 +65,7 @@ def _judge(shown: Sequence[Shown], right: Callable[[Scene], bool], expected: Cal
     if fault:
         return fault
     # The mistake that explains most frames names itself.
+    faulty = faulty[:MOST_FRAMES]
     best, most = None, 0
     for sentence, polygons, closed in MISTAKES:
         fits = [scene for scene in faulty

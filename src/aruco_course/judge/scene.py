@@ -11,7 +11,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_course.check import Fault, Shown
 
 from .drawing import drawing_of, place_of
-from .polygons import area_mask, filled, outlined
+from .polygons import NEAR_PX, area_mask, filled, outlined
 from .views import area_of, centers_of, course_detect
 
 LEAST_CHANGED = 12  # pixels: with fewer, nothing is drawn
@@ -61,9 +61,28 @@ class Scene:
 
     def shows(self, polygon: Floats, closed: bool = True) -> bool:
         """Whether a polygon is drawn, as lines or filled; if it is not ``closed``, as lines."""
-        return (outlined(self.changed, polygon, closed)
+        return ((self._near_lines(polygon, closed) and outlined(self.changed, polygon, closed))
                 or (closed and (filled(self.changed, polygon, self.side)
                                or filled(self.changed, polygon, self.side, convex=True))))
+
+    @cached_property
+    def _wide(self) -> Image:
+        """(h, w) uint8: what is drawn, wider by NEAR_PX."""
+        size = 2 * int(NEAR_PX) + 1
+        return cv2.dilate(self.changed.view(np.uint8), np.ones((size, size), np.uint8))
+
+    def _near_lines(self, polygon: Floats, closed: bool) -> bool:
+        """Whether something is drawn near most of a polygon's lines: a quick test that rejects most others."""
+        ends = np.roll(polygon, -1, axis=0)
+        parts = np.linspace(0, 1, 12)[:, None, None]
+        points = (1 - parts) * polygon + parts * ends
+        if not closed:
+            points = points[:, :-1]
+        height, width = self._wide.shape
+        x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
+        inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+        near = self._wide[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)] > 0
+        return bool(np.all((near | ~inside).mean(axis=0) > 0.6))
 
     def blank(self) -> Image:
         """A copy of the frame as the output would be if nothing was drawn."""

@@ -9,6 +9,7 @@ from aruco_course.judge.views import area_views
 from rig.learners import fault_of, find, gray, shrink
 
 PURPLE = (255, 0, 150)
+SOME = [area_views()[index] for index in (1, 3, 6, 7)]  # these are enough for what is wrong in each frame
 
 
 def four(image):
@@ -121,13 +122,13 @@ DRAWN = {
 
 
 @pytest.mark.parametrize('way', DRAWN)
-@pytest.mark.parametrize('share', [1, 0.7, 0.5])
+@pytest.mark.parametrize('share', [1, 0.7])
 def test_right_order_passes(way, share):
     def learner(image):
         image = image if share == 1 else shrink(image, share)
         return DRAWN[way](image, ordered(four(image)))
-    assert fault_of(judge_order, learner, area_views()) is None
-    assert fault_of(judge_centers, learner, area_views()) is None
+    assert fault_of(judge_order, learner, SOME) is None
+    assert fault_of(judge_centers, learner, SOME) is None
 
 
 @pytest.mark.parametrize('way', DRAWN)
@@ -136,8 +137,8 @@ def test_as_found_passes_5_3_but_not_5_4(way, share):
     def learner(image):
         image = image if share == 1 else shrink(image, share)
         return DRAWN[way](image, four(image))
-    assert fault_of(judge_centers, learner, area_views()) is None
-    said = fault_of(judge_order, learner, area_views())
+    assert fault_of(judge_centers, learner, SOME) is None
+    said = fault_of(judge_order, learner, SOME)
     assert 'crosses itself' in said or way == 'fillConvexPoly'
 
 
@@ -205,7 +206,7 @@ WRONG_ORDERS = {
 }
 
 
-@pytest.mark.parametrize('way', ['filled', 'thin lines', 'wide lines', 'translucent', 'gray'])
+@pytest.mark.parametrize('way', ['filled', 'thin lines', 'wide lines'])
 @pytest.mark.parametrize('share', [1, 0.7])
 @pytest.mark.parametrize('mistake', WRONG_ORDERS)
 def test_wrong_orders_are_named(mistake, way, share):
@@ -214,7 +215,7 @@ def test_wrong_orders_are_named(mistake, way, share):
     def learner(image):
         image = image if share == 1 else shrink(image, share)
         return DRAWN[way](image, points(image))
-    said = fault_of(judge_order, learner, area_views())
+    said = fault_of(judge_order, learner, SOME)
     assert said is not None
     assert re.search(words, said), said
 
@@ -257,8 +258,8 @@ WRONG = {
     'nothing': (lambda image: image, 'nothing is drawn'),
     'nothing, on gray': (gray, 'nothing is drawn'),
     'only the ids 1 to 4': (only_these_ids, 'an id may be any, not only 1 to 4'),
-    'first corners': (lambda image: fill(image, first_corners(image)), "first corners, not through"),
-    'first corners, as lines': (lambda image: lines(image, first_corners(image), 1), "first corners, not through"),
+    'first corners': (lambda image: fill(image, first_corners(image)), 'first corners, not through'),
+    'first corners, as lines': (lambda image: lines(image, first_corners(image), 1), 'first corners, not through'),
     'third corners': (lambda image: fill(image, around_the_middle(find(image)[0][:, 2])), 'third corners, not'),
     'middles of sides': (lambda image: fill(image, around_the_middle(find(image)[0][:, :2].mean(axis=1))),
                          'middles of the tags'),
@@ -291,7 +292,7 @@ WRONG = {
 @pytest.mark.parametrize('mistake', WRONG)
 def test_mistakes_are_named(mistake, judge):
     learner, words = WRONG[mistake]
-    said = fault_of(judge, learner, area_views())
+    said = fault_of(judge, learner, SOME)
     assert said is not None
     assert re.search(words, said), said
     assert said.startswith('Frame ')
