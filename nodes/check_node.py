@@ -15,6 +15,7 @@ from xml.etree import ElementTree
 import aruco_program  # noqa: F401  before all else
 import rospy
 from aruco_ar import InputError
+from aruco_course.check import Fault
 from aruco_node.black_box.node_check import CAMERA, Options, check_node
 from aruco_node.black_box.own_master import own_master
 
@@ -57,10 +58,10 @@ def main(argv):
             if args.gtest_output:
                 write_results(args.gtest_output, options, str(error))
             return 2
-        said = '%s: %s' % (verdict.place, verdict.fault) if verdict.place else verdict.fault
+        said = str(Fault(verdict.fault, verdict.place))
         for remark in verdict.remarks:
             print('Remark: %s' % remark)
-        print(verdict.line() if args.json else said[:1].upper() + said[1:] or 'Right.', flush=True)
+        print(verdict.line() if args.json else said or 'Right.', flush=True)
         if args.gtest_output:
             write_results(args.gtest_output, options, said)
         rospy.signal_shutdown('done')

@@ -179,7 +179,7 @@ def _check_node(course: Course, check: Exercise, screen: Screen) -> int:
     done = subprocess.run(command, capture_output=True, text=True)
     judged = NodeVerdict.of_output(done.stdout)
     if judged is None:
-        raise InputError(done.stderr.strip() or 'The node cannot be checked.')
+        raise InputError((done.stderr.strip() or 'The node cannot be checked.').splitlines()[-1])
     if judged.passed:
         screen.right('The node is right, too.')
         course.note_node(check)

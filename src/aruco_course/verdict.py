@@ -50,12 +50,14 @@ def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -
     """Judge the file of an exercise in a learner's package. It runs in a process of its own, with limits."""
     began = time.monotonic()
     path = Path(folder, 'src', check.name + '.py')
-    if isinstance(check, ProgramCheck):
+    fault = fault_of_source(str(path), check)
+    if fault is not None:
+        verdict = Verdict(check, fault)
+    elif isinstance(check, ProgramCheck):
         verdict = _judge_program(check, path)
     else:
         assert isinstance(check, Check)
-        fault = fault_of_source(str(path), check)
-        verdict = Verdict(check, fault) if fault is not None else _judge_function(check, path)
+        verdict = _judge_function(check, path)
     verdict.seconds = time.monotonic() - began
     if with_challenges and verdict.passed:
         verdict.challenges = list(try_challenges(check, folder))

@@ -63,7 +63,7 @@ def raised(program: Program) -> Fault | None:
 
 def ended(program: Program) -> Fault:
     """The program has ended, though it should run until it is stopped."""
-    found = raised(program)
+    found = raised(program) or _of_first_line(program.file)
     if found:
         return found
     code = program.code or 0
@@ -76,18 +76,24 @@ def ended(program: Program) -> Fault:
     return Fault('the node ended with the exit code %d. It printed last: %s' % (code, last or 'nothing.'))
 
 
-def not_startable(path: str, error: OSError) -> str:
+def not_startable(path: str, error: OSError) -> Fault:
     """Why a program cannot be started at all."""
+    return _of_first_line(path) or Fault(
+        '%s cannot be started: %s. Its first line must name a program that is there: #!/usr/bin/env python3'
+        % (os.path.basename(path), error.strerror))
+
+
+def _of_first_line(path: str) -> Fault | None:
+    """What is wrong with the line that says who runs a program."""
+    name = os.path.basename(path)
     with open(path, 'rb') as file:
         first = file.readline(256)
     if not first.startswith((b'#!', b'\x7fELF')):
-        return '%s does not begin with the line that says who runs it: #!/usr/bin/env python3' \
-            % os.path.basename(path)
+        return Fault('%s does not begin with the line that says who runs it: #!/usr/bin/env python3' % name)
     if first.endswith(b'\r\n'):
-        return '%s has the line ends of Windows, so its first line names no program. Save it with those of ' \
-            'Linux: sed -i "s/\\r$//" %s' % (os.path.basename(path), path)
-    return '%s cannot be started: %s. Its first line must name a program that is there: ' \
-        '#!/usr/bin/env python3' % (os.path.basename(path), error.strerror)
+        return Fault('%s has the line ends of Windows, so its first line names no program. Save it with those '
+                     'of Linux: sed -i "s/\\r$//" %s' % (name, path))
+    return None
 
 
 def no_node() -> Fault:

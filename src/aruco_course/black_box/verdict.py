@@ -4,8 +4,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
-from typing import Sequence
+from dataclasses import asdict, dataclass, field
 
 
 @dataclass
@@ -22,7 +21,7 @@ class NodeVerdict:
     passed: bool
     fault: str = ''
     place: str = ''
-    remarks: Sequence[str] = ()
+    remarks: list[str] = field(default_factory=list)
     picture: str = ''
     printed: str = ''
     seconds: float = 0.0

@@ -121,8 +121,8 @@ class Canvas:
         width, height = width or self.fitted[0], height or self.fitted[1]
         across, down = self.picture.shape[1] / self.fitted[0], self.picture.shape[0] / self.fitted[1]
         corners = np.array([[0, 0], [width, 0], [width, height], [0, height]]) * (across, down)
-        return np.asarray(cv2.getPerspectiveTransform(np.asarray(corners, np.float32),
-                                                      np.asarray(self.area[list(order)], np.float32)), np.float64)
+        goals = np.asarray(self.area[list(order)], np.float32)
+        return np.asarray(cv2.getPerspectiveTransform(np.asarray(corners, np.float32), goals), np.float64)
 
     def warped(self, homography: Floats, picture: Image | None = None) -> Image:
         """(h, w, 3): the picture, or another one, warped to the size of the frame, and black elsewhere."""
@@ -184,8 +184,8 @@ def _explanation(sight: Sight, before: Sequence[Sight]) -> str:
     image = _small(sight.drawing.image)
     usual = _difference(image, canvas.painted())
     best, least = '', LIKE * usual
-    for explanations in (_compositions(canvas), _shining(whole), _arrangements(canvas, sight), _others(canvas),
-                         _shapes(canvas, sight, before), _pairs(canvas, sight)):
+    for explanations in (_compositions(canvas), _by_pixels(whole), _arrangements(canvas, sight),
+                         _others(canvas), _shapes(canvas, sight, before), _pairs(canvas, sight)):
         for what, seen in explanations:
             difference = _difference(image, seen)
             if difference < CLEARLY * least:
@@ -254,10 +254,6 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
     frame, mask = canvas.frame, canvas.mask
     yield Explanation('The picture is added to the wall, which shines through and makes it too bright. '
                       'Subtract the area first, as in exercise 5.5.', cv2.add(frame, warped))
-    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
-             'the picture with cv2.add.')
-    yield Explanation(wraps, frame + warped)
-    yield Explanation(wraps, frame - mask + warped)
     for share in 0.3, 0.5, 0.7:
         what = ('The picture is half transparent: the wall shines through. Make the area black first, as in '
                 'exercise 5.5, then add the picture.')
@@ -269,6 +265,9 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
                           cv2.add(canvas.black, np.asarray(share * warped, np.uint8)))
     yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame '
                       'of which the area was subtracted.', warped)
+    yield Explanation('Only the area is left of your image, and the rest is black: the mask is the wrong way '
+                      'around.',
+                      cv2.add(cv2.bitwise_and(frame, mask), warped))
     yield Explanation('The picture is on a white area: the mask was added. Subtract it.',
                       cv2.add(cv2.add(frame, mask), warped))
     yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
@@ -277,9 +276,16 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
                       'then add the picture.', cv2.max(frame, warped))
 
 
-def _shining(canvas: Canvas) -> Iterator[Explanation]:
-    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk."""
+def _by_pixels(canvas: Canvas) -> Iterator[Explanation]:
+    """What becomes of a picture whose black is taken for nothing, or whose white and black are passed.
+
+    ``canvas``: not shrunk, since single pixels count.
+    """
     warped = canvas.warped(canvas.to_area())
+    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
+             'the picture with cv2.add.')
+    yield Explanation(wraps, _small(canvas.frame + warped))
+    yield Explanation(wraps, _small(canvas.frame - canvas.mask + warped))
     what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
             'picture.')
     for painted in (warped > 0, brightest(warped)[..., None] > 0, brightest(warped)[..., None] > 10):
@@ -333,8 +339,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
-    whole = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
-    scaled: Floats = np.linalg.inv(whole) @ np.linalg.inv(to_small)
+    whole: Floats = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
+    scaled = np.asarray(np.linalg.inv(whole) @ np.linalg.inv(to_small), np.float64)
     yield from within(backward, scaled)
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)

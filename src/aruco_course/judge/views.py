@@ -62,8 +62,9 @@ def look(wall: Wall, stand: Stand, noise: float = NOISE) -> View:
     if noise > 0:
         frame = cv2.add(frame, np.asarray(np.round(noise * _noise()), np.int16), dtype=cv2.CV_8U)
     frame.flags.writeable = False  # the Views are kept, so nobody shall draw on them
-    return View(frame, tuple(Tag(tag.id, np.asarray(project(tag.corners, rotation, translation, CAMERA)[0], np.float32))
-                             for tag in wall.tags))
+    corners = [project(tag.corners, rotation, translation, CAMERA)[0] for tag in wall.tags]
+    return View(frame, tuple(Tag(tag.id, np.asarray(quad, np.float32))
+                             for tag, quad in zip(wall.tags, corners)))
 
 
 def _extrinsics(stand: Stand) -> Extrinsics:

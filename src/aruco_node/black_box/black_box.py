@@ -115,8 +115,8 @@ class BlackBox:
     def run(self):
         """Show all frames to the node; returns Collected. Raises InputError if ROS does not work."""
         self.collected.baseline_seconds = _baseline_seconds(self._views)
-        with tempfile.TemporaryDirectory() as folder, self._connected(), self._started(folder):
-            try:
+        try:
+            with tempfile.TemporaryDirectory() as folder, self._connected(), self._started(folder):
                 self._wait_for_subscription()
                 is_early = self._is_advertised()
                 for number, view in enumerate(self._views, 1):
@@ -124,9 +124,8 @@ class BlackBox:
                     self.collected.shown.append(Shown(number, view, images))
                     self.collected.seconds.append(seconds)
                 self._finish(is_early)
-            except _Found as found:
-                self.collected.fault, = found.args
-            self.collected.printed = self._program.printed
+        except _Found as found:
+            self.collected.fault, = found.args
         return self.collected
 
     @contextmanager
@@ -151,10 +150,11 @@ class BlackBox:
         try:
             self._program = Program([self._path], environment, folder, self._changed)
         except OSError as error:
-            raise InputError(sentences.not_startable(self._path, error)) from None
+            raise _Found(sentences.not_startable(self._path, error)) from None
         try:
             yield
         finally:
+            self.collected.printed = self._program.printed
             self._program.stop(politely=self._is_shared)
 
     def _graph(self):

@@ -14,7 +14,7 @@ from aruco_ar import Detector, find_area
 from aruco_ar.compiled.compiler import version_of_sources
 
 
-def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
+def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package, frame, tmp_path):
     # A copy, since building leaves files behind.
     source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
         '.git', '.venv', 'build', 'bags', '__pycache__'))
@@ -42,6 +42,13 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
     off = np.abs(painted.astype(int) - frame).max(axis=2)
     inside, outside = cv2.erode(mask, np.ones((9, 9))) > 0, cv2.dilate(mask, np.ones((9, 9))) == 0
     assert np.median(off[inside]) > 30 > 20 > off[outside].mean()
+    # The course needs no more than that.
+    learn = str(tmp_path / 'env' / 'bin' / 'aruco-learn')
+    run(learn, 'start', 'mine', PATH='')
+    installed, = (tmp_path / 'env').glob('lib/python*/site-packages/aruco_course')
+    solution = installed / 'exercises' / 'exercise5_6' / 'solution.py'
+    shutil.copyfile(str(solution), str(tmp_path / 'mine' / 'src' / 'exercise5_6.py'))
+    run(learn, 'check', '5.6', '--package', 'mine', PATH=os.path.dirname(learn))
 
 
 def test_the_wheel_contains_only_aruco_ar_and_the_course(package, tmp_path):

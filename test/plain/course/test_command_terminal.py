@@ -44,7 +44,8 @@ def test_without_colors_there_are_none(terminal, course, monkeypatch):
     assert set(ESCAPE.findall(stream.getvalue())) <= {'\x1b[2J', '\x1b[H'}
 
 
-def test_plain_text_has_neither_escapes_nor_symbols(terminal, course):
+def test_plain_text_has_neither_escapes_nor_symbols(terminal, course, solve):
+    solve('5.4')
     screen, stream = terminal(80, plain=True)
     show(screen, course)
     text = stream.getvalue()
