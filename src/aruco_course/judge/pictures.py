@@ -53,8 +53,8 @@ def own_picture(number: int = 0) -> Image:
     unit = min(width, height) / 10
     cv2.putText(picture, 'TOP', (int(0.6 * unit), int(2.2 * unit)), cv2.FONT_HERSHEY_DUPLEX, unit / 17,
                 (255, 255, 255), max(1, round(unit / 9)), cv2.LINE_AA)
-    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73], [0.88, 0.84],
-                      [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
+    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73],
+                      [0.88, 0.84], [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
     cv2.fillPoly(picture, [black.astype(np.int32)], (0, 0, 0))
     picture.flags.writeable = False
     return picture
@@ -66,7 +66,7 @@ def with_pictures(views: Sequence[View]) -> tuple[View, ...]:
 
 
 def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
-    """Why a View's picture is not painted into its area, or None. ``before``: the Sights of the frames before it."""
+    """Why a View's picture is not painted into its area, or None. ``before``: the Sights before it."""
     shown, canvas = sight.shown, _canvas_of(sight)
     wrong = _wrong(canvas, sight)
     touched = changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags
@@ -97,9 +97,9 @@ def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2) in the frame.
+    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2).
 
-    ``fitted``: the size of the picture that counts, if the picture itself is a smaller version: (width, height).
+    ``fitted``: (width, height) of the true picture, of which the picture may be a smaller version.
     """
 
     frame: Image
@@ -121,7 +121,8 @@ class Canvas:
         width, height = width or self.fitted[0], height or self.fitted[1]
         across, down = self.picture.shape[1] / self.fitted[0], self.picture.shape[0] / self.fitted[1]
         corners = np.array([[0, 0], [width, 0], [width, height], [0, height]]) * (across, down)
-        return np.asarray(cv2.getPerspectiveTransform(np.float32(corners), np.float32(self.area[list(order)])))
+        goals = np.asarray(self.area[list(order)], np.float32)
+        return np.asarray(cv2.getPerspectiveTransform(np.asarray(corners, np.float32), goals), np.float64)
 
     def warped(self, homography: Floats, picture: Image | None = None) -> Image:
         """(h, w, 3): the picture, or another one, warped to the size of the frame, and black elsewhere."""
@@ -167,7 +168,7 @@ def _wrong(canvas: Canvas, sight: Sight) -> Booleans:
     reach = [max(1, int(np.ceil(RIM_PX * length / max(min(pair), 1))))
              for length, pair in ((width, sides[[0, 2]]), (height, sides[[1, 3]]))]
     around = np.ones((2 * reach[1] + 1, 2 * reach[0] + 1), np.uint8)
-    low, high = (canvas.warped(homography, change(canvas.picture, around)) for change in (cv2.erode, cv2.dilate))
+    low, high = (canvas.warped(homography, near(canvas.picture, around)) for near in (cv2.erode, cv2.dilate))
     return outside_of(sight.drawing.image, low, high, PICTURE_SLACK) & sight.inside & ~sight.near_tags
 
 
@@ -183,8 +184,8 @@ def _explanation(sight: Sight, before: Sequence[Sight]) -> str:
     image = _small(sight.drawing.image)
     usual = _difference(image, canvas.painted())
     best, least = '', LIKE * usual
-    for explanations in (_compositions(canvas), _shining(whole), _arrangements(canvas, sight), _others(canvas),
-                         _shapes(canvas, sight, before), _pairs(canvas, sight)):
+    for explanations in (_compositions(canvas), _by_pixels(whole), _arrangements(canvas, sight),
+                         _others(canvas), _shapes(canvas, sight, before), _pairs(canvas, sight)):
         for what, seen in explanations:
             difference = _difference(image, seen)
             if difference < CLEARLY * least:
@@ -253,10 +254,6 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
     frame, mask = canvas.frame, canvas.mask
     yield Explanation('The picture is added to the wall, which shines through and makes it too bright. '
                       'Subtract the area first, as in exercise 5.5.', cv2.add(frame, warped))
-    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
-             'the picture with cv2.add.')
-    yield Explanation(wraps, frame + warped)
-    yield Explanation(wraps, frame - mask + warped)
     for share in 0.3, 0.5, 0.7:
         what = ('The picture is half transparent: the wall shines through. Make the area black first, as in '
                 'exercise 5.5, then add the picture.')
@@ -268,6 +265,9 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
                           cv2.add(canvas.black, np.asarray(share * warped, np.uint8)))
     yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame '
                       'of which the area was subtracted.', warped)
+    yield Explanation('Only the area is left of your image, and the rest is black: the mask is the wrong way '
+                      'around.',
+                      cv2.add(cv2.bitwise_and(frame, mask), warped))
     yield Explanation('The picture is on a white area: the mask was added. Subtract it.',
                       cv2.add(cv2.add(frame, mask), warped))
     yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
@@ -276,9 +276,16 @@ def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
                       'then add the picture.', cv2.max(frame, warped))
 
 
-def _shining(canvas: Canvas) -> Iterator[Explanation]:
-    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels matter."""
+def _by_pixels(canvas: Canvas) -> Iterator[Explanation]:
+    """What becomes of a picture whose black is taken for nothing, or whose white and black are passed.
+
+    ``canvas``: not shrunk, since single pixels count.
+    """
     warped = canvas.warped(canvas.to_area())
+    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
+             'the picture with cv2.add.')
+    yield Explanation(wraps, _small(canvas.frame + warped))
+    yield Explanation(wraps, _small(canvas.frame - canvas.mask + warped))
     what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
             'picture.')
     for painted in (warped > 0, brightest(warped)[..., None] > 0, brightest(warped)[..., None] > 10):
@@ -317,8 +324,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
         for image in add(homography):
             yield Explanation(what, image)
 
-    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, width), "
-                 'and a corner is (x, y), so the bottom right one is (width, height).')
+    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, "
+                 'width), and a corner is (x, y), so the bottom right one is (width, height).')
     yield from within(exchanged, canvas.to_area(height, width))
     sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its '
              'corners, not those of the frame.')
@@ -332,8 +339,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
-    whole = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
-    scaled = np.linalg.inv(whole) @ np.linalg.inv(to_small)
+    whole: Floats = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
+    scaled = np.asarray(np.linalg.inv(whole) @ np.linalg.inv(to_small), np.float64)
     yield from within(backward, scaled)
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)
@@ -343,7 +350,7 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     for kept in range(4):
         three = [i for i in range(4) if i != kept]
         own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * canvas.picture.shape[1::-1]
-        affine = cv2.getAffineTransform(np.float32(own), np.float32(canvas.area[three]))
+        affine = cv2.getAffineTransform(np.asarray(own, np.float32), np.asarray(canvas.area[three], np.float32))
         yield from within('Your picture is a parallelogram, as from three of the centers. Four points and '
                           'cv2.warpPerspective let far sides be shorter.', np.vstack([affine, [0, 0, 1]]))
     full = np.array([[0, 0], [frame_width, 0], [frame_width, frame_height], [0, frame_height]], np.float64)
@@ -393,9 +400,9 @@ def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
         for _, image in _blended(canvas, warped):
             yield Explanation(what, image)
         if order not in TURNS:  # the area to be subtracted has the same order
-            convex = np.zeros(canvas.frame.shape, np.uint8)
-            cv2.fillConvexPoly(convex, np.asarray(np.round(canvas.area[list(order)]), np.int32), (255, 255, 255))
-            filled = cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR)
+            area, convex = canvas.area[list(order)], np.zeros(canvas.frame.shape, np.uint8)
+            cv2.fillConvexPoly(convex, np.asarray(np.round(area), np.int32), (255, 255, 255))
+            filled = cv2.cvtColor(fill(canvas.frame.shape, area), cv2.COLOR_GRAY2BGR)
             for mask in convex, filled:
                 yield Explanation(what, cv2.add(cv2.subtract(canvas.frame, mask), warped))
 

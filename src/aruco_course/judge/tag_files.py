@@ -44,7 +44,7 @@ def image_files(folder: Path) -> dict[Path, tuple[int, int]]:
 
 
 def files_fault(written: Written) -> Fault | None:
-    """The first Fault in the files of tags that a program wrote: four, of the ids 1 to 4, into the folder Tags."""
+    """The first Fault in the files that a program wrote: of the tags 1 to 4, in the folder Tags."""
     here = [path for path in dict.fromkeys(written.paths) if _is_in(path, written.folder / FOLDER)]
     if not here:
         return Fault(_nothing(written))
@@ -72,11 +72,12 @@ def _nothing(written: Written) -> str:
     """Why there is no new file in the folder Tags."""
     if written.refused:
         path = written.refused[0]
-        if not path.is_absolute() and path.parent.name:
-            return ('%s was not written: cv2.imwrite only returns False then. This path begins at the folder from '
-                    'which the program is started. The path TAGS begins at the file.' % path)
-        why = ('There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the '
-               'path.' % path.parent
+        why = ('Only a shell knows what ~ is: os.path.expanduser(path) replaces it.'
+               if path.parts[0] == '~' else
+               'This path begins at the folder from which the program is started. The path TAGS begins at the file.'
+               if not path.is_absolute() and path.parent.name else
+               'There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the path.'
+               % path.parent
                if not path.parent.is_dir() else
                'Its name has no ending, such as .jpg.' if not path.suffix else
                'OpenCV writes no files that end in %s.' % path.suffix if path.suffix.lower() not in ENDINGS else
@@ -84,13 +85,10 @@ def _nothing(written: Written) -> str:
         return '%s was not written: cv2.imwrite only returns False then. %s' % (path, why)
     if written.paths:
         path = written.paths[-1]
-        if not _is_in(path, written.folder):
-            return ('Your program writes %s into the folder from which it is started. Write the files into the '
-                    'folder Tags of your package, wherever the program is started: os.path.join(TAGS, '
-                    'name).' % path.name)
-        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, which '
-                'is %s.'
-                % (path.name, path.parent, written.folder / FOLDER))
+        to = str(path.parent) if _is_in(path, written.folder) \
+            else 'the folder that it is started from, which may be any'
+        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, which is '
+                '%s.' % (path.name, to, written.folder / FOLDER))
     old = image_files(written.folder / FOLDER)
     return ('Your program writes no image%s. Does it call cv2.imwrite, and is main() called?'
             % ('; those in the folder Tags are older' if old else ' into the folder Tags'))

@@ -1,4 +1,4 @@
-"""How exercise 5.6 is presented and judged: the picture is in the area, the right way up, and nothing else changes."""
+"""How exercise 5.6 is presented and judged: the picture is in the area, the right way up."""
 from __future__ import annotations
 
 from dataclasses import replace
