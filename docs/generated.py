@@ -34,7 +34,8 @@ SETTINGS = [
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'calibrate_live', 'page']
-PROGRAMS = ['artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall', 'video_camera']
+PROGRAMS = ['learn', 'check_node', 'artag_generator', 'annotate_bags', 'calibrate_camera', 'gazebo_wall',
+            'video_camera']
 
 
 # What the page says of all nodes, above the table, which leaves it out.
@@ -77,7 +78,8 @@ def parameters():
 def launch_files():
     """The arguments of every launch file, and the comment at its top."""
     parts = []
-    for path in sorted(glob.glob(os.path.join(PACKAGE, 'launch', '*.launch'))):
+    for path in sorted(glob.glob(os.path.join(PACKAGE, 'launch', '*.launch')) + [
+            os.path.join(PACKAGE, 'launch', 'check.test')]):
         parser = ElementTree.XMLParser(target=ElementTree.TreeBuilder(insert_comments=True))
         root = ElementTree.parse(path, parser).getroot()
         about = root[0].text.strip() if root[0].tag is ElementTree.Comment else ''
@@ -99,7 +101,7 @@ def mistakes():
     """A table for each exercise of the course: mistakes, and what is said of each. A test sees to that."""
     rows = {number: [(plain(wrong.what), plain(wrong.says)) for wrong in corpus.wrong_solutions(number)]
             for number in corpus.NUMBERS}
-    return '\n'.join('## Exercise %s\n\n%s' % (number, table(('What is wrong', 'What `learn.py` says'), each))
+    return '\n'.join('### Exercise %s\n\n%s' % (number, table(('What is wrong', 'What `learn.py` says'), each))
                      for number, each in rows.items())
 
 
@@ -153,8 +155,8 @@ def interface(text, title):
 
 
 def code(value):
-    """A value as code, as YAML and a command line have it."""
-    return '`%s`' % (str(value).lower() if isinstance(value, bool) else value)
+    """A value as code, as YAML and a command line have it; nothing if it is empty."""
+    return '`%s`' % (str(value).lower() if isinstance(value, bool) else value) if value != '' else ''
 
 
 def plain(text):

@@ -98,13 +98,15 @@ class Challenge:
 class Exercise:
     """How an exercise is presented.
 
-    ``number``: such as "5.4". ``minutes``: how long it takes. ``task``: what is to be done, in a few sentences.
+    ``number``: such as "5.4". ``minutes``: how long it takes. ``function``: the name of the learner's function
+    of an image, or nothing if a program is asked for. ``task``: what is to be done, in a few sentences.
     ``hints``: three, each of which tells more.
     """
 
     number: str
     title: str
     minutes: int
+    function: str
     task: str
     hints: tuple[str, str, str]
 
@@ -118,12 +120,11 @@ class Exercise:
 class Check(Exercise):
     """An exercise that asks for a function of an image, and how what it returns is judged.
 
-    ``function``: the name of the learner's function. ``outputs``: the names of the images that it returns, and
-    of the topics on which its node publishes them; the frame with what was drawn is the last. ``views``: makes
-    the frames it is judged by. ``judge``: finds the first Fault in what was made of them.
+    ``views``: makes the frames it is judged by. ``judge``: finds the first Fault in what was made of them.
+    ``outputs``: the names of the images that the function returns, and of the topics on which its node
+    publishes them; the frame with what was drawn is the last.
     """
 
-    function: str
     views: Callable[[], Sequence[View]]
     judge: Judge
     challenges: tuple[Challenge, ...] = ()

@@ -5,12 +5,13 @@ import argparse
 import os
 import subprocess
 import sys
-from typing import Sequence
+from typing import Callable, Sequence
 
 from aruco_ar import InputError
 from aruco_ar.base.files import write_whole
 
 from . import say
+from .black_box.verdict import NodeVerdict, command_for_node
 from .check import Exercise
 from .course import Course
 from .exercises import CHECKS
@@ -22,18 +23,26 @@ from .verdict import try_challenges
 from .watch import watch
 
 RIGHT, WRONG, USAGE = 0, 1, 2
+Run = Callable[[argparse.Namespace, Screen], int]
 
-DESCRIPTION = """\
-Write the nodes of the course yourself, and be told whether they are right.
+DESCRIPTION = ('Write the nodes of the course yourself, and be told whether they are right. First, "start" '
+               'makes a package of your own. Then leave "watch" open in a terminal: it looks at a file each '
+               'time you save it.')
+DEFAULT_PLACE = os.path.join(learner.WORKSPACE, learner.NAME)
+CALLED = 'rosrun unit5 learn.py'
 
-First, "start" makes a package of your own. Then leave "watch" open in a
-terminal, which looks at your files each time you save them.
-"""
+
+def aruco_learn() -> int:
+    """The command that pip installs."""
+    return main(called='aruco-learn')
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Do what the command line says. Returns 0 if it is right, 1 if not, 2 if nothing could be judged."""
-    options = _parser().parse_args(arguments)
+def main(arguments: Sequence[str] | None = None, called: str = CALLED) -> int:
+    """Do what the command line says. Returns 0 if it is right, 1 if not, 2 if nothing could be judged.
+
+    ``called``: how this program is started, for what it says of itself.
+    """
+    options = _parser(called).parse_args(arguments)
     screen = Screen(sys.stdout, options.plain)
     try:
         return int(options.run(options, screen))
@@ -47,43 +56,47 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return USAGE
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter)
+def _parser(called: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=DESCRIPTION)
+    # These may come before or after the command.
+    _add_shared(parser, package=None, plain=False, called=called)
     shared = argparse.ArgumentParser(add_help=False)
-    for each, default in (parser, None), (shared, argparse.SUPPRESS):
-        each.add_argument('--package', metavar='FOLDER', default=default,
-                          help='your package (default: the one around this folder, else %s)'
-                               % os.path.join(learner.WORKSPACE, learner.NAME))
-        each.add_argument('--plain', action='store_true', default=default or False if each is parser else default,
-                          help='plain text, line by line, for example for a screen reader')
-        each.add_argument('--called', help=argparse.SUPPRESS,  # how this program was started
-                          default='rosrun unit5 learn.py' if each is parser else default)
+    _add_shared(shared, package=argparse.SUPPRESS, plain=argparse.SUPPRESS, called=argparse.SUPPRESS)
     parser.set_defaults(run=_watch)
     commands = parser.add_subparsers(metavar='COMMAND')
 
-    def command(name: str, run: object, text: str) -> argparse.ArgumentParser:
-        made = commands.add_parser(name, help=text, description=text[:1].upper() + text[1:] + '.', parents=[shared])
+    def command(name: str, run: Run, text: str, exercise: str | None = None) -> argparse.ArgumentParser:
+        """``exercise``: the help of the argument that names one, if there is one."""
+        made = commands.add_parser(name, help=text, parents=[shared],
+                                   description=text[:1].upper() + text[1:] + '.')
         made.set_defaults(run=run)
+        if exercise:
+            made.add_argument('exercise', nargs='?', help=exercise)
         return made
-
-    def about_exercise(made: argparse.ArgumentParser) -> argparse.ArgumentParser:
-        made.add_argument('exercise', nargs='?', help='its number, such as 5.4 (default: the first that is not done)')
-        return made
+    one = 'its number, such as 5.4 (default: the first that is not done)'
     command('start', _start, 'make a package of your own, or bring back files that are gone').add_argument(
-        'folder', nargs='?', help='where (default: %s, or here if there is no such workspace)'
-                                  % os.path.join(learner.WORKSPACE, learner.NAME))
+        'folder', nargs='?', help='where (default: %s, or here if there is no such workspace)' % DEFAULT_PLACE)
     command('watch', _watch, 'show the exercise at hand, and a verdict each time you save (the default)')
-    check = about_exercise(command('check', _check, 'say once whether an exercise is right; "all" for all of them'))
-    check.add_argument('--node', action='store_true', help='also start it as a ROS node, and judge what it publishes')
-    about_exercise(command('hint', _hint, 'give a hint; there are three, and each tells more'))
-    about_exercise(command('solution', _solution, 'show the difference to our solution'))
-    about_exercise(command('reset', _reset, 'bring back the file as it was in the beginning; yours is kept'))
+    command('check', _check, 'say once whether an exercise is right', one + '; all: every one').add_argument(
+        '--node', action='store_true', help='also start it as a ROS node, and judge what it publishes')
+    command('hint', _hint, 'give a hint; there are three, and each tells more', one)
+    command('solution', _solution, 'show the difference to our solution', one)
+    command('reset', _reset, 'bring back the file as it was in the beginning; yours is kept', one)
     command('report', _report, 'print as JSON what was done').add_argument(
         '--judge', action='store_true', help='judge all files now, instead of trusting what was noted')
     made = command('page', _page, 'make a page of what was done, with your pictures, to print')
     made.add_argument('--name', default='', help='your name, as the page shall show it')
-    made.add_argument('--output', metavar='FILE', help='the file to write (default: course.html in your package)')
+    made.add_argument('--output', metavar='FILE', help='file to write (default: course.html in your package)')
     return parser
+
+
+def _add_shared(parser: argparse.ArgumentParser, package: str | None, plain: bool | str, called: str) -> None:
+    parser.add_argument('--package', metavar='FOLDER', default=package,
+                        help='your package (default: the one around this folder, else %s)' % DEFAULT_PLACE)
+    parser.add_argument('--plain', action='store_true', default=plain,
+                        help='plain text, line by line, for example for a screen reader')
+    # How this program was started.
+    parser.add_argument('--called', default=called, help=argparse.SUPPRESS)
 
 
 def _course(options: argparse.Namespace) -> Course:
@@ -105,7 +118,8 @@ def _exercise(options: argparse.Namespace, course: Course) -> Exercise:
 
 
 def _start(options: argparse.Namespace, screen: Screen) -> int:
-    started = learner.start(options.folder or options.package or learner.default_folder(), CHECKS, options.called)
+    folder = options.folder or options.package or learner.default_folder()
+    started = learner.start(folder, CHECKS, options.called)
     package = started.package
     if not started.made:
         screen.text('Your package is complete: %s' % package.folder)
@@ -156,14 +170,16 @@ def _check_one(course: Course, check: Exercise, with_node: bool, screen: Screen)
 
 def _check_node(course: Course, check: Exercise, screen: Screen) -> int:
     """Start the node in a ROS of its own, and say what is wrong with what it publishes."""
-    from .black_box.verdict import NodeVerdict, command_for_node  # only those who have ROS need it
     screen.text()
-    done = subprocess.run(command_for_node(check.number, course.package.source(check),
-                                           verdict=course.package.picture(check)),
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        command = command_for_node(check.number, course.package.source(check),
+                                   verdict=course.package.picture(check))
+    except ImportError:
+        raise InputError('A node needs ROS, which this Python does not find. Source its setup.bash.') from None
+    done = subprocess.run(command, capture_output=True, text=True)
     judged = NodeVerdict.of_output(done.stdout)
     if judged is None:
-        raise InputError(done.stderr.strip() or 'The node cannot be checked.')
+        raise InputError((done.stderr.strip() or 'The node cannot be checked.').splitlines()[-1])
     if judged.passed:
         screen.right('The node is right, too.')
         course.note_node(check)

@@ -7,7 +7,6 @@ import re
 from typing import Sequence
 
 import cv2
-
 from aruco_ar import InputError
 from aruco_ar.base.files import read_whole, write_whole
 

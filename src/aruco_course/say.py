@@ -21,15 +21,19 @@ def task(screen: Screen, check: Exercise) -> None:
     screen.text(check.task)
 
 
-def verdict(screen: Screen, course: Course, judged: Verdict) -> None:
-    """Whether the file is right, the first thing that is wrong, and where the picture is."""
+def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> None:
+    """Whether the file is right, the first thing that is wrong, and where the picture is.
+
+    ``when``: the time of the verdict, so that one who watches sees that it is a new one.
+    """
     check = judged.check
+    when = ' (%s)' % when if when else ''
     if judged.fault is None:
-        screen.right('%s is right.' % check.number)
+        screen.right('%s is right.%s' % (check.number, when))
     elif course.is_untouched(check):
-        screen.text('Nothing is written yet.', 'yellow')
+        screen.text('Nothing is written yet.%s' % when, 'yellow')
     else:
-        screen.wrong('%s is not right yet.' % check.number)
+        screen.wrong('%s is not right yet.%s' % (check.number, when))
     if judged.fault is not None:
         screen.text(str(judged.fault), indent=0 if screen.is_plain else 2)
     for note in judged.notes:
@@ -41,7 +45,8 @@ def verdict(screen: Screen, course: Course, judged: Verdict) -> None:
         if len(lines) > PRINTED_LINES:
             screen.lines('and more lines', 'dim')
     if judged.picture is not None:
-        what = 'What yours shows' if judged.passed else 'What is expected, and what yours shows'
+        both = judged.fault is not None and judged.fault.expected is not None
+        what = 'What is expected, and what yours shows' if both else 'What yours shows'
         screen.text('%s: %s' % (what, shortest(course.package.picture(check))), 'dim')
 
 
@@ -56,7 +61,7 @@ def challenge(screen: Screen, tried: Challenge, fault: Fault | None) -> None:
     if fault is None:
         screen.right('%s: yours survives it.' % _upper(tried.name))
         return
-    screen.wrong('%s: yours does not survive it.' % _upper(tried.name))
+    screen.open('%s: yours does not survive it.' % _upper(tried.name))
     screen.text('%s %s' % (fault, tried.why), indent=0 if screen.is_plain else 2)
 
 
@@ -65,7 +70,8 @@ def passed(screen: Screen, course: Course, check: Exercise) -> None:
     screen.text()
     if has_node(check):
         screen.text('See it run, on the simulated robot and beside ours, at http://localhost:8080:')
-        screen.lines('roslaunch %s %s.launch sim:=true page:=true ours:=true' % (course.package.name, check.name))
+        screen.lines('roslaunch %s %s.launch sim:=true page:=true ours:=true'
+                     % (course.package.name, check.name))
     after = course.after(check)
     if after is None:
         screen.text('All exercises are done. The command "page" makes a page of them, to print.', 'bold')
@@ -90,7 +96,9 @@ def solution(screen: Screen, course: Course, check: Exercise, lines: list[str] |
     else:
         screen.text('Lines that begin with - are in your file only, and those with + in ours only. There are '
                     'other ways that are as right.')
+        screen.text()
         screen.difference(lines)
+        screen.text()
     ours = 'artag_generator' if check.number == '5.1' else check.name
     screen.text('To compare: src/%s.py of unit5 does the same for a real robot.' % ours)
 
@@ -103,9 +111,7 @@ def was_reset(screen: Screen, course: Course, check: Exercise, kept: str | None)
 
 def shortest(path: str) -> str:
     """A path as one would type it here."""
-    relative = os.path.relpath(path)
-    return path if relative.startswith('..') and len(path) <= len(relative) or len(path) < len(relative) \
-        else relative
+    return min(os.path.relpath(path), path, key=len)
 
 
 def _upper(text: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import os
 import shutil
 import textwrap
-from typing import IO, Iterable, Sequence
+from typing import Iterable, Sequence, TextIO
 
 from .check import Exercise
 from .learner.progress import Progress
@@ -23,12 +23,12 @@ class Screen:
     terminal. Colors need a terminal, too, and NO_COLOR must not be set.
     """
 
-    def __init__(self, stream: IO[str], plain: bool = False) -> None:
+    def __init__(self, stream: TextIO, plain: bool = False) -> None:
         self._stream = stream
         terminal = stream.isatty() and os.environ.get('TERM') != 'dumb'
         self.is_plain = plain or not terminal
         self._colors = terminal and not plain and not os.environ.get('NO_COLOR')
-        self._symbols = not self.is_plain and _can_encode(stream, '✔✘●─')
+        self._symbols = not self.is_plain and _can_encode(stream, '✔✘●○─')
 
     @property
     def width(self) -> int:
@@ -41,7 +41,7 @@ class Screen:
             self._write(CLEAR)
 
     def text(self, text: str = '', style: str = '', indent: int = 0, first: str | None = None) -> None:
-        """Paragraphs, which are separated by empty lines. ``first``: begins the first line, as wide as indent."""
+        """Paragraphs, separated by empty lines. ``first``: begins the first line; as wide as indent."""
         width = min(self.width, READABLE)
         start = ' ' * indent if first is None else first
         for number, paragraph in enumerate(clean(text).split('\n\n')):
@@ -74,6 +74,10 @@ class Screen:
     def wrong(self, text: str) -> None:
         """A sentence that something is wrong."""
         self._marked(text, '✘', 'red')
+
+    def open(self, text: str) -> None:
+        """A sentence on what may still be done, but need not."""
+        self._marked(text, '○', 'yellow')
 
     def _marked(self, text: str, symbol: str, style: str) -> None:
         first, indent = (symbol + ' ', 2) if self._symbols else (None, 0)
@@ -130,7 +134,7 @@ def clean(text: str) -> str:
                    for each in text.expandtabs(4).replace('\r\n', '\n'))
 
 
-def _can_encode(stream: IO[str], text: str) -> bool:
+def _can_encode(stream: TextIO, text: str) -> bool:
     try:
         text.encode(stream.encoding or 'ascii')
     except UnicodeEncodeError:

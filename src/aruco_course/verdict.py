@@ -8,16 +8,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Iterator, Sequence
 
+import cv2
+import numpy as np
 from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
-from .learner.package import HIDDEN
 from .judge.verdict_picture import verdict_picture
-from .trial import Trial, fault_of_plumbing, fault_of_source, run_function, run_program
+from .learner.package import HIDDEN
+from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
 
-CAMERA_S = 1 / 30     # between two frames of the robot's camera
-MUCH_SLOWER = 5       # times as long as OpenCV needs to find the tags: then it is not the machine that is slow
-MAX_PRINTED = 2000    # characters
+MAX_PRINTED = 2000  # characters
+MOST_FILES, FILE_PX, GAP_PX, WHITE = 4, 240, 20, (255, 255, 255)  # of a picture of files
 ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
 
 
@@ -50,7 +51,7 @@ def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -
     """Judge the file of an exercise in a learner's package. It runs in a process of its own, with limits."""
     began = time.monotonic()
     path = Path(folder, 'src', check.name + '.py')
-    fault = fault_of_source(path, check)
+    fault = fault_of_source(str(path), check)
     if fault is not None:
         verdict = Verdict(check, fault)
     elif isinstance(check, ProgramCheck):
@@ -58,8 +59,6 @@ def judge_exercise(check: Exercise, folder: str, with_challenges: bool = True) -
     else:
         assert isinstance(check, Check)
         verdict = _judge_function(check, path)
-    if verdict.passed:
-        verdict.fault = fault_of_plumbing(path, check)
     verdict.seconds = time.monotonic() - began
     if with_challenges and verdict.passed:
         verdict.challenges = list(try_challenges(check, folder))
@@ -94,10 +93,13 @@ def _judge_function(check: Check, path: Path) -> Verdict:
     views = check.views()
     trial = _run(check, path, views)
     shown = _shown(views, trial.images)
-    fault = trial.fault or check.judge(shown)
-    verdict = Verdict(check, fault, _picture(check, fault, shown), trial.printed[:MAX_PRINTED])
+    fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0])
+    picture = verdict_picture(fault, shown[0] if shown else None)
+    verdict = Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
     if fault is None:
-        verdict.notes += _slowness(trial)
+        slow = fault_of_speed(trial)
+        if slow is not None:  # how fast is no question of right or wrong, and this machine is not the robot
+            verdict.notes.append(str(slow))
     return verdict
 
 
@@ -110,9 +112,11 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         trial = run_program(str(path), cwd=name)
         after = {**_image_files(folder), **_image_files(elsewhere)}
         # Older files are not taken for what it writes: one of the same content has another time.
-        written = sorted((each for each in after if after[each] != before.get(each)), key=lambda each: after[each])
-        fault = trial.fault or check.judge(Written(folder, tuple(written)))
-        picture = _picture(check, fault, [])
+        written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
+        # If nothing calls main, this says more than that nothing was written.
+        fault = trial.fault or fault_of_plumbing(str(path), check) \
+            or check.judge(Written(folder, tuple(written), tuple(map(Path, trial.refused))))
+        picture = _side_by_side(written)
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
 
 
@@ -128,20 +132,17 @@ def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
 
 
 def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:
-    return run_function(path, check.function, [view.arguments for view in views], outputs=len(check.outputs))
+    return run_function(str(path), check.function, [view.arguments for view in views], outputs=check.outputs)
+
+
+def _side_by_side(paths: Sequence[Path]) -> Image | None:
+    """The first images that the program wrote, small, in a row; None if there are none."""
+    images = [cv2.imread(str(path)) for path in paths[:MOST_FILES]]
+    small = [cv2.copyMakeBorder(cv2.resize(image, (FILE_PX, FILE_PX), interpolation=cv2.INTER_AREA),
+                                GAP_PX, GAP_PX, GAP_PX, GAP_PX, cv2.BORDER_CONSTANT, value=WHITE)
+             for image in images if image is not None]
+    return np.hstack(small) if small else None
 
 
 def _shown(views: Sequence[View], images: Sequence[tuple[Image, ...]]) -> list[Shown]:
     return [Shown(number, view, each) for number, (view, each) in enumerate(zip(views, images), start=1)]
-
-
-def _slowness(trial: Trial) -> list[str]:
-    """A sentence if the code cannot keep up with the camera, and finding the tags is not what takes the time."""
-    if not trial.seconds:
-        return []
-    usual = sorted(trial.seconds)[len(trial.seconds) // 2]
-    if usual < CAMERA_S or usual * len(trial.seconds) < MUCH_SLOWER * trial.baseline_seconds:
-        return []
-    return ['It takes %.0f ms for a frame, but the camera sends one every %.0f ms, so your node will skip frames. '
-            'What can be done once, before the first frame? What can NumPy do without a loop over pixels?'
-            % (1000 * usual, 1000 * CAMERA_S)]

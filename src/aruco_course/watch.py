@@ -6,7 +6,7 @@ import select
 import sys
 import threading
 import time
-from typing import IO, Callable, Iterator, NamedTuple
+from typing import IO, Callable, Iterable, Iterator, NamedTuple
 
 from aruco_ar import InputError
 
@@ -38,6 +38,10 @@ class Files:
         self._paths = {check.number: course.package.source(check) for check in course.checks}
         self._known = {number: _state(path) for number, path in self._paths.items()}
 
+    def is_any_newer(self) -> bool:
+        """Whether ``changed`` would find something."""
+        return any(_state(path) != self._known[number] for number, path in self._paths.items())
+
     def changed(self, pause: Callable[[float], object] = time.sleep) -> list[str]:
         """The exercises whose files have changed since the last call, once nobody writes to them."""
         found = {number: _state(path) for number, path in self._paths.items()}
@@ -62,7 +66,7 @@ def _state(path: str) -> tuple[int, ...]:
 
 
 def events(files: Files, screen: Screen, stdin: IO[str] | None) -> Iterator[Event]:
-    """What happens, without end, or until the learner closes what he types into. ``stdin``: a terminal, or None."""
+    """What happens, without end, or until the learner types Ctrl-D. ``stdin``: a terminal, or None."""
     width = screen.width
     while True:
         for number in files.changed():
@@ -82,37 +86,46 @@ def events(files: Files, screen: Screen, stdin: IO[str] | None) -> Iterator[Even
 class Watch:
     """What ``learn.py watch`` shows, and what it does when something happens.
 
-    ``can_type``: whether the learner can type commands into it.
+    ``can_type``: whether the learner can type commands into it. ``is_over``: tells whether what takes long can
+    be given up, since something has happened.
     """
 
-    def __init__(self, course: Course, screen: Screen, can_type: bool) -> None:
-        self._course, self._screen, self._can_type = course, screen, can_type
+    def __init__(self, course: Course, screen: Screen, can_type: bool,
+                 is_over: Callable[[], bool] = lambda: False) -> None:
+        self._course, self._screen, self._can_type, self._is_over = course, screen, can_type, is_over
         self._shown: Exercise = course.at_hand() or course.checks[-1]
         self._told: Exercise | None = None  # whose task was told
         self._verdict: Verdict | None = None
         self._challenges: list[tuple[Challenge, Fault | None]] = []
+        self._keys_told = False
+        self._when = ''
 
-    def run(self, happened: Iterator[Event]) -> int:
+    def run(self, happened: Iterable[Event]) -> int:
         """Show the exercise at hand, and follow what happens. Returns the exit code."""
         self._judge()
         prepare(self._course, self._shown)
         for event in happened:
-            if event.kind == 'saved':
-                self._shown = self._course.exercise(event.text)
-                self._judge()
-            elif event.kind == 'resized':
-                self._show()
-            elif not self._do(event.text):
-                break
+            try:
+                if event.kind == 'saved':
+                    self._shown = self._course.exercise(event.text)
+                    self._judge()
+                elif event.kind == 'resized':
+                    if not self._screen.is_plain:
+                        self._show()
+                elif not self._do(event.text):
+                    break
+            except InputError as error:  # such as: the disk is full
+                self._screen.text(str(error))
         return 0
 
     def _judge(self) -> None:
         """Show the verdict on the exercise that is shown, then its challenges as they are tried."""
         screen, course, check = self._screen, self._course, self._shown
-        self._challenges = []
+        self._verdict, self._challenges = None, []
         if not screen.is_plain:
             screen.text('Looking at src/%s.py …' % check.name, 'dim')
         self._verdict = course.judge(check)
+        self._when = time.strftime('%H:%M:%S')
         self._show(is_final=False)
         if self._verdict.passed:
             for tried, fault in try_challenges(check, course.package.folder):
@@ -121,6 +134,8 @@ class Watch:
                 say.challenge(screen, tried, fault)
                 self._challenges.append((tried, fault))
                 course.note_challenge(check, tried, fault)
+                if self._is_over():
+                    return
         self._show_end()
 
     def _show(self, is_final: bool = True) -> None:
@@ -136,7 +151,7 @@ class Watch:
             screen.text()
         self._told = check
         if self._verdict is not None:
-            say.verdict(screen, course, self._verdict)
+            say.verdict(screen, course, self._verdict, self._when)
         if is_final:
             for number, (tried, fault) in enumerate(self._challenges):
                 if not number:
@@ -145,38 +160,43 @@ class Watch:
             self._show_end()
 
     def _show_end(self) -> None:
-        if self._verdict is not None and self._verdict.passed:
-            say.passed(self._screen, self._course, self._shown)
-        if self._can_type:
-            self._screen.text()
-            self._screen.text(KEYS, 'dim')
+        screen, course = self._screen, self._course
+        if self._passed:
+            say.passed(screen, course, self._shown)
+            after = course.after(self._shown)
+            if after is not None and not self._can_type:  # nobody can ask for it
+                screen.text()
+                say.task(screen, after)
+        if self._can_type and not (screen.is_plain and self._keys_told):
+            screen.text()
+            screen.text(KEYS, 'dim')
+            self._keys_told = True
+
+    @property
+    def _passed(self) -> bool:
+        return self._verdict is not None and self._verdict.passed
 
     def _do(self, line: str) -> bool:
         """Do what was typed. Returns False if that was to quit."""
         screen, course = self._screen, self._course
         word, _, rest = line.partition(' ')
-        try:
-            check = course.exercise(rest.strip()) if rest.strip() else self._shown
-            if word in ('q', 'quit', 'exit'):
-                return False
-            if word in ('h', 'hint'):
-                say.hints(screen, check, course.hint(check))
-            elif word in ('s', 'solution'):
-                say.solution(screen, course, check, course.solution(check))
-            elif word in ('r', 'reset'):
-                say.was_reset(screen, course, check, course.reset(check))
-            elif word in ('n', 'next'):
-                after = check if rest.strip() else course.after(check)
-                if after is not None:
-                    self._shown = after
-                    prepare(course, after)
-                self._judge()
-            elif not word:
-                self._show()
-            else:
-                screen.text('"%s" is none of them. %s.' % (word, KEYS))
-        except InputError as error:
-            screen.text(str(error))
+        check = course.exercise(rest.strip()) if rest.strip() else self._shown
+        if word in ('q', 'quit', 'exit'):
+            return False
+        if word in ('h', 'hint'):
+            say.hints(screen, check, course.hint(check))
+        elif word in ('s', 'solution'):
+            say.solution(screen, course, check, course.solution(check))
+        elif word in ('r', 'reset'):
+            say.was_reset(screen, course, check, course.reset(check))
+        elif word in ('n', 'next') or (not word and self._passed):
+            self._shown = check if rest.strip() else course.after(check) or check
+            prepare(course, self._shown)
+            self._judge()
+        elif not word:
+            self._show()
+        else:
+            screen.text('"%s" is none of them. %s.' % (word, KEYS))
         return True
 
 
@@ -197,4 +217,5 @@ def watch(course: Course, screen: Screen) -> int:
     """Watch until Ctrl-C, or until the learner quits. Returns the exit code."""
     can_type = sys.stdin is not None and sys.stdin.isatty()
     files = Files(course)
-    return Watch(course, screen, can_type).run(events(files, screen, sys.stdin if can_type else None))
+    happened = events(files, screen, sys.stdin if can_type else None)
+    return Watch(course, screen, can_type, files.is_any_newer).run(happened)

@@ -149,7 +149,7 @@ class Page(Handler):
         self.set_header('Content-Security-Policy', POLICY % (self.request.host, self.request.host))
         self.set_header('Referrer-Policy', 'no-referrer')
         tiles = [tile for tile in self.parts.tiles if tile.number]
-        if any(tile.topic in topics for tile in self.parts.tiles if not tile.number):  # calibration
+        if any(tile.topic in topics for tile in self.parts.tiles if not tile.number):  # such as calibration
             tiles = [tile for tile in self.parts.tiles if tile.topic in topics]
         self.show('index.html', tiles=tiles, topics=topics, quote=quote, fits=FITS,
                   dictionaries=DICTIONARY_NAMES)

@@ -72,13 +72,20 @@ class Tile(NamedTuple):
         return self.topic.rpartition('/')[0]
 
 
+# Those without a number are there while they are published.
 TILES = [('5.1', 'The wall with its tags', CAMERA, 'exercise5_2/tags'),
          ('5.2', 'Tags detected', 'exercise5_2/image', 'exercise5_2/tags'),
+         ('', 'Your 5.2', 'my_exercise5_2/image', 'my_exercise5_2/tags'),  # of learner's packages, see learn.py
          ('5.3', 'Centers, as they come', 'exercise5_3/image', 'exercise5_3/tags'),
+         ('', 'Your 5.3', 'my_exercise5_3/image', 'my_exercise5_3/tags'),
          ('5.4', 'Centers in order', 'exercise5_4/image', 'exercise5_4/tags'),
+         ('', 'Your 5.4', 'my_exercise5_4/image', 'my_exercise5_4/tags'),
          ('5.5', 'The area subtracted', 'exercise5_5/image', 'exercise5_5/tags'),
+         ('', 'Your 5.5', 'my_exercise5_5/image', 'my_exercise5_5/tags'),
          ('5.6', 'A picture in its place', 'exercise5_6/image', 'exercise5_6/tags'),
-         ('', 'Calibration', 'calibrate_live/image', 'calibrate_live/tags')]  # while it is published
+         ('', 'Your 5.6', 'my_exercise5_6/image', 'my_exercise5_6/tags'),
+         ('', 'Your last verdict', 'learn_verdict/image', 'learn_verdict/tags'),  # see nodes/learn_verdict.py
+         ('', 'Calibration', 'calibrate_live/image', 'calibrate_live/tags')]
 
 
 class Parts:

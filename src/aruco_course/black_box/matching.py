@@ -1,11 +1,10 @@
-"""Which of the frames a published image shows, whatever is drawn on it, and whether its colors are exchanged."""
+"""Which frame a published image shows, whatever is drawn on it, and whether its colors are exchanged."""
 from __future__ import annotations
 
 from typing import Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Floats, Image
 
 SMALL = 320, 240  # pixels: images are compared at this size
@@ -32,7 +31,10 @@ class Background:
 
 
 def has_exchanged_colors(frames: Sequence[Image], images: Sequence[Image]) -> bool:
-    """Whether blue is red in most of what was not drawn on. ``images``: what was made of the frames, gray or BGR."""
+    """Whether blue is red in most of what was not drawn on.
+
+    ``images``: what was made of the frames, gray or BGR.
+    """
     pairs = [(_small(frame), _small(image)) for frame, image in zip(frames, images) if image.ndim == 3]
     as_is = sum(_unlike(frame, image) for frame, image in pairs)
     exchanged = sum(_unlike(frame, image[..., ::-1]) for frame, image in pairs)

@@ -1,4 +1,4 @@
-"""A program of the learner's while it runs: what it has printed, whether it still does something, and its end."""
+"""A learner's program while it runs: what it has printed, whether it still does something, and its end."""
 from __future__ import annotations
 
 import glob
@@ -20,7 +20,8 @@ TRACEBACK = 'Traceback (most recent call last):'
 RAISED = re.compile(r'([A-Za-z_][\w.]*)(?:: (.*))?$', re.DOTALL)
 PLACE = re.compile(r'  File "([^"]+)", line (\d+)')
 THROWN = re.compile(r"terminate called after throwing an instance of '([^']+)'(?:\n  what\(\): +(.*))?")
-STACK = re.compile(r'(?:Fatal Python error: .*|Current thread [^\n]*|Thread 0x[^\n]*\(most recent call first\):)')
+# What faulthandler prints above the stack of each thread.
+STACK = re.compile(r'(?:Current thread|Thread) 0x[^\n]*\(most recent call first\):')
 
 
 class Raised(NamedTuple):
@@ -32,7 +33,10 @@ class Raised(NamedTuple):
 
 
 class Program:
-    """A running program, in a process group of its own, so that all that it starts ends with it."""
+    """A running program, in a process group of its own, so that all that it starts ends with it.
+
+    ``file``: its path.
+    """
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str], folder: str,
                  changed: threading.Condition) -> None:
@@ -40,10 +44,11 @@ class Program:
 
         Raises OSError if it cannot be started.
         """
-        self._file, self._changed = command[0], changed
+        self.file, self._changed = command[0], changed
         self._output, self._cut = bytearray(), 0
-        self._process = subprocess.Popen(command, env=dict(environment), cwd=folder, stdin=subprocess.DEVNULL,
-                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+        self._process = subprocess.Popen(command, env=dict(environment), cwd=folder, start_new_session=True,
+                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                         stderr=subprocess.STDOUT)
         self._busy = _Busy(self._process.pid)
         for work in self._read, self._wait:
             threading.Thread(target=work, daemon=True).start()
@@ -81,18 +86,19 @@ class Program:
         """What it has printed, at most the last 64 kB."""
         return self._output.decode(errors='replace')
 
+    @property
+    def count(self) -> int:
+        """How many bytes it has printed."""
+        return self._cut + len(self._output)
+
     def is_idle(self, seconds: float) -> bool:
         """Whether its processes have done nothing for that time: they wait, and for nothing on a disk."""
         return self._busy.idle_s() >= seconds
 
-    def work_began(self) -> None:
-        """It was given something to do now, so it is not idle."""
-        self._busy.begin()
-
     def raised(self) -> Raised | None:
         """The last exception that it printed, with its traceback or as C++ does."""
         printed = self.printed
-        found = [_raised(part, self._file) for part in printed.split(TRACEBACK)[1:]]
+        found = [_raised(part, self.file) for part in printed.split(TRACEBACK)[1:]]
         thrown = [Raised(kind, message or '', None) for kind, message in THROWN.findall(printed)]
         return next(filter(None, [*thrown[::-1], *found[::-1]]), None)
 
@@ -100,13 +106,14 @@ class Program:
         """End it, and say which line of its own file it worked on, if it is a program in Python."""
         before = len(self.printed)
         with suppress(ProcessLookupError):
-            os.kill(self._process.pid, signal.SIGABRT)  # with PYTHONFAULTHANDLER, Python then prints where it is
+            # With PYTHONFAULTHANDLER, Python then prints where it is.
+            os.kill(self._process.pid, signal.SIGABRT)
         with self._changed:
             self._changed.wait_for(lambda: self.code is not None, REAP_S)
             self._changed.wait_for(lambda: STACK.search(self.printed[before:]), 1.0)
         for thread in STACK.split(self.printed[before:]):
             for path, line in PLACE.findall(thread):
-                if _is_same(path, self._file):
+                if _is_same(path, self.file):
                     return int(line)
         return None
 
@@ -127,9 +134,6 @@ class _Busy:
 
     def __init__(self, group: int) -> None:
         self._group, self._used, self._since = group, -1, time.monotonic()
-
-    def begin(self) -> None:
-        self._since = time.monotonic()
 
     def idle_s(self) -> float:
         used, waits = self._look()

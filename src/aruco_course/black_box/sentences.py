@@ -1,61 +1,104 @@
 """What is said of a node: each is a Fault in a sentence or two, with what helps."""
 from __future__ import annotations
 
+import builtins
 import os
+import re
 import signal
 from typing import Sequence
 
+import cv2
+
 from aruco_course.check import Fault
+from aruco_course.trial.sentences.exceptions import fault_of_error
+from aruco_course.trial.source import fault_of_syntax
 
 from .running import Program
 
 SHOWN = 6  # so many topics are named at most
+NEAR = re.compile(r"\. Did you mean: '([^']+)'\?$")  # Python 3.10 and later
+MODULE = re.compile(r"^No module named '([^']+)'")
+FILE = re.compile(r"^\[Errno 2\] [^:]*: '([^']+)'")
+VERSION = re.compile(r'^OpenCV\(([\d.]+)')
+# What cv_bridge says, and what helps.
+OF_BRIDGE = {
+    'encoding specified as .* incompatible type':
+        'the image does not have the encoding that cv2_to_imgmsg is given (%s). It is "bgr8" for an array of '
+        'height x width x 3, and "mono8" for one of height x width.',
+    'is not a color format':
+        'cv_bridge cannot convert between these encodings (%s). A mask is "mono8", an image in colors "bgr8".',
+    'Your input type is not a numpy array':
+        'cv2_to_imgmsg is given something that is no image (%s). Does your function return the image at its '
+        'end, also if there are no tags?',
+}
+# Python cannot read the file, so there is no traceback.
+UNREADABLE = re.compile(r'^  File "([^"]+)", line \d+\n(?:.*\n){1,3}(?:Syntax|Indentation|Tab)Error: ',
+                        re.MULTILINE)
 
 
 def raised(program: Program) -> Fault | None:
     """The exception that a program has printed, if it did."""
+    syntax = UNREADABLE.search(program.printed)
+    if syntax:
+        return fault_of_syntax(syntax[1])
     found = program.raised()
     if found is None:
         return None
-    message = ' '.join(found.message.split())
-    return Fault('the node stopped with %s%s' % (found.kind, ': ' + message if message else '.'),
-                 'Line %d' % found.line if found.line else '')
+    kind, message = found.kind.replace('::', '.').rpartition('.')[2], found.message
+    for pattern, what in OF_BRIDGE.items():
+        if re.search(pattern, message):
+            return Fault(what % ' '.join(message.split()), 'Line %d' % found.line if found.line else '')
+    if '::' in found.kind:  # C++
+        return Fault('the node ended with %s: %s' % (found.kind, ' '.join(message.split())))
+    # What inside/describe.py tells of an exception, as far as it can be read.
+    kinds = [each.__name__ for each in getattr(getattr(builtins, kind, None), '__mro__', ())] or [kind]
+    near, module, file = NEAR.search(message), MODULE.search(message), FILE.search(message)
+    version = VERSION.search(message)
+    return fault_of_error(
+        dict(type=kind, types=kinds, message=NEAR.sub('', message), line=found.line or 0, beside='',
+             near=near[1] if near else '', opencv=version[1] if version else cv2.__version__,
+             name=module[1] if module else '', file=file[1] if file else '', stage='call', call=0, unread=None),
+        program.file, 'the callback')
 
 
 def ended(program: Program) -> Fault:
     """The program has ended, though it should run until it is stopped."""
-    found = raised(program)
+    found = raised(program) or _of_first_line(program.file)
     if found:
         return found
     code = program.code or 0
     if code < 0:
-        return Fault('the node crashed (%s). Memory that it must not touch was touched: in Python, an array of a '
-                     'wrong shape or type was given to a function of OpenCV.' % signal.Signals(-code).name
-                     if -code in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS) else
-                     'the node was ended by the signal %s.' % signal.Signals(-code).name)
+        return Fault('the node crashed: it got the signal %s.' % signal.Signals(-code).name)
     last = next((line.strip() for line in reversed(program.printed.splitlines()) if line.strip()), '')
     if code == 0:
-        return Fault('the node ends by itself, before a frame comes. It must wait for frames until it is stopped: '
-                     'rospy.spin() is the last line of main(), and main() is called.')
-    return Fault('the node ended with the exit code %d%s' % (code, ': ' + last if last else '.'))
+        return Fault('the node ends by itself. It must wait for frames until it is stopped: call main() at the '
+                     'end of the file, and rospy.spin() at the end of main().')
+    return Fault('the node ended with the exit code %d. It printed last: %s' % (code, last or 'nothing.'))
 
 
-def not_startable(path: str, error: OSError) -> str:
+def not_startable(path: str, error: OSError) -> Fault:
     """Why a program cannot be started at all."""
+    return _of_first_line(path) or Fault(
+        '%s cannot be started: %s. Its first line must name a program that is there: #!/usr/bin/env python3'
+        % (os.path.basename(path), error.strerror))
+
+
+def _of_first_line(path: str) -> Fault | None:
+    """What is wrong with the line that says who runs a program."""
+    name = os.path.basename(path)
     with open(path, 'rb') as file:
         first = file.readline(256)
     if not first.startswith((b'#!', b'\x7fELF')):
-        return '%s does not begin with the line that says who runs it: #!/usr/bin/env python3' \
-            % os.path.basename(path)
+        return Fault('%s does not begin with the line that says who runs it: #!/usr/bin/env python3' % name)
     if first.endswith(b'\r\n'):
-        return '%s has the line ends of Windows, so its first line names no program. Save it with those of Linux: ' \
-            'sed -i "s/\\r$//" %s' % (os.path.basename(path), path)
-    return '%s cannot be started: %s. Does its first line name a program that is there: #!/usr/bin/env python3?' \
-        % (os.path.basename(path), error.strerror)
+        return Fault('%s has the line ends of Windows, so its first line names no program. Save it with those '
+                     'of Linux: sed -i "s/\\r$//" %s' % (name, path))
+    return None
 
 
 def no_node() -> Fault:
-    return Fault('the program runs, but is no ROS node. Call rospy.init_node first in main(), and main() at the end.')
+    return Fault('the program runs, but is no ROS node. Call rospy.init_node first in main(), and main() at '
+                 'the end of the file.')
 
 
 def no_subscription(camera: str, others: Sequence[str]) -> Fault:
@@ -72,24 +115,24 @@ def other_cameras(camera: str, nodes: Sequence[str]) -> Fault:
 
 
 def no_topic(topic: str, name: str, kind: str, others: Sequence[str]) -> Fault:
-    """``kind``: the type of the topic if it is published with a wrong one. ``others``: image topics of the node."""
+    """``kind``: the type of the topic if it is a wrong one. ``others``: image topics of the node."""
     if kind:
         return Fault('the node publishes %s as %s, but it must be sensor_msgs/Image.' % (topic, kind))
     others = [each for each in others if each != topic]
     if others:
         return Fault('the node publishes nothing on %s. It publishes on %s; give %s:=%s.'
                      % (topic, _listed(others), name, others[0]))
-    return Fault('the node publishes no images. Make a rospy.Publisher of %s in main(), and publish in the callback.'
-                 % topic)
+    return Fault('the node publishes no images. Make a rospy.Publisher of %s in main(), and publish in the '
+                 'callback.' % topic)
 
 
 def silent(topic: str, number: int) -> Fault:
     """It has a publisher, but nothing comes."""
     if number == 1:
-        return Fault('nothing comes on %s, though frames arrive. Call publish at the end of the callback, for each '
-                     'frame.' % topic)
-    return Fault('nothing comes on %s for this frame. Publish an image for each frame, also if there is nothing to '
-                 'draw.' % topic, 'Frame %d' % number)
+        return Fault('nothing comes on %s, though frames arrive. Call publish at the end of the callback, for '
+                     'each frame.' % topic)
+    return Fault('nothing comes on %s for this frame. Publish an image for each frame, also if there is '
+                 'nothing to draw.' % topic, 'Frame %d' % number)
 
 
 def hangs(line: int | None, number: int) -> Fault:
@@ -98,8 +141,8 @@ def hangs(line: int | None, number: int) -> Fault:
 
 
 def unreadable(topic: str, encoding: str, error: Exception) -> Fault:
-    return Fault('what comes on %s cannot be read as an image: its encoding is "%s". Publish an array of uint8, with '
-                 'bgr8 if it has colors, and mono8 if it has none: bridge.cv2_to_imgmsg(image, "bgr8").'
+    return Fault('what comes on %s cannot be read as an image: its encoding is "%s". Publish an array of '
+                 'uint8, with bgr8 if it has colors, else with mono8: bridge.cv2_to_imgmsg(image, "bgr8").'
                  % (topic, encoding))
 
 
@@ -109,14 +152,14 @@ def several(topic: str, nodes: Sequence[str]) -> Fault:
 
 
 def late_publisher(topic: str) -> Fault:
-    return Fault('the publisher of %s is made in the callback, when the first frame comes. Whoever listens misses '
-                 'what is published before he is connected: make the publisher once in main(), before the '
-                 'subscriber.' % topic)
+    return Fault('the publisher of %s is made in the callback, when the first frame comes. Who listens is not '
+                 'connected yet then, and misses it: make the publisher once in main(), before the subscriber.'
+                 % topic)
 
 
 def exchanged_colors() -> Fault:
-    return Fault('blue and red are exchanged in what the node publishes. Name the same encoding in both directions: '
-                 'imgmsg_to_cv2(message, "bgr8") and cv2_to_imgmsg(image, "bgr8").')
+    return Fault('blue and red are exchanged in what the node publishes. Name the same encoding in both '
+                 'directions: imgmsg_to_cv2(message, "bgr8") and cv2_to_imgmsg(image, "bgr8").')
 
 
 def no_stamp() -> str:

@@ -4,14 +4,18 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import asdict, dataclass
-from typing import Sequence
+from dataclasses import asdict, dataclass, field
+
+NAME = 'check_node.py'
 
 
 @dataclass
 class NodeVerdict:
-    """``fault``: the first thing that is wrong, with its ``place``, or nothing. ``remarks``: what is not asked, but
-    might be better. ``picture``: the path of the verdict's picture, or nothing. ``printed``: what the node printed.
+    """Whether a node is right.
+
+    ``fault``: the first thing that is wrong, with its ``place``, or nothing. ``remarks``: what is not asked
+    for, but would be better. ``picture``: the path of the verdict's picture, or nothing. ``printed``: what the
+    node printed last. ``seconds``: how long the check took.
     """
 
     exercise: str
@@ -19,7 +23,7 @@ class NodeVerdict:
     passed: bool
     fault: str = ''
     place: str = ''
-    remarks: Sequence[str] = ()
+    remarks: list[str] = field(default_factory=list)
     picture: str = ''
     printed: str = ''
     seconds: float = 0.0
@@ -44,9 +48,10 @@ def command_for_node(exercise: str, node: str, image: str = '', mask: str = '', 
                      camera: str = '', bag: str = '', verdict: str = '') -> list[str]:
     """The command that checks a node in a ROS of its own, and prints a NodeVerdict as JSON in its last line.
 
-    ``exercise``: such as "5.4". ``node``: package/program or the path of a program. ``verdict``: the path of a PNG
-    for the verdict's picture. For the others see ``check_node.py --help``; nothing stands for their defaults. The
-    command returns 0 for a pass, 1 for a fault, 2 if there could be no verdict: then stderr has a sentence.
+    ``exercise``: such as "5.4". ``node``: package/program or the path of a program. ``verdict``: the path of a
+    PNG for the verdict's picture. For the others see ``check_node.py --help``; nothing stands for their
+    defaults. The command returns 0 for a pass, 1 for a fault, 2 if there could be no verdict: then stderr has a
+    sentence.
     """
     options = dict(image=image, mask=mask, picture=picture, camera=camera, bag=bag, verdict=verdict)
     return [sys.executable, _program(), '--json', *['--%s=%s' % item for item in options.items() if item[1]],
@@ -54,11 +59,12 @@ def command_for_node(exercise: str, node: str, image: str = '', mask: str = '', 
 
 
 def _program() -> str:
-    """The path of check_node.py: in nodes/ beside src/, or installed in lib/unit5."""
+    """The path of check_node.py: in nodes/ of the source folder, or in lib/unit5 of an install space."""
     source = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', '..'))
-    path = os.path.join(source, 'nodes', 'check_node.py')
+    path = os.path.join(source, 'nodes', NAME)
     if os.path.exists(path):
         return path
-    import rospkg  # an install space; without ROS no node can run
+    import rospkg  # without ROS no node can run
     share = rospkg.RosPack().get_path('unit5')
-    return os.path.join(os.path.dirname(os.path.dirname(share)), 'lib', 'unit5', 'check_node.py')
+    paths = [os.path.join(share, 'nodes', NAME), os.path.join(share, '..', '..', 'lib', 'unit5', NAME)]
+    return os.path.abspath(next((path for path in paths if os.path.exists(path)), paths[-1]))

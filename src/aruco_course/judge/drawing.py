@@ -50,7 +50,8 @@ def drawing_of(shown: Shown, output: int = -1) -> Drawing:
     image = as_bgr(shown.images[output])
     frame = shown.view.frame
     scale = np.array(image.shape[1::-1]) / np.array(frame.shape[1::-1])
-    plain = bool(np.all(np.ptp(image, axis=2) == 0))
+    blue, green, red = cv2.split(image)
+    plain = np.array_equal(blue, green) and np.array_equal(green, red)
     base, same = _closest(image, _bases(frame, image.shape[1::-1], PLAIN if plain else COLORED))
     difference = _difference(image, base)
     # Pixels that were sent as JPEG, or scaled by another program, differ a little everywhere.
@@ -67,7 +68,8 @@ def as_bgr(image: Image) -> Image:
     image = np.asarray(image)
     if image.dtype == np.bool_:
         image = image * np.uint8(255)
-    image = np.ascontiguousarray(np.clip(image, 0, 255), np.uint8)
+    if image.dtype != np.uint8:
+        image = np.asarray(np.clip(image, 0, 255), np.uint8)
     if image.ndim == 2 or image.shape[2] == 1:
         return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
     return np.ascontiguousarray(image[:, :, :3])
@@ -98,7 +100,8 @@ COLORED: Sequence[Change] = (lambda image: image, *PLAIN[:2])
 
 # What else may become of a frame.
 LOOKS: Sequence[tuple[str, Change]] = (
-    ('The colors of your image are exchanged: blue is red, and red is blue.', lambda image: np.ascontiguousarray(image[:, :, ::-1])),
+    ('The colors of your image are exchanged: blue is red, and red is blue.',
+     lambda image: np.ascontiguousarray(image[:, :, ::-1])),
     ('Your image is mirrored.', lambda image: cv2.flip(image, 1)),
     ('Your image is upside down.', lambda image: cv2.flip(image, 0)),
     ('Your image is turned by 180 degrees.', lambda image: cv2.flip(image, -1)),
@@ -119,15 +122,15 @@ def _bases(frame: Image, size: Sequence[int], changes: Sequence[Change]) -> Iter
 
 
 def _closest(image: Image, bases: Iterator[Image]) -> tuple[Image, float]:
-    """The base of which the image has most pixels, and their share. The first that is good enough is taken."""
+    """The base of which the image has most pixels exactly, and the share of those that are nearly the same."""
     best, most = image, -1.0
     for base in bases:
-        same = float(np.mean(_difference(image[::2, ::2], base[::2, ::2]) <= SAME))
-        if same > most:
-            best, most = base, same
-        if most > 0.95:
+        exact = float(np.mean(_difference(image[::2, ::2], base[::2, ::2]) == 0))
+        if exact > most:
+            best, most = base, exact
+        if most > 0.9:  # it will not become better
             break
-    return best, most
+    return best, float(np.mean(_difference(image, best) <= SAME))
 
 
 def _difference(image: Image, other: Image) -> Image:
@@ -141,8 +144,8 @@ def _size_fault(shown: Shown, scale: Floats) -> Fault | None:
     if abs(across - down) <= ASPECT * max(across, down):
         return None
     height, width = shown.view.frame.shape[:2]
-    return Fault('Your image is %d pixels wide and %d high, but the frame is %d wide and %d high. The shape of an '
-                 'array has the height first, while OpenCV takes a size as (width, height).'
+    return Fault('Your image is %d pixels wide and %d high, but the frame is %d wide and %d high. The shape of '
+                 'an array has the height first, while OpenCV takes a size as (width, height).'
                  % (round(across * width), round(down * height), width, height), place_of(shown), shown)
 
 

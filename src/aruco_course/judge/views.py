@@ -21,6 +21,7 @@ WALL_COLOR = (186, 203, 214)
 SPAN_M = 0.9, 0.6            # distances of the centers of the four tags
 MIDDLE_M = 0.0, 0.42         # of the four tags
 SIDE_M = 0.2                 # of a tag
+QUIET = 2                    # cells: with 1, OpenCV before 4.7 takes the paper's outline for that of some tags
 NOISE = 1.0                  # gray levels
 
 
@@ -48,7 +49,7 @@ def square_wall(ids: Sequence[int], turns: Sequence[float] = (0, 0, 0, 0), side:
     places = (-right, up), (right, up), (right, -up), (-right, -up)
     tags = [WallTag(tag_id, MIDDLE_M[0] + x, MIDDLE_M[1] + y, side, turn)
             for tag_id, (x, y), turn in zip(ids, places, turns)]
-    return Wall(*WALL_M, WALL_COLOR, DICTIONARY, 1, (*tags, *more), tuple(ids) if len(ids) == 4 else ())
+    return Wall(*WALL_M, WALL_COLOR, DICTIONARY, QUIET, (*tags, *more), tuple(ids) if len(ids) == 4 else ())
 
 
 def look(wall: Wall, stand: Stand, noise: float = NOISE) -> View:
@@ -61,8 +62,9 @@ def look(wall: Wall, stand: Stand, noise: float = NOISE) -> View:
     if noise > 0:
         frame = cv2.add(frame, np.asarray(np.round(noise * _noise()), np.int16), dtype=cv2.CV_8U)
     frame.flags.writeable = False  # the Views are kept, so nobody shall draw on them
-    return View(frame, tuple(Tag(tag.id, np.asarray(project(tag.corners, rotation, translation, CAMERA)[0], np.float32))
-                             for tag in wall.tags))
+    corners = [project(tag.corners, rotation, translation, CAMERA)[0] for tag in wall.tags]
+    return View(frame, tuple(Tag(tag.id, np.asarray(quad, np.float32))
+                             for tag, quad in zip(wall.tags, corners)))
 
 
 def _extrinsics(stand: Stand) -> Extrinsics:

@@ -119,12 +119,12 @@ def start(folder: str, checks: Iterable[Exercise], learn: str = 'rosrun unit5 le
     # First what says whose folder this is: if the rest is interrupted, start can be called again.
     _make(package.path(HIDDEN))
     for name in 'package.xml', 'CMakeLists.txt', 'README.md':
-        write(name, _template(name, words))
+        write(name, template(name, words))
     for check in checks:
         write(os.path.join('src', check.name + '.py'), skeleton(check).encode(), 0o755)
         if has_node(check):
             write(os.path.join('launch', check.name + '.launch'),
-                  _template('exercise.launch', {**words, 'exercise': check.name, 'number': check.number}))
+                  template('exercise.launch', {**words, 'exercise': check.name, 'number': check.number}))
     _make(package.path('Tags'))
     write(os.path.join('images', 'earth.jpg'), _earth())
     return started
@@ -205,6 +205,12 @@ def name_of(folder: str) -> str:
     return name if re.match('[a-z]', name) else (NAME + '_' + name).rstrip('_')
 
 
+def template(name: str, words: dict[str, str]) -> bytes:
+    """A file of the folder templates, with the words in place of their names, such as @package@."""
+    text = read_whole(os.path.join(TEMPLATES, name + TEMPLATE_ENDING), MAX_SOURCE_BYTES).decode()
+    return re.sub('@([a-z]+)@', lambda found: words[found[1]], text).encode()
+
+
 def _package_around(folder: str) -> str | None:
     above = os.path.dirname(folder)
     while above != os.path.dirname(above):
@@ -217,11 +223,6 @@ def _package_around(folder: str) -> str | None:
 def _marked_solution(check: Exercise) -> str:
     path = os.path.join(EXERCISES, check.name, 'solution.py')
     return read_whole(path, MAX_SOURCE_BYTES).decode()
-
-
-def _template(name: str, words: dict[str, str]) -> bytes:
-    text = read_whole(os.path.join(TEMPLATES, name + TEMPLATE_ENDING), MAX_SOURCE_BYTES).decode()
-    return re.sub('@([a-z]+)@', lambda found: words[found[1]], text).encode()
 
 
 def _earth() -> bytes:

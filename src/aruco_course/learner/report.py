@@ -11,8 +11,9 @@ from .package import Package
 from .progress import now, read
 
 
-def report(package: Package, checks: Sequence[Exercise], judge: Callable[[Exercise], Verdict] | None = None) -> str:
-    """The report as a text of JSON. ``judge``: makes verdicts on what the files are now; None: without these."""
+def report(package: Package, checks: Sequence[Exercise],
+           judge: Callable[[Exercise], Verdict] | None = None) -> str:
+    """The report as a text of JSON. ``judge``: makes verdicts on what the files are now; None: without them."""
     exercises = []
     for check in checks:
         # First, since it counts as an attempt if the file has changed.

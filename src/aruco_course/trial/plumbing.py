@@ -8,7 +8,7 @@ import shutil
 from typing import Callable, Sequence
 
 from aruco_ar.base.arrays import Image
-from aruco_course.check import Check, Fault
+from aruco_course.check import Exercise, Fault
 
 from .encodings import fault_of_encodings
 from .names import Function, called, imported, read_tree, text_of, top_functions, top_statements
@@ -21,7 +21,7 @@ NODE_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 class Node:
     """The learner's file, read and not run."""
 
-    def __init__(self, path: str, check: Check, images: Sequence[Image]) -> None:
+    def __init__(self, path: str, check: Exercise, images: Sequence[Image]) -> None:
         self.path = path
         self.check = check
         self.images = images
@@ -46,7 +46,7 @@ class Node:
         return [function for function in self.functions if function.name in names]
 
 
-def fault_of_plumbing(path: str, check: Check, images: Sequence[Image] = ()) -> Fault | None:
+def fault_of_plumbing(path: str, check: Exercise, images: Sequence[Image] = ()) -> Fault | None:
     """The first thing that keeps the file from working as a node, though its function is right; or None.
 
     ``images``: what the function returned for a frame, if it is known.

@@ -6,7 +6,7 @@ import difflib
 import os
 import warnings
 
-from aruco_course.check import Check, Fault
+from aruco_course.check import Exercise, Fault
 
 from .names import Function, imported, other_names, read_tree, top_functions
 
@@ -15,7 +15,7 @@ NO_FUNCTIONS = 'cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg'  # of which man
 EXERCISES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'exercises')
 
 
-def fault_of_source(path: str, check: Check) -> Fault | None:
+def fault_of_source(path: str, check: Exercise) -> Fault | None:
     """The first thing that is wrong with the file as it is written, or None."""
     fault = fault_of_syntax(path)
     if fault or not check.function:
@@ -147,19 +147,19 @@ def count(number: int) -> str:
     return 'no argument' if not number else '1 argument' if number == 1 else '%d arguments' % number
 
 
-def wanted_arguments(check: Check) -> list[str]:
+def wanted_arguments(check: Exercise) -> list[str]:
     """The names of the arguments that the function gets: those of its solution's. None if there is no solution."""
     function = top_functions(read_tree(solution(check))).get(check.function)
     return [one.arg for one in function.args.args] if function else []
 
 
-def is_program(check: Check) -> bool:
+def is_program(check: Exercise) -> bool:
     """Whether the exercise's solution is a program without ROS."""
     tree = read_tree(solution(check))
     return bool(tree.body) and 'rospy' not in imported(tree)
 
 
-def solution(check: Check) -> str:
+def solution(check: Exercise) -> str:
     """The path of the exercise's solution."""
     return os.path.join(EXERCISES, check.name, 'solution.py')
 

@@ -5,6 +5,7 @@ import threading
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from statistics import median
 from typing import NamedTuple
 
 import cv2
@@ -15,29 +16,36 @@ from aruco_course.black_box import sentences
 from aruco_course.black_box.matching import Background, has_exchanged_colors
 from aruco_course.black_box.running import Program
 from aruco_course.check import Fault, Shown
+from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import Header
+
 from aruco_node.messages.camera_info import info_topics
 from aruco_node.messages.images import ENCODING, ImageDecoder, image_from_frame
 from aruco_node.messages.wall_messages import camera_info
 from aruco_node.ros_internals.subscribers import BUFFER_BYTES, tolerant
-from sensor_msgs.msg import CameraInfo, Image
-from std_msgs.msg import Header
 
 from .graph import IMAGE, Graph
 
-# Right nodes are faster than all of these, also on a machine that is slow and busy: what ends a wait is an event,
-# or that the node's processes do nothing.
+# Right nodes are faster than all of these, also on a machine that is slow and busy: what ends a wait is an
+# event, or that the node's processes do nothing.
 NODE_S = 15.0     # a program that waits for this time, and is no ROS node yet, will not become one
-IDLE_S = 3.0      # a node that waits for this time has done what it does
+IDLE_S = 2.0      # a node that waits for this time has done what it does
 LONGEST_S = 90.0  # the longest wait for a node that works without end
 LOOK_S = 0.1      # from one look at the node to the next
 AGAIN_S = 0.5     # a frame is shown again after this time, as nodes may drop frames
-LEAST_TIMES = 5   # a frame is shown so often before a node is said to ignore it
+MOST_TIMES = 6    # a frame is shown so often before a node is said to ignore it
+APART_NS = 2 * 10**9  # from the stamps of a view to those of the next one, besides the time that has passed
 STRANGE = 10      # so many images that are like another frame are enough: then one of them is judged
+OF_BRIDGE = '8UC1', '8UC3'  # what cv_bridge itself writes if it is given no encoding
+GRAY = 'mono8', 'mono16', '8uc1', '16uc1', 'mono', 'gray', 'grey'
 FRAME_ID = 'camera_rgb_optical_frame'
 
 
 class Topics(NamedTuple):
-    """``outputs``: {the name of an output of the check: its topic}; the frame with what was drawn is the last."""
+    """The topics of the node under test.
+
+    ``outputs``: {the name of an output of the check: its topic}; the frame with what was drawn is the last.
+    """
 
     camera: str
     outputs: dict
@@ -81,6 +89,9 @@ class _Output:
         taken, self._arrived = self._arrived, []
         return taken
 
+    def is_connected(self):
+        return self._subscriber.get_num_connections() > 0
+
     def close(self):
         self._subscriber.unregister()
 
@@ -88,21 +99,24 @@ class _Output:
 class BlackBox:
     """A node's program that runs in front of a camera, which is this object."""
 
-    def __init__(self, path, topics, views):
-        """``path``: the program. ``topics``: Topics. ``views``: list of View."""
+    def __init__(self, path, topics, views, is_shared=False):
+        """``path``: the program. ``topics``: Topics. ``views``: list of View.
+
+        ``is_shared``: whether the ROS master stays, so that the node must sign off from it.
+        """
         self._topics, self._views = topics, views
         self._changed = threading.Condition()
         self._background = Background([view.frame for view in views])
-        self._stamps = {}  # {stamp: (number of the view, when it was published first)}
-        self._known = {}
-        self._path = path
+        self._stamps = {}  # {stamp: number of the view}
+        self._known = {}   # see Graph
+        self._path, self._is_shared = path, is_shared
         self.collected = Collected()
 
     def run(self):
         """Show all frames to the node; returns Collected. Raises InputError if ROS does not work."""
         self.collected.baseline_seconds = _baseline_seconds(self._views)
-        with tempfile.TemporaryDirectory() as folder, self._connected(), self._started(folder):
-            try:
+        try:
+            with tempfile.TemporaryDirectory() as folder, self._connected(), self._started(folder):
                 self._wait_for_subscription()
                 is_early = self._is_advertised()
                 for number, view in enumerate(self._views, 1):
@@ -110,9 +124,8 @@ class BlackBox:
                     self.collected.shown.append(Shown(number, view, images))
                     self.collected.seconds.append(seconds)
                 self._finish(is_early)
-            except _Found as found:
-                self.collected.fault, = found.args
-            self.collected.printed = self._program.printed
+        except _Found as found:
+            self.collected.fault, = found.args
         return self.collected
 
     @contextmanager
@@ -137,11 +150,12 @@ class BlackBox:
         try:
             self._program = Program([self._path], environment, folder, self._changed)
         except OSError as error:
-            raise InputError(sentences.not_startable(self._path, error)) from None
+            raise _Found(sentences.not_startable(self._path, error)) from None
         try:
             yield
         finally:
-            self._program.stop()
+            self.collected.printed = self._program.printed
+            self._program.stop(politely=self._is_shared)
 
     def _graph(self):
         return Graph(self._program.group, self._known)
@@ -164,6 +178,7 @@ class BlackBox:
             if graph.others(self._topics.camera):
                 raise _Found(sentences.other_cameras(self._topics.camera, graph.others(self._topics.camera)))
             if graph.subscribers(self._topics.camera):
+                self._wait_for(self._camera.get_num_connections)  # frames that are published earlier are lost
                 return
             if self._program.is_idle(IDLE_S if graph.own else NODE_S) or time.monotonic() > end:
                 raise _Found(sentences.raised(self._program) or (
@@ -178,46 +193,74 @@ class BlackBox:
             self._check_running()
             graph = self._graph()
             if all(graph.publishers(topic) for topic in self._topics.outputs.values()):
+                self._check_kinds(graph)
+                for output in self._outputs.values():
+                    self._wait_for(output.is_connected)
                 return True
             if self._program.is_idle(IDLE_S):
+                if graph.images():
+                    self._check_kinds(graph)
                 return False
             self._sleep(LOOK_S)
         return False
 
+    def _wait_for(self, is_so):
+        """Wait until something is so, which depends on the node and on ROS."""
+        end = time.monotonic() + LONGEST_S
+        while not is_so() and time.monotonic() < end:
+            self._check_running()
+            self._sleep(LOOK_S / 10)
+
+    def _check_kinds(self, graph):
+        """Raise _Found if the node publishes images, but on other topics or with another type."""
+        for name, topic in self._topics.outputs.items():
+            kind = graph.kind(topic) if graph.publishers(topic) else ''
+            if kind != IMAGE:
+                raise _Found(sentences.no_topic(topic, name, kind, graph.images()))
+
     def _answer_to(self, number, view):
         """(images, seconds) that the node makes of a view."""
-        begin, times, answer = time.monotonic(), 0, _Answer(number, list(self._outputs))
-        typical = sorted(self.collected.seconds)[len(self.collected.seconds) // 2] if self.collected.seconds else 0
-        self._program.work_began()
-        while True:
-            now = time.monotonic()
-            self._show(number, view, begin)
-            times += 1
+        typical = median(self.collected.seconds or [0])
+        answer, begin, before = _Answer(number, list(self._outputs)), time.monotonic(), self._program.count
+        for _ in range(MOST_TIMES):
+            self._show(number, view)
             answer.on_shown()
-            again = now + max(AGAIN_S, 3 * typical)
-            while time.monotonic() < again:
-                self._sleep(min(LOOK_S, max(0.0, again - time.monotonic())), self._has_arrived)
-                self._check_running()
-                for name, output in self._outputs.items():
-                    for message, when in output.taken():
-                        self._take(answer, name, output, message, when, begin)
-                if answer.is_whole():
-                    return tuple(answer.images.values()), answer.arrived - begin
-                self._check_works(number, answer, times, begin)
+            if self._is_answered(answer, time.monotonic() + max(AGAIN_S, 3 * typical)):
+                return tuple(answer.images.values()), answer.arrived - begin
+            raised = self._program.count > before and sentences.raised(self._program)
+            if raised:
+                raise _Found(raised)
+        while not self._program.is_idle(IDLE_S):
+            if self._is_answered(answer, time.monotonic() + LOOK_S):
+                return tuple(answer.images.values()), answer.arrived - begin
+            if time.monotonic() > begin + LONGEST_S:
+                raise _Found(sentences.hangs(self._program.line_at_work(), number))
+        self._check_kinds(self._graph())
+        raise _Found(sentences.silent(self._topics.outputs[answer.missing()[0]], number))
+
+    def _is_answered(self, answer, end):
+        """Whether the whole answer comes before a moment."""
+        while time.monotonic() < end and not answer.is_whole():
+            self._sleep(end - time.monotonic(), self._has_arrived)
+            for name, output in self._outputs.items():
+                for message, when in output.taken():
+                    self._take(answer, name, output, message, when)
+            self._check_running()
+        return answer.is_whole()
 
     def _has_arrived(self):
         return any(map(len, self._outputs.values()))
 
-    def _show(self, number, view, begin):
-        stamp = rospy.Time.from_sec(time.time())
-        while stamp in self._stamps:
-            stamp += rospy.Duration(0, 1000)
+    def _show(self, number, view):
+        # The next view is elsewhere, so time has passed for nodes that follow the tags from frame to frame. The
+        # stamps are late rather than early, since nodes may leave out old frames.
+        stamp = rospy.Time(*divmod(time.time_ns() + APART_NS * (number - 1), 10**9))
         self._stamps[stamp] = number
         header = Header(stamp=stamp, frame_id=FRAME_ID)
         self._info.publish(camera_info(Camera(), header))
         self._camera.publish(image_from_frame(view.frame, header, 'rgb8'))  # as most cameras do
 
-    def _take(self, answer, name, output, message, when, begin):
+    def _take(self, answer, name, output, message, when):
         """Let the answer have a message, if it is one to its view."""
         kept = self._stamps.get(message.header.stamp)
         if kept not in (None, answer.number):
@@ -226,11 +269,10 @@ class BlackBox:
             image = output.decode(message)
         except InputError as error:
             raise _Found(sentences.unreadable(self._topics.outputs[name], message.encoding, error)) from None
-        if message.encoding.lower() in ('mono8', 'mono16', '8uc1', '16uc1', 'mono', 'gray'):
+        if message.encoding.lower() in GRAY:
             image = image[..., 0]
-        if ENCODING in output.decode.notes and output.decode.notes[ENCODING] not in self.collected.remarks \
-                and message.encoding != '8UC3':
-            self.collected.remarks.append(output.decode.notes[ENCODING])
+        if ENCODING in output.decode.notes and message.encoding not in OF_BRIDGE:
+            self._remark(output.decode.notes[ENCODING])
         if kept is None:
             self._remark(sentences.no_stamp())
         is_last = name == next(reversed(self._outputs))
@@ -242,28 +284,10 @@ class BlackBox:
         if sentence not in self.collected.remarks:
             self.collected.remarks.append(sentence)
 
-    def _check_works(self, number, answer, times, begin):
-        """Raise _Found if the node makes nothing of a view."""
-        raised = sentences.raised(self._program)
-        if raised:
-            raise _Found(raised)
-        is_late = time.monotonic() > begin + LONGEST_S
-        if is_late and not self._program.is_idle(IDLE_S):
-            raise _Found(sentences.hangs(self._program.line_at_work(), number))
-        if not is_late and (times < LEAST_TIMES or not self._program.is_idle(IDLE_S)):
-            return
-        graph = self._graph()
-        for name in answer.missing():
-            topic = self._topics.outputs[name]
-            if graph.publishers(topic) and graph.kind(topic) == IMAGE:
-                raise _Found(sentences.silent(topic, number))
-            raise _Found(sentences.no_topic(topic, name, graph.kind(topic) if graph.publishers(topic) else '',
-                                            [each for each in graph.images()]))
-
     def _finish(self, is_early):
         """Raise _Found if something is wrong with how it publishes."""
         graph = self._graph()
-        for name, topic in self._topics.outputs.items():
+        for topic in self._topics.outputs.values():
             if graph.others(topic) or len(graph.publishers(topic)) > 1:
                 raise _Found(sentences.several(topic, sorted(graph.published[topic])))
             if not is_early:
@@ -309,4 +333,4 @@ def _baseline_seconds(views):
         begin = time.monotonic()
         finder.detectMarkers(cv2.cvtColor(view.frame, cv2.COLOR_BGR2GRAY))
         seconds.append(time.monotonic() - begin)
-    return sorted(seconds)[len(seconds) // 2]
+    return median(seconds)

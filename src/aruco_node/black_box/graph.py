@@ -1,6 +1,7 @@
 """Which nodes of a process group publish and subscribe to what, as the ROS master tells."""
 import os
 from contextlib import suppress
+from typing import Any
 from xmlrpc.client import ServerProxy
 
 import rospy
@@ -12,12 +13,13 @@ OF_ROS = '/rosout', '/rosout_agg'
 
 
 class Graph:
-    """A look at what is published and subscribed to now, by the nodes of the learner's program and by others."""
+    """What is published and subscribed to now, by the nodes of the learner's program and by others."""
 
     def __init__(self, group, known):
-        """``group``: the id of the program's process group. ``known``: {(node, uri): whether it is in the group}, kept.
+        """Ask the master.
 
-        Raises InputError if the master does not answer.
+        ``group``: the id of the program's process group. ``known``: {(node, uri): whether it is in the group},
+        which is filled. Raises InputError if the master does not answer.
         """
         published, subscribed, _ = ask('getSystemState')[1]
         self._kinds = dict(ask('getTopicTypes')[1])
@@ -55,6 +57,6 @@ def _is_of(node, group, known):
     if (node, uri) not in known:
         with suppress(Exception):  # it has just ended, or is on another machine
             with ServerProxy(uri, transport=ImpatientTransport()) as proxy:
-                code, _, pid = proxy.getPid(rospy.get_name())
-            known[node, uri] = code == 1 and os.getpgid(pid) == group
+                answer: Any = proxy.getPid(rospy.get_name())
+            known[node, uri] = os.getpgid(answer[2]) == group
     return known.get((node, uri), False)

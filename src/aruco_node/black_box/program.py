@@ -33,7 +33,7 @@ def _executable(paths, name, folder=''):
             ' If it is written in C++, build it first: catkin_make.' if not name.endswith('.py') else ''))
     path = next((path for path in paths if os.access(path, os.X_OK)), None)
     if path is None:
-        raise InputError('%s is not executable, so rosrun and roslaunch cannot start it. Make it so: chmod +x %s'
+        raise InputError('%s is not executable, so rosrun and roslaunch cannot start it: chmod +x %s'
                          % (os.path.basename(paths[0]), paths[0]))
     return path
 

@@ -133,8 +133,8 @@ WRONG = [
           edits=[("    rospy.init_node('my_exercise5_6')\n", ''),
                  ('\n\ndef order_', "\nrospy.init_node('my_exercise5_6')\n\n\ndef order_")],
           place='Line'),
-    Wrong(what='A module that is not there.',
-          says='imutils',
-          edits=[('import cv2\n', 'import cv2\nimport imutils_of_mine\n')],
+    Wrong(what='The library is called OpenCV, but its module cv2.',
+          says='cv2',
+          edits=[('import cv2\n', 'import opencv as cv2\n')],
           place='Line'),
 ]

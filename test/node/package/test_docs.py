@@ -13,6 +13,9 @@ from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import AreaSettings
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
+from aruco_course.check import Shown
+from aruco_course.exercises import CHECKS
+from aruco_course.learner.package import without_solution
 
 LINK = re.compile(r'\]\(([^)#\s]*)(?:#[^)\s]*)?\)')
 
@@ -51,3 +54,34 @@ def test_the_example_of_a_new_exercise_blurs_only_the_area(package, frame, wall,
     np.testing.assert_array_equal(image[(inside == 0) & ~rim], frame[(inside == 0) & ~rim])
     sharp, blurred = [cv2.Laplacian(each, cv2.CV_64F)[(inside > 0) & ~rim].std() for each in (frame, image)]
     assert blurred < sharp / 10
+
+
+def test_the_example_of_a_new_check_knows_right_from_wrong(package):
+    with open(package + '/docs/howto/teach.md', encoding='utf-8') as page:
+        solution, check = re.findall(r'```python\n(.*?)```', page.read(), re.DOTALL)
+    made = {'cv2': cv2, 'np': np, 'DICTIONARY': cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_6X6_250)}
+    exec(solution, made)
+    example = {'__name__': 'check'}
+    exec(check, example)
+
+    def sentence_for(function):
+        shown = [Shown(number, view, (function(view.frame.copy()),))
+                 for number, view in enumerate(example['CHECK'].views(), start=1)]
+        fault = example['CHECK'].judge(shown)
+        return None if fault is None else str(fault)
+
+    assert sentence_for(made['blur_area']) is None
+    exec(without_solution(solution), made)
+    assert 'still as sharp' in sentence_for(made['blur_area'])  # the skeleton shows the frame
+    assert 'outside of the area' in sentence_for(lambda image: cv2.GaussianBlur(image, (0, 0), 8))
+
+
+def test_lessons_say_how_long_their_exercises_take(package):
+    with open(package + '/docs/learn/start.md', encoding='utf-8') as page:
+        overview = page.read()
+    for check in CHECKS:
+        path, = glob.glob('%s/docs/learn/%s_*.md' % (package, check.number.replace('.', '_')))
+        with open(path, encoding='utf-8') as page:
+            minutes = re.search(r'\*\*Time:\*\* (\d+) minutes', page.read())[1]
+        row = re.search(r'\| \[%s\]\(.*\| (\d+) \|' % re.escape(check.number), overview)
+        assert int(minutes) == int(row[1]) == check.minutes, check.number

@@ -1,4 +1,4 @@
-"""aruco_ar alone, installed by pip in an environment without ROS and other packages."""
+"""aruco_ar and the course, installed by pip in an environment without ROS and other packages."""
 import ctypes
 import os
 import re
@@ -14,7 +14,7 @@ from aruco_ar import Detector, find_area
 from aruco_ar.compiled.compiler import version_of_sources
 
 
-def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_path):
+def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package, frame, tmp_path):
     # A copy, since building leaves files behind.
     source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
         '.git', '.venv', 'build', 'bags', '__pycache__'))
@@ -42,15 +42,23 @@ def test_the_example_of_the_docs_runs_with_the_wheel_alone(package, frame, tmp_p
     off = np.abs(painted.astype(int) - frame).max(axis=2)
     inside, outside = cv2.erode(mask, np.ones((9, 9))) > 0, cv2.dilate(mask, np.ones((9, 9))) == 0
     assert np.median(off[inside]) > 30 > 20 > off[outside].mean()
+    # The course needs no more than that.
+    learn = str(tmp_path / 'env' / 'bin' / 'aruco-learn')
+    run(learn, 'start', 'mine', PATH='')
+    installed, = (tmp_path / 'env').glob('lib/python*/site-packages/aruco_course')
+    solution = installed / 'exercises' / 'exercise5_6' / 'solution.py'
+    shutil.copyfile(str(solution), str(tmp_path / 'mine' / 'src' / 'exercise5_6.py'))
+    run(learn, 'check', '5.6', '--package', 'mine', PATH=os.path.dirname(learn))
 
 
-def test_the_wheel_contains_only_aruco_ar(package, tmp_path):
+def test_the_wheel_contains_only_aruco_ar_and_the_course(package, tmp_path):
     done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
                            package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
     wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-linux_%s.whl' % os.uname().machine)
     with zipfile.ZipFile(str(wheel)) as archive:
-        assert {name.split('/')[0] for name in archive.namelist()} == {'aruco_ar', 'aruco_ar-0.1.0.dist-info'}
+        assert {name.split('/')[0] for name in archive.namelist()} == {
+            'aruco_ar', 'aruco_course', 'aruco_ar-0.1.0.dist-info'}
         archive.extract('aruco_ar/compiled/libunit5.so', str(tmp_path))
     library = ctypes.CDLL(str(tmp_path / 'aruco_ar' / 'compiled' / 'libunit5.so'))
     library.unit5_version.restype = ctypes.c_char_p

@@ -13,8 +13,10 @@ from .shapes import Values, fit_of
 
 # Such as "module 'cv2.aruco' has no attribute 'Dictionary_get'".
 ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no attribute '([^']+)'")
-OTHER_NAMES = {'opencv': 'cv2', 'cv': 'cv2', 'OpenCV': 'cv2', 'open_cv': 'cv2', 'opencv_python': 'cv2', 'np': 'numpy as np',
-               'cvbridge': 'cv_bridge', 'CvBridge': 'cv_bridge', 'ros': 'rospy', 'sensor_msg': 'sensor_msgs'}
+# What people take for the names of modules.
+OTHER_NAMES = {'opencv': 'cv2', 'cv': 'cv2', 'OpenCV': 'cv2', 'cv3': 'cv2', 'cv4': 'cv2', 'open_cv': 'cv2',
+               'opencv_python': 'cv2', 'np': 'numpy as np', 'cvbridge': 'cv_bridge', 'CvBridge': 'cv_bridge',
+               'ros': 'rospy', 'sensor_msg': 'sensor_msgs'}
 PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml': 'PyYAML', 'imutils': 'imutils',
        'scipy': 'scipy', 'skimage': 'scikit-image', 'matplotlib': 'matplotlib', 'sklearn': 'scikit-learn'}
 
@@ -195,6 +197,9 @@ def of_none(error: Error, but: str) -> str:
 def of_unread(error: Error) -> str:
     assert error.unread
     name, line = error.unread
+    if name.startswith('~'):
+        return ('cv2.imread found no image at %s, and gave None instead: only a shell knows what ~ is. '
+                'os.path.expanduser(path) replaces it.' % name)
     return ('cv2.imread found no image at %s%s, and gave None instead. Is the path right? Make it from that of '
             'your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).' % (
                 name, ' (line %d)' % line if line and line != error.line else ''))

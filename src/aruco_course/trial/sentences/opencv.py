@@ -17,7 +17,7 @@ def of_opencv(message: str, source: str, values: Values) -> str:
     match = IN.search(text)
     written = re.findall(r'(?:cv2|aruco)\.([a-z]\w*)\(', source)
     function = written[0] if len(written) == 1 else match.group(1).split('::')[-1] if match else ''
-    what = of_values(function, text, values)
+    what = of_values(function, text, source, values)
     if what:
         return what
     for pattern, what in SENTENCES:
@@ -26,7 +26,7 @@ def of_opencv(message: str, source: str, values: Values) -> str:
     return 'OpenCV refuses this%s. It says: %s.' % (' in ' + function if function else '', short(text))
 
 
-def of_values(function: str, text: str, values: Values) -> str:
+def of_values(function: str, text: str, source: str, values: Values) -> str:
     """What the values of the line tell of the error, or ''."""
     if re.search(UNEQUAL, text):
         fit = fit_of(values)
@@ -34,7 +34,9 @@ def of_values(function: str, text: str, values: Values) -> str:
     if function in DRAWN:
         points = {name: what for name, what in arrays_of(values).items() if what['shape'][-1:] == [2]}
         for name, what in points.items():
-            if what['dtype'] == 'int32' or what['dtype'] == 'int64':
+            if what['dtype'] in ('int32', 'int64'):
+                if 'float' in source or '[%s' % name in source:
+                    break
                 return 'cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].' % (function, name)
             return ('cv2.%s wants whole numbers, of int32, and %s is of %s: [np.int32(%s)].' % (
                 function, name, what['dtype'], name))

@@ -1,0 +1,139 @@
+"""Whether a polygon was drawn: as lines of whatever width, or filled.
+
+A polygon is (n, 2), pixels of the output. It may cross itself.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from aruco_ar.base.arrays import Booleans, Floats, Image, Numbers
+from aruco_ar.geometry.lines import cross
+
+NEAR_PX = 4.0          # a line or a rim may be that far from where it should be
+REACH_PX = 24          # half the width of the widest line
+LEAST_DRAWN = 0.85     # share of a line, or of a filled area, that must be drawn
+MOST_BESIDE = 0.4      # share of the surroundings of a filled area that may be drawn, such as text
+LEAST_CORE = 50        # pixels: a smaller area is none
+STEP_PX = 2.0          # distance between the places at which a line is looked for
+
+
+@dataclass(frozen=True)
+class Line:
+    """What is drawn along a line. ``share``: how much of it; ``offset``: how far off its middle is, pixels."""
+
+    share: float
+    offset: float
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the line is drawn, where it should be."""
+        return self.share >= LEAST_DRAWN and abs(self.offset) <= NEAR_PX
+
+
+def line_at(changed: Booleans, start: Numbers, end: Numbers, near: float = NEAR_PX, trim: float = 0.0) -> Line:
+    """What is drawn along a line. ``near``: how far off it may be, ``trim``: what to skip at its ends, pixels.
+
+    The offset is nan if the line is wider than 2 * REACH_PX, or not drawn.
+    """
+    start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
+    length = float(np.hypot(*(end - start)))
+    if length <= 2 * trim + STEP_PX:
+        return Line(0.0, np.nan)
+    direction = (end - start) / length
+    normal = np.array([-direction[1], direction[0]])
+    along = np.linspace(trim, length - trim, int((length - 2 * trim) / STEP_PX) + 2)
+    across = np.arange(-REACH_PX, REACH_PX + 1)
+    points = start + along[:, None, None] * direction + across[:, None] * normal
+    drawn = _at(changed, points)
+    # The end of the line may be out of the frame. What cannot be seen is not asked for.
+    inside = _inside(changed, points[:, REACH_PX])
+    if inside.mean() < 0.3:
+        return Line(0.0, np.nan)
+    drawn, distance = drawn[inside], np.abs(across)
+    nearest = np.where(drawn, distance, REACH_PX + 1).argmin(axis=1)
+    hit = np.where(drawn, distance, REACH_PX + 1).min(axis=1) <= near
+    # For each place, the run of drawn pixels across the line that is nearest to it.
+    index = np.arange(len(across))
+    before = np.maximum.accumulate(np.where(drawn, -1, index), axis=1)
+    behind = np.minimum.accumulate(np.where(drawn, len(across), index)[:, ::-1], axis=1)[:, ::-1]
+    rows = np.arange(len(drawn))
+    low, high = before[rows, nearest] + 1, behind[rows, nearest] - 1
+    narrow = hit & (low > 0) & (high < len(across) - 1)
+    offset = float(np.median((low + high)[narrow] / 2 - REACH_PX)) if narrow.any() else np.nan
+    return Line(float(hit.mean()), offset)
+
+
+def _at(changed: Booleans, points: Floats) -> Booleans:
+    """Whether something is drawn at points, (..., 2); False outside."""
+    x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
+    height, width = changed.shape
+    found = changed[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
+    return found & _inside(changed, points)
+
+
+def _inside(changed: Booleans, points: Floats) -> Booleans:
+    x, y = np.moveaxis(np.round(points).astype(int), -1, 0)
+    height, width = changed.shape
+    return (x >= 0) & (y >= 0) & (x < width) & (y < height)
+
+
+def outlined(changed: Booleans, polygon: Numbers, closed: bool = True, near: float = NEAR_PX) -> bool:
+    """Whether lines are drawn from each corner of a polygon to the next; if ``closed``, also to the first."""
+    polygon = np.asarray(polygon, np.float64)
+    sides = list(zip(polygon, np.roll(polygon, -1, axis=0)))
+    return all(line_at(changed, *side, near).drawn for side in (sides if closed else sides[:-1]))
+
+
+def filled(changed: Booleans, polygon: Numbers, side: float, convex: bool = False) -> bool:
+    """Whether the area of a polygon is drawn, and what is around it is not.
+
+    ``side``: of a tag, pixels: around it means up to about a third of that. ``convex``: if the polygon is
+    filled by OpenCV's fillConvexPoly, which makes something else of one that crosses itself.
+    """
+    area = area_mask(changed.shape, polygon, convex)
+    # Most polygons are told apart by this already, which is quick.
+    if cv2.mean(changed.view(np.uint8), area)[0] < LEAST_DRAWN - 0.15 or cv2.countNonZero(area) < LEAST_CORE:
+        return False
+    x, y, width, height = cv2.boundingRect(area)
+    margin = round(0.4 * side + NEAR_PX) + 4
+    part = np.s_[max(y - margin, 0):y + height + margin, max(x - margin, 0):x + width + margin]
+    area, changed = area[part], changed[part]
+    core = cv2.distanceTransform(area, cv2.DIST_L2, 3) > NEAR_PX
+    beside = cv2.distanceTransform(cv2.bitwise_not(area), cv2.DIST_L2, 3)
+    around = (beside > max(0.2 * side, NEAR_PX + 1)) & (beside < max(0.35 * side, NEAR_PX + 4))
+    if core.sum() < LEAST_CORE:
+        return False
+    return bool(changed[core].mean() >= LEAST_DRAWN
+                and (not around.any() or changed[around].mean() <= MOST_BESIDE))
+
+
+def area_mask(shape: tuple[int, ...], polygon: Numbers, convex: bool = False) -> Image:
+    """(h, w) uint8: a polygon, filled with white on black."""
+    mask: Image = np.zeros(shape[:2], np.uint8)
+    points = np.round(np.clip(polygon, -1e4, 1e4)).astype(np.int32)
+    if convex:
+        cv2.fillConvexPoly(mask, points, (255,))
+    else:
+        cv2.fillPoly(mask, [points], (255,))
+    return mask
+
+
+def lines_mask(shape: tuple[int, ...], polygon: Numbers, width: int, closed: bool = True) -> Image:
+    """(h, w) uint8: a polygon's lines, white on black. ``width``: of the lines, pixels."""
+    mask: Image = np.zeros(shape[:2], np.uint8)
+    points = np.round(np.clip(polygon, -1e4, 1e4)).astype(np.int32)
+    cv2.polylines(mask, [points], closed, (255,), width)
+    return mask
+
+
+def crosses_itself(polygon: Numbers) -> bool:
+    """Whether two sides of a polygon with four corners cross."""
+    a, b, c, d = np.asarray(polygon, np.float64)
+    return _cross(a, b, c, d) or _cross(b, c, d, a)
+
+
+def _cross(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
+    """Whether the lines from a to b and from c to d cross."""
+    return bool(cross(b - a, c - a) * cross(b - a, d - a) < 0 and cross(d - c, a - c) * cross(d - c, b - c) < 0)
