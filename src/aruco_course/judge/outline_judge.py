@@ -18,7 +18,7 @@ from aruco_course.check import Fault, Shown, View
 from .drawing import as_bgr
 from .polygon_judge import MOST_FRAMES, SHRUNK, nothing_drawn
 from .polygons import LEAST_DRAWN, area_mask, line_at, outlined
-from .scene import GREEN, Mistake, Scene, apart, wide, words
+from .scene import GREEN, Mistake, Scene, apart, tags, wide, words
 from .views import Stand, area_views, look, square_wall
 
 NEAR_PX = 3.0         # an outline may be that far from the tag's sides
@@ -133,8 +133,7 @@ def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
         if all(sum(outlines(some)) == 1 for some in faulty):
             return _expected_fault('only one tag is outlined, not %s. Draw in a loop over all of them.'
                                    % words(lost), scene)
-        return _expected_fault('tag %s is not outlined.' % words(lost) if len(lost) == 1
-                               else 'the tags %s are not outlined.' % words(lost), scene)
+        return _expected_fault('%s %s not outlined.' % (tags(lost), 'is' if len(lost) == 1 else 'are'), scene)
     faulty = faulty[:MOST_FRAMES]
     best, most = None, 0
     for sentence, quads, closed in MISTAKES:

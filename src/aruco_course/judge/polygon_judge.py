@@ -11,7 +11,7 @@ from aruco_ar.base.arrays import Floats
 from aruco_course.check import Fault, Shown
 
 from .polygons import line_at, outlined
-from .scene import Mistake, Scene, words
+from .scene import Mistake, Scene, tags, words
 
 # The three ways around four points that are given in order: the first does not cross itself.
 CYCLES = (0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3)
@@ -138,15 +138,15 @@ def _by(key: Callable[[Scene], Floats]) -> Callable[[Scene], list[int]]:
 RULES: Sequence[tuple[str, Callable[[Scene], list[int]]]] = (
     ('That is the order in which they were found.', lambda scene: scene.found),
     ('That is sorted by id, which says nothing of where a tag is.', _by(lambda scene: np.array(scene.ids))),
-    ('That is sorted by x alone.', _by(lambda scene: scene.centers[:, 0])),
-    ('That is sorted by y alone.', _by(lambda scene: scene.centers[:, 1])),
-    ('That is sorted by x + y alone, which tells only the first and the last corner.',
+    ('That is column by column, as if sorted by x or by x + y alone: it takes a second number to tell the corners '
+     'apart.', _by(lambda scene: scene.centers[:, 0])),
+    ('That is row by row, as if sorted by y alone: after the top right comes the bottom right.',
+     _by(lambda scene: scene.centers[:, 1])),
+    ('That is sorted by x + y alone: it takes a second number to tell the corners apart.',
      _by(lambda scene: scene.centers.sum(axis=1))),
-    ('That is sorted by y - x alone, which tells only the first and the last corner.',
+    ('That is sorted by y - x alone: it takes a second number to tell the corners apart.',
      _by(lambda scene: scene.centers[:, 1] - scene.centers[:, 0])),
-    ('That is sorted by the distance from the top left of the frame.',
-     _by(lambda scene: np.linalg.norm(scene.centers, axis=1))),
-    ('That is top left, top right, bottom left, bottom right; exchange the last two.',
+    ('That is row by row: after the top right comes the bottom right.',
      lambda scene: [int(index) for index in _around(scene)[[0, 1, 3, 2]]]),
 )
 
@@ -260,22 +260,25 @@ MISTAKES = (
 
 def _what_is_missing(scene: Scene) -> str:
     """The sentence if no known mistake fits."""
-    marked = [_near(scene, center) for center in scene.centers]
+    lost = [tag_id for tag_id, center in zip(scene.ids, scene.centers) if not _near(scene, center)]
+    reach = cv2.contourArea(np.asarray(scene.area, np.float32))
+    on_tags = [outlined(scene.changed, quad) or _inner(scene, quad) for quad in scene.corners]
     drawn = {pair: line_at(scene.changed, *scene.centers[list(pair)]).drawn
              for pair in combinations(range(4), 2)}
-    on_tags = [bool(outlined(scene.changed, quad)) or _inner(scene, quad) for quad in scene.corners]
     if sum(drawn.values()) == 0 and all(on_tags):
         return 'you draw the tags, but no polygon through their four centers.'
-    if sum(drawn.values()) == 0 and all(marked) and scene.changed.sum() < 60 * len(scene.tags) * CIRCLE_PX:
+    if scene.changed.sum() > 0.3 * reach:
+        return ('your polygon does not reach the center of %s.' % tags(lost) if lost
+                else 'your polygon does not go through the four centers.')
+    if sum(drawn.values()) == 0 and not lost and scene.changed.sum() < 60 * len(scene.tags) * CIRCLE_PX:
         return ('there are only points at the centers, and no lines between them. drawContours, polylines and '
                 'fillPoly take a list of polygons: [points], not points.')
     missing = [pair for pair in ((0, 1), (1, 2), (2, 3), (0, 3)) if not drawn[pair]]
     if 0 < len(missing) < 4 and sum(drawn.values()):
         first, second = (scene.ids[index] for index in missing[0])
         return 'no line goes from the center of tag %d to that of tag %d.' % (first, second)
-    lost = [tag_id for tag_id, near in zip(scene.ids, marked) if not near]
     if lost:
-        return 'your polygon does not reach the center of tag %s.' % words(lost)
+        return 'your polygon does not reach the center of %s.' % tags(lost)
     return 'your polygon does not go through the four centers.'
 
 

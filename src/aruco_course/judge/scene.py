@@ -137,3 +137,8 @@ def words(ids: Sequence[int]) -> str:
     """Ids as words: "3, 1 and 4"."""
     parts = [str(tag_id) for tag_id in ids]
     return parts[0] if len(parts) == 1 else '%s and %s' % (', '.join(parts[:-1]), parts[-1])
+
+
+def tags(ids: Sequence[int]) -> str:
+    """Tags as words: "tag 3", or "the tags 3 and 1"."""
+    return ('tag %s' if len(ids) == 1 else 'the tags %s') % words(ids)
