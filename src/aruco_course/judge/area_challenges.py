@@ -42,9 +42,9 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
         for one in shown:
             fault = judge_none([one])
             if fault is not None:
-                faults = [judge([choice]) for choice in choices(one)]
-                if all(faults):
-                    return fault if len(faults) > 1 else faults[0]
+                if all(judge([choice]) for choice in choices(one)):
+                    return replace(fault, what='The frame should stay as it is, or the area be that of four of the '
+                                               'tags. It is neither.')
         return None
 
     return (
@@ -55,8 +55,8 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
                   'the order that it does not have.', views(three_views), judge_none),
         Challenge('five tags', 'Among five centers, one may have the least x + y and the greatest y - x. The '
                   'course then takes it twice, and its area is a triangle.', views(_five_tags), either),
-        Challenge('one id twice', 'Two tags may have the same id, such as two prints of one page. Code that keeps '
-                  'the centers by id, in a dict, loses one of them, and then has no fourth.',
+        Challenge('one id twice', 'Two tags may have the same id, such as two prints of one page. Code that '
+                  'keeps the centers by id, in a dict, loses one of them, and then has no fourth.',
                   views(twice_views), either),
         Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the '
                   'least x + y and the greatest y - x. The course then takes it '

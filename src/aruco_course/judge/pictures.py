@@ -339,7 +339,7 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
-    whole: Floats = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
+    whole: Floats = homography @ to_small  # from the true picture's pixels
     scaled = np.asarray(np.linalg.inv(whole) @ np.linalg.inv(to_small), np.float64)
     yield from within(backward, scaled)
     left, top = canvas.area.min(axis=0)

@@ -87,8 +87,8 @@ def _nothing(written: Written) -> str:
         path = written.paths[-1]
         to = str(path.parent) if _is_in(path, written.folder) \
             else 'the folder that it is started from, which may be any'
-        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, which is '
-                '%s.' % (path.name, to, written.folder / FOLDER))
+        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, '
+                'which is %s.' % (path.name, to, written.folder / FOLDER))
     old = image_files(written.folder / FOLDER)
     return ('Your program writes no image%s. Does it call cv2.imwrite, and is main() called?'
             % ('; those in the folder Tags are older' if old else ' into the folder Tags'))
