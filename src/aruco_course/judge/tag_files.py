@@ -74,7 +74,7 @@ def _nothing(written: Written) -> str:
         path = written.refused[0]
         why = ('Only a shell knows what ~ is: os.path.expanduser(path) replaces it.'
                if path.parts[0] == '~' else
-               'This path begins at the folder from which the program is started. The path TAGS begins at the file.'
+               'It begins at the folder from which the program is started, while TAGS begins at the file.'
                if not path.is_absolute() and path.parent.name else
                'There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the path.'
                % path.parent
