@@ -155,8 +155,8 @@ def interface(text, title):
 
 
 def code(value):
-    """A value as code, as YAML and a command line have it."""
-    return '`%s`' % (str(value).lower() if isinstance(value, bool) else value)
+    """A value as code, as YAML and a command line have it; nothing if it is empty."""
+    return '`%s`' % (str(value).lower() if isinstance(value, bool) else value) if value != '' else ''
 
 
 def plain(text):

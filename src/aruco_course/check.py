@@ -98,9 +98,9 @@ class Challenge:
 class Exercise:
     """How an exercise is presented.
 
-    ``number``: such as "5.4". ``minutes``: how long it takes. ``function``: the name of the learner's function of
-    an image, or nothing if a program is asked for. ``task``: what is to be done, in a few sentences. ``hints``:
-    three, each of which tells more.
+    ``number``: such as "5.4". ``minutes``: how long it takes. ``function``: the name of the learner's function
+    of an image, or nothing if a program is asked for. ``task``: what is to be done, in a few sentences.
+    ``hints``: three, each of which tells more.
     """
 
     number: str
@@ -121,8 +121,8 @@ class Check(Exercise):
     """An exercise that asks for a function of an image, and how what it returns is judged.
 
     ``views``: makes the frames it is judged by. ``judge``: finds the first Fault in what was made of them.
-    ``outputs``: the names of the images that the function returns, and of the topics on which its node publishes
-    them; the frame with what was drawn is the last.
+    ``outputs``: the names of the images that the function returns, and of the topics on which its node
+    publishes them; the frame with what was drawn is the last.
     """
 
     views: Callable[[], Sequence[View]]

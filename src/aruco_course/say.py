@@ -45,7 +45,8 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
         if len(lines) > PRINTED_LINES:
             screen.lines('and more lines', 'dim')
     if judged.picture is not None:
-        what = 'What yours shows' if judged.passed else 'What is expected, and what yours shows'
+        both = judged.fault is not None and judged.fault.expected is not None
+        what = 'What is expected, and what yours shows' if both else 'What yours shows'
         screen.text('%s: %s' % (what, shortest(course.package.picture(check))), 'dim')
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
+from .judge.verdict_picture import verdict_picture
 from .learner.package import HIDDEN
 from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
 
@@ -93,7 +94,8 @@ def _judge_function(check: Check, path: Path) -> Verdict:
     trial = _run(check, path, views)
     shown = _shown(views, trial.images)
     fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0])
-    verdict = Verdict(check, fault, _picture(check, fault, shown), trial.printed[:MAX_PRINTED])
+    picture = verdict_picture(fault, shown[0] if shown else None)
+    verdict = Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
     if fault is None:
         slow = fault_of_speed(trial)
         if slow is not None:  # how fast is no question of right or wrong, and this machine is not the robot
@@ -113,7 +115,7 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
         # If nothing calls main, this says more than that nothing was written.
         fault = trial.fault or fault_of_plumbing(str(path), check) \
-            or check.judge(Written(folder, tuple(written)))
+            or check.judge(Written(folder, tuple(written), tuple(map(Path, trial.refused))))
         picture = _side_by_side(written)
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
 
@@ -140,11 +142,6 @@ def _side_by_side(paths: Sequence[Path]) -> Image | None:
                                 GAP_PX, GAP_PX, GAP_PX, GAP_PX, cv2.BORDER_CONSTANT, value=WHITE)
              for image in images if image is not None]
     return np.hstack(small) if small else None
-
-
-def _picture(check: Exercise, fault: Fault | None, shown: Sequence[Shown]) -> Image | None:
-    """The verdict's picture, if there is anything to see."""
-    return None
 
 
 def _shown(views: Sequence[View], images: Sequence[tuple[Image, ...]]) -> list[Shown]:

@@ -85,7 +85,7 @@ def replace_function(code, body):
 
 def write_package(folder, number, code, executable=True):
     """Make a folder a learner's package with this solution in it. Its path."""
-    for name in 'src', 'images':
+    for name in 'src', 'images', 'Tags':
         os.makedirs(os.path.join(folder, name))
     shutil.copy(os.path.join(PACKAGE, 'images', 'earth.jpg'), os.path.join(folder, 'images'))
     path = os.path.join(folder, 'src', name_of(number) + '.py')

@@ -1,25 +1,27 @@
-"""The challenges of exercises that make something of the area: views without four proper tags, and hard ones."""
+"""The challenges of exercises with an area: views without four proper tags, and hard ones."""
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations
 from typing import Callable, Sequence
 
 import numpy as np
-
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import Booleans, Floats, Numbers
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.walls.wall import WallTag
+
 from aruco_course.check import Challenge, Fault, Judge, Shown, View
 
-from .areas import changed
+from .areas import NEAR_TAG, changed, fill, grown
+from .challenges import five_views, no_tag_views, noisy_views, three_views, twice_views
 from .drawing import drawing_of, place_of
 from .views import SIDE_M, Stand, look, square_wall
 
 IDS = 7, 1, 10, 4
-STAND = Stand(1.7, 0.3, -8, 4)
 TOUCHED = 0.0005  # share of the frame that may be changed though there is no area
-GRAIN = 30.0      # standard deviation of the noise of a noisy frame, gray levels
+LIGHT = 0.2       # a dark frame has so many times the light
+GRAINS = 10.0, 20.0, 28.0  # standard deviation of the noise of dark frames, gray levels
 
 # Changes a View, for example by giving it a picture.
 Prepare = Callable[[View], View]
@@ -29,7 +31,8 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
                     prepare: Prepare = lambda view: view) -> tuple[Challenge, ...]:
     """The Challenges of an exercise. ``judge``: that of Views with an area; ``judge_none``: without one.
 
-    ``judge_turned``: with an area that is turned by about 45 degrees. ``prepare``: makes the exercise's own View of each.
+    ``judge_turned``: with an area that is turned by about 45 degrees. ``prepare``: makes
+    the exercise's own View of each.
     """
     def views(make: Callable[[], Sequence[View]]) -> Callable[[], Sequence[View]]:
         return lambda: [prepare(view) for view in make()]
@@ -45,18 +48,21 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
         return None
 
     return (
-        Challenge('no tag in sight', "Without tags, ids is None. The course's loop, for i in range(len(ids)), ends with "
-                  'a TypeError there, and the node shows nothing any more.', views(_no_tags), judge_none),
-        Challenge('three tags', 'With three tags the course does not put the centers in order, and then uses the '
-                  'order that it does not have.', views(_three_tags), judge_none),
-        Challenge('five tags', 'Among five centers, one may have the least x + y and the greatest y - x. The course '
-                  'then takes it twice, and its area is a triangle.', views(_five_tags), either),
-        Challenge('one id twice', 'The course takes any four tags. If two of them have the same id, one may be a '
-                  'reflection, or a page on a desk, and nothing tells which.', views(_one_id_twice), judge_none),
-        Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the least '
-                  'x + y and the greatest y - x. The course then takes it twice.', views(_rolled), judge_turned),
-        Challenge('a noisy frame', 'In the dark, pixels are noisy. The course finds fewer tags then, and its code '
-                  'only works with four.', views(_noisy), either),
+        Challenge('no tag in sight', "Without tags, ids is None. The course's loop, for i in range(len(ids)), "
+                  'ends with a TypeError there, and the node shows nothing any '
+                  'more.', views(no_tag_views), judge_none),
+        Challenge('three tags', 'With three tags the course does not put the centers in order, and then uses '
+                  'the order that it does not have.', views(three_views), judge_none),
+        Challenge('five tags', 'Among five centers, one may have the least x + y and the greatest y - x. The '
+                  'course then takes it twice, and its area is a triangle.', views(_five_tags), either),
+        Challenge('one id twice', 'Two tags may have the same id, such as two prints of one page. Code that keeps '
+                  'the centers by id, in a dict, loses one of them, and then has no fourth.',
+                  views(twice_views), either),
+        Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the '
+                  'least x + y and the greatest y - x. The course then takes it '
+                  'twice.', views(_rolled), judge_turned),
+        Challenge('a noisy frame', 'In the dark, pixels are noisy. The course finds fewer tags then, and its '
+                  'code only works with four.', views(_dark), either),
     )
 
 
@@ -68,16 +74,16 @@ def untouched(shown: Sequence[Shown]) -> Fault | None:
         if drawing.fault is not None:
             return drawing.fault
         if np.mean(different) > TOUCHED and not _only_on_tags(different, one, drawing.place):
-            return Fault('There is no area, since there are not four different tags. So the image stays as it is.',
+            return Fault('There is no area, since there are not four different tags. So the image stays as it '
+                         'is.',
                          place_of(one), one, drawing.frame, different)
     return None
 
 
-def _only_on_tags(different: Image, shown: Shown, place: Callable[[Image], Image]) -> bool:
+def _only_on_tags(different: Booleans, shown: Shown, place: Callable[[Numbers], Floats]) -> bool:
     """Whether only the tags themselves are marked, which is free."""
-    from .areas import NEAR_TAG, fill, grown
-    near = fill(different.shape, *(grown(place(tag.corners), NEAR_TAG) for tag in shown.view.tags)) > 0
-    return bool(np.mean(different & ~near) <= TOUCHED)
+    near = fill(different.shape, *(grown(place(tag.corners), NEAR_TAG) for tag in shown.view.tags))
+    return bool(np.mean(different & np.asarray(near == 0)) <= TOUCHED)
 
 
 def choices(shown: Shown) -> list[Shown]:
@@ -92,23 +98,8 @@ def choices(shown: Shown) -> list[Shown]:
 
 
 @lru_cache(maxsize=None)
-def _no_tags() -> tuple[View, ...]:
-    return (look(square_wall(()), STAND),)
-
-
-@lru_cache(maxsize=None)
-def _three_tags() -> tuple[View, ...]:
-    return (look(square_wall(IDS[:3]), STAND),)
-
-
-@lru_cache(maxsize=None)
 def _five_tags() -> tuple[View, ...]:
-    return (look(square_wall(IDS, more=[WallTag(23, -0.85, 0.42, SIDE_M)]), Stand(2.2)),)
-
-
-@lru_cache(maxsize=None)
-def _one_id_twice() -> tuple[View, ...]:
-    return (look(square_wall((7, 1, 10, 7)), STAND),)
+    return (look(square_wall(IDS, more=[WallTag(23, -0.85, 0.42, SIDE_M)]), Stand(2.2)), *five_views())
 
 
 @lru_cache(maxsize=None)
@@ -117,5 +108,10 @@ def _rolled() -> tuple[View, ...]:
 
 
 @lru_cache(maxsize=None)
-def _noisy() -> tuple[View, ...]:
-    return (look(square_wall(IDS), STAND, GRAIN),)
+def _dark() -> tuple[View, ...]:
+    random = np.random.RandomState(3)
+    views = []
+    for view, grain in zip((*noisy_views(), look(square_wall(IDS), Stand(2.4, 0.3, -8, 4))), GRAINS):
+        frame = LIGHT * view.frame + random.normal(0, grain, view.frame.shape)
+        views.append(replace(view, frame=np.asarray(np.clip(frame, 0, 255), np.uint8)))
+    return tuple(views)

@@ -1,4 +1,4 @@
-"""Areas in the learner's outputs: which part of one was made white or black, and why it is not the right part."""
+"""Areas in the learner's outputs: which part was made white or black, and why it is not the right one."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
@@ -7,10 +7,10 @@ from typing import Iterator, Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers, Numbers
 
-from ..check import Shown
+from aruco_course.check import Shown
+
 from .drawing import Drawing, drawing_of
 from .views import area_of, centers_of
 
@@ -40,7 +40,8 @@ class Sight:
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width of the output."""
-        return self.drawing.image.shape[:2]
+        height, width = self.drawing.image.shape[:2]
+        return height, width
 
     @cached_property
     def inside(self) -> Booleans:
@@ -54,7 +55,7 @@ class Sight:
 
     @cached_property
     def near_tags(self) -> Booleans:
-        """(h, w): where circles, outlines and ids may be drawn: on the tags, and around them outside of the area."""
+        """(h, w): where circles, outlines and ids may be drawn: on the tags, and around them."""
         around, on = (fill(self.shape, *(grown(tag, factor) for tag in self.tags))
                       for factor in (NEAR_TAG, ON_TAG))
         return ((around > 0) & self.outside) | (on > 0)
@@ -75,8 +76,8 @@ def sight_of(shown: Shown, output: int = -1) -> Sight:
 
 def turned_sight(sight: Sight, quarters: int) -> Sight:
     """The Sight with an area that begins at another corner, so many farther clockwise."""
-    return replace(sight, area=np.roll(sight.area, -quarters, axis=0), tags=np.roll(sight.tags, -quarters, axis=0),
-                   ids=tuple(np.roll(sight.ids, -quarters).tolist()))
+    area, tags = (np.roll(points, -quarters, axis=0) for points in (sight.area, sight.tags))
+    return replace(sight, area=area, tags=tags, ids=tuple(np.roll(sight.ids, -quarters).tolist()))
 
 
 def fill(shape: Sequence[int], *polygons: Floats) -> Image:
@@ -123,30 +124,32 @@ def other_shapes(sight: Sight, before: Sequence[Sight]) -> Iterator[tuple[str, F
     """
     area, tags = sight.area, sight.tags
     for number, name in enumerate(CORNER_NAMES):
-        yield ("goes through the tags' %s corners, corner[%d], not through their centers: the center is the mean "
-               'of all four.' % (name, number), around(tags[:, number]))
+        yield ("goes through the tags' %s corners, corner[%d], not through their centers: the center is the "
+               'mean of all four.' % (name, number), around(tags[:, number]))
     distances = np.linalg.norm(tags - area.mean(axis=0), axis=2)
     every = np.arange(4)
     yield ("goes through the tags' outer corners, not through their centers.",
            tags[every, distances.argmax(axis=1)])
-    yield ("goes around all of the tags, not through their centers.",
-           cv2.convexHull(np.asarray(tags.reshape(-1, 2), np.float32))[:, 0])
+    yield ('goes around all of the tags, not through their centers.',
+           _floats(cv2.convexHull(np.asarray(tags.reshape(-1, 2), np.float32))[:, 0]))
     yield ("goes through the tags' inner corners, not through their centers.",
            tags[every, distances.argmin(axis=1)])
-    yield ('is an upright rectangle around the centers, but the area is the polygon through them: seen from the '
-           'side, its sides are slanted.', _box(area))
+    yield ('is an upright rectangle around the centers, but the area is the polygon through them.', _box(area))
     yield ('is an upright rectangle around all of the tags, not the polygon through their centers.',
            _box(tags.reshape(-1, 2)))
     yield ('is a turned rectangle around the centers, but the area is the polygon through them.',
-           cv2.boxPoints(cv2.minAreaRect(np.asarray(area, np.float32))))
+           _floats(cv2.boxPoints(cv2.minAreaRect(np.asarray(area, np.float32)))))
     yield 'has x and y exchanged: a point is (x, y), but an array is indexed by [y, x].', area[:, ::-1]
-    for factor in COURSE_SCALE, 1 / COURSE_SCALE, *sight.drawing.scale[:1], *1 / sight.drawing.scale[:1], 0.5, 2:
+    scale = float(sight.drawing.scale[0])
+    for factor in (COURSE_SCALE, 1 / COURSE_SCALE, scale, 1 / scale, 0.5, 2):
         if abs(factor - 1) > 0.05:
-            yield ('is %.3g times as far from the top left of the image as it should be: find the tags in an image '
-                   'of the same size as the one that you draw on.' % factor, area * factor)
-    for other in before[:1] + before[-1:]:
+            sentence = ('is %.3g times as far from the top left of the image as it should be: find the tags in '
+                        'an image of the same size as the one that you draw on.')
+            yield sentence % factor, area * factor
+    for other in (*before[:1], *before[-1:]):
         if other.shape == sight.shape and np.abs(other.area - area).max() > 2 * RIM_PX:
-            yield ('is still that of frame %d: find the tags in each frame anew.' % other.shown.number, other.area)
+            yield ('is still that of frame %d: find the tags in each frame anew.' % other.shown.number,
+                   other.area)
     for factor in 0.8, 0.85, 0.9, 0.95, 1.05, 1.1, 1.15, 1.2:
         yield ('is too far %s: it should go through the centers of the tags.' % ('in' if factor < 1 else 'out'),
                grown(area, factor))
@@ -179,8 +182,8 @@ def why_not(part: Booleans, sight: Sight, before: Sequence[Sight]) -> str:
                    fill(sight.shape, *sight.tags)))
     if before:
         union = fill(sight.shape, sight.area, *(other.area for other in before if other.shape == sight.shape))
-        shapes.append(('also goes around the areas of the frames before: begin with a new black mask for each '
-                       'frame.', union))
+        shapes.append(('also goes around the areas of earlier frames: begin with a new black mask for each.',
+                       union))
     least = likeness(part, fill(sight.shape, sight.area) > 0)
     sentence, best = max(((sentence, likeness(part, image > 0)) for sentence, image in shapes),
                          key=lambda shape: shape[1])
@@ -188,7 +191,7 @@ def why_not(part: Booleans, sight: Sight, before: Sequence[Sight]) -> str:
 
 
 def likeness(part: Booleans, other: Booleans) -> float:
-    """How alike two parts of an image, (h, w), are: 1 if they are the same, 0 if they have nothing in common."""
+    """How alike two parts of an image, (h, w), are: 1 for the same, 0 if they have nothing in common."""
     either = np.count_nonzero(part | other)
     return np.count_nonzero(part & other) / either if either else 1.0
 
@@ -232,6 +235,10 @@ def _box(points: Floats) -> Floats:
 
 def _pixels(points: Numbers) -> Image:
     return np.asarray(np.round(np.clip(points, -1e4, 1e4)), np.int32)
+
+
+def _floats(points: Numbers) -> Floats:
+    return np.asarray(points, np.float64)
 
 
 def _disc(radius: int) -> Image:

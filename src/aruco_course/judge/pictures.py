@@ -4,16 +4,27 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import permutations
-from typing import Callable, Iterator, NamedTuple, Sequence
+from typing import Iterator, NamedTuple, Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Booleans, Floats, Image
-from aruco_ar.geometry.homography import transform
-from aruco_course.check import Fault, Shown, View
 
-from .areas import (NOISE, RIM_PX, Sight, brightest, changed, crossing_orders, fill, ids_text, other_shapes, outside_of, where)
+from aruco_course.check import Fault, View
+
+from .areas import (
+    NOISE,
+    RIM_PX,
+    Sight,
+    brightest,
+    changed,
+    crossing_orders,
+    fill,
+    ids_text,
+    other_shapes,
+    outside_of,
+    where,
+)
 from .drawing import place_of
 
 SIZES = (240, 320), (300, 300), (400, 230)  # width and height of the pictures, which are not those of the areas
@@ -42,8 +53,8 @@ def own_picture(number: int = 0) -> Image:
     unit = min(width, height) / 10
     cv2.putText(picture, 'TOP', (int(0.6 * unit), int(2.2 * unit)), cv2.FONT_HERSHEY_DUPLEX, unit / 17,
                 (255, 255, 255), max(1, round(unit / 9)), cv2.LINE_AA)
-    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73], [0.88, 0.84],
-                      [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
+    black = np.array([[0.58, 0.56], [0.95, 0.56], [0.95, 0.68], [0.72, 0.68], [0.72, 0.73], [0.88, 0.73],
+                      [0.88, 0.84], [0.72, 0.84], [0.72, 0.96], [0.58, 0.96]]) * (width, height)  # an F
     cv2.fillPoly(picture, [black.astype(np.int32)], (0, 0, 0))
     picture.flags.writeable = False
     return picture
@@ -55,7 +66,7 @@ def with_pictures(views: Sequence[View]) -> tuple[View, ...]:
 
 
 def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
-    """Why a View's picture is not painted into its area, or None. ``before``: the Sights of the frames before it."""
+    """Why a View's picture is not painted into its area, or None. ``before``: the Sights before it."""
     shown, canvas = sight.shown, _canvas_of(sight)
     wrong = _wrong(canvas, sight)
     touched = changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags
@@ -74,20 +85,21 @@ def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
         what = 'The area is of one color only, and there is no picture in it.'
     if not what and inside_wrong:
         share = np.mean(wrong[sight.inside])
-        what = ('The picture is not in the area as it should be%s. Each of its corners goes to the center at the same '
-                'corner of the area, and it fills the area.'
+        what = ('The picture is not in the area as it should be%s. Each of its corners goes to the center at '
+                'the same corner of the area, and it fills the area.'
                 % ('' if share > 0.4 else ', as can be seen ' + where(wrong, sight)))
     if not what:
-        what = ('Your image is changed outside of the area, too, %s of it. The rest of the frame stays as it is.'
+        what = ('Your image is changed outside of the area, too, %s of it. The rest of the frame stays as it '
+                'is.'
                 % where(touched, sight))
     return Fault(what, place_of(shown), shown, expected, marked)
 
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
-    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2) in the frame.
+    """What an image is made of: the frame, (h, w, 3), the picture, (h, w, 3), and the area, (4, 2).
 
-    ``fitted``: the size of the picture that counts, if the picture itself is a smaller version: (width, height).
+    ``fitted``: (width, height) of the true picture, of which the picture may be a smaller version.
     """
 
     frame: Image
@@ -109,7 +121,8 @@ class Canvas:
         width, height = width or self.fitted[0], height or self.fitted[1]
         across, down = self.picture.shape[1] / self.fitted[0], self.picture.shape[0] / self.fitted[1]
         corners = np.array([[0, 0], [width, 0], [width, height], [0, height]]) * (across, down)
-        return np.asarray(cv2.getPerspectiveTransform(np.float32(corners), np.float32(self.area[list(order)])))
+        goals = np.asarray(self.area[list(order)], np.float32)
+        return np.asarray(cv2.getPerspectiveTransform(np.asarray(corners, np.float32), goals), np.float64)
 
     def warped(self, homography: Floats, picture: Image | None = None) -> Image:
         """(h, w, 3): the picture, or another one, warped to the size of the frame, and black elsewhere."""
@@ -155,7 +168,7 @@ def _wrong(canvas: Canvas, sight: Sight) -> Booleans:
     reach = [max(1, int(np.ceil(RIM_PX * length / max(min(pair), 1))))
              for length, pair in ((width, sides[[0, 2]]), (height, sides[[1, 3]]))]
     around = np.ones((2 * reach[1] + 1, 2 * reach[0] + 1), np.uint8)
-    low, high = (canvas.warped(homography, change(canvas.picture, around)) for change in (cv2.erode, cv2.dilate))
+    low, high = (canvas.warped(homography, near(canvas.picture, around)) for near in (cv2.erode, cv2.dilate))
     return outside_of(sight.drawing.image, low, high, PICTURE_SLACK) & sight.inside & ~sight.near_tags
 
 
@@ -171,8 +184,8 @@ def _explanation(sight: Sight, before: Sequence[Sight]) -> str:
     image = _small(sight.drawing.image)
     usual = _difference(image, canvas.painted())
     best, least = '', LIKE * usual
-    for explanations in (_compositions(canvas), _shining(whole), _arrangements(canvas, sight), _others(canvas),
-                         _shapes(canvas, sight, before), _pairs(canvas, sight)):
+    for explanations in (_compositions(canvas), _by_pixels(whole), _arrangements(canvas, sight),
+                         _others(canvas), _shapes(canvas, sight, before), _pairs(canvas, sight)):
         for what, seen in explanations:
             difference = _difference(image, seen)
             if difference < CLEARLY * least:
@@ -208,12 +221,13 @@ def _shrunk(canvas: Canvas) -> Canvas:
 TURNS = {
     (1, 2, 3, 0): 'Your picture is turned by a quarter, clockwise: its top left corner is at the top right.',
     (2, 3, 0, 1): 'Your picture is upside down: it is turned by 180 degrees.',
-    (3, 0, 1, 2): 'Your picture is turned by a quarter, counterclockwise: its top left corner is at the bottom left.',
+    (3, 0, 1, 2): 'Your picture is turned by a quarter, counterclockwise: its top left corner is at the bottom '
+                  'left.',
     (1, 0, 3, 2): 'Your picture is mirrored: its left and its right are exchanged.',
     (3, 2, 1, 0): 'Your picture is upside down and mirrored: its top and its bottom are exchanged.',
     (0, 3, 2, 1): 'Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?',
-    (2, 1, 0, 3): 'Your picture is mirrored and turned: its top left corner is at the bottom right, and the other two '
-                  'have stayed.',
+    (2, 1, 0, 3): 'Your picture is mirrored and turned: its top left corner is at the bottom right, and the '
+                  'other two have stayed.',
 }
 
 
@@ -223,8 +237,9 @@ def _orders(sight: Sight) -> Iterator[tuple[str, tuple[int, ...]]]:
         if order in TURNS:
             yield TURNS[order], order
         elif order != (0, 1, 2, 3):
-            yield ("Your picture is twisted: its corners go to the tags %s, in the order top left, top right, bottom "
-                   "right, bottom left. List the picture's corners and the centers in the same order." % ids_text([sight.ids[corner] for corner in order]), order)
+            yield ("Your picture is twisted: its corners go to the tags %s, in the order top left, top right, "
+                   "bottom right, bottom left. List the picture's corners and the centers in the same "
+                   "order." % ids_text([sight.ids[corner] for corner in order]), order)
 
 
 def _arrangements(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
@@ -237,34 +252,40 @@ def _arrangements(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
 def _blended(canvas: Canvas, warped: Image) -> Iterator[Explanation]:
     """What may be made of the frame and the warped picture other than what is right."""
     frame, mask = canvas.frame, canvas.mask
-    yield Explanation('The picture is added to the wall, which shines through and makes it too bright. Subtract the '
-                      'area first, as in exercise 5.5.', cv2.add(frame, warped))
-    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add the picture "
-             'with cv2.add.')
-    yield Explanation(wraps, frame + warped)
-    yield Explanation(wraps, frame - mask + warped)
+    yield Explanation('The picture is added to the wall, which shines through and makes it too bright. '
+                      'Subtract the area first, as in exercise 5.5.', cv2.add(frame, warped))
     for share in 0.3, 0.5, 0.7:
-        what = ('The picture is half transparent: the wall shines through. Make the area black first, as in exercise '
-                '5.5, then add the picture.')
+        what = ('The picture is half transparent: the wall shines through. Make the area black first, as in '
+                'exercise 5.5, then add the picture.')
         mixed = cv2.addWeighted(frame, 1 - share, warped, share, 0)
         yield Explanation(what, mixed)
         yield Explanation(what, np.where(mask > 0, mixed, frame))
         yield Explanation(what, cv2.addWeighted(frame, 1, warped, share, 0))
         yield Explanation('Your picture is too dark. Add all of it: the area is black already.',
                           cv2.add(canvas.black, np.asarray(share * warped, np.uint8)))
-    yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame of which '
-                      'the area was subtracted.', warped)
+    yield Explanation('Only the picture is to be seen, and everything around it is black. Add it to the frame '
+                      'of which the area was subtracted.', warped)
+    yield Explanation('Only the area is left of your image, and the rest is black: the mask is the wrong way '
+                      'around.',
+                      cv2.add(cv2.bitwise_and(frame, mask), warped))
     yield Explanation('The picture is on a white area: the mask was added. Subtract it.',
                       cv2.add(cv2.add(frame, mask), warped))
-    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
-                      'picture.', cv2.bitwise_or(frame, warped))
-    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, then add the '
-                      'picture.', cv2.max(frame, warped))
+    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
+                      'then add the picture.', cv2.bitwise_or(frame, warped))
+    yield Explanation('The wall shines through the picture. Make the area black first, as in exercise 5.5, '
+                      'then add the picture.', cv2.max(frame, warped))
 
 
-def _shining(canvas: Canvas) -> Iterator[Explanation]:
-    """What becomes of a picture whose black is taken for nothing. ``canvas``: not shrunk, since few pixels count."""
+def _by_pixels(canvas: Canvas) -> Iterator[Explanation]:
+    """What becomes of a picture whose black is taken for nothing, or whose white and black are passed.
+
+    ``canvas``: not shrunk, since single pixels count.
+    """
     warped = canvas.warped(canvas.to_area())
+    wraps = ("NumPy's plus and minus begin again at 0 and 255. Subtract the mask with cv2.subtract, and add "
+             'the picture with cv2.add.')
+    yield Explanation(wraps, _small(canvas.frame + warped))
+    yield Explanation(wraps, _small(canvas.frame - canvas.mask + warped))
     what = ('Where the picture is dark, the wall shines through. Make all of the area black before you add the '
             'picture.')
     for painted in (warped > 0, brightest(warped)[..., None] > 0, brightest(warped)[..., None] > 10):
@@ -273,8 +294,7 @@ def _shining(canvas: Canvas) -> Iterator[Explanation]:
 
 def _recolored(canvas: Canvas) -> Iterator[tuple[str, Image]]:
     swapped = np.ascontiguousarray(canvas.picture[:, :, ::-1])
-    yield ("Your picture's colors are exchanged: its red is blue. OpenCV's images are blue, green, red, also that of "
-           'cv2.imread.', swapped)
+    yield "Your picture's colors are exchanged: its red is blue. OpenCV's images are blue, green, red.", swapped
     yield 'Your picture has no colors: it is gray.', _gray(canvas.picture)
     yield 'Your picture is a negative.', cv2.bitwise_not(canvas.picture)
 
@@ -283,8 +303,8 @@ def _compositions(canvas: Canvas) -> Iterator[Explanation]:
     yield from _blended(canvas, canvas.warped(canvas.to_area()))
     for what, picture in _recolored(canvas):
         yield Explanation(what, replace(canvas, picture=picture).painted())
-    yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do its corners go to the '
-                      'centers in the same order?', canvas.black)
+    yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do '
+                      'its corners go to the centers in the same order?', canvas.black)
     yield Explanation('Your image is the frame as it came, and there is no picture in it.', canvas.frame)
     yield Explanation('The area is white, and there is no picture in it.', cv2.add(canvas.frame, canvas.mask))
     yield Explanation('Your image is black all over.', np.zeros_like(canvas.frame))
@@ -304,39 +324,40 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
         for image in add(homography):
             yield Explanation(what, image)
 
-    exchanged = "Your picture is stretched: its width and its height are exchanged. An array's shape is (height, width)," \
-                ' and a corner is (x, y), so the bottom right one is (width, height).'
+    exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, "
+                 'width), and a corner is (x, y), so the bottom right one is (width, height).')
     yield from within(exchanged, canvas.to_area(height, width))
-    sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its corners, '
-             'not those of the frame.')
+    sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its '
+             'corners, not those of the frame.')
     yield from within(sizes, canvas.to_area(frame_width, frame_height))
     yield from within(sizes, canvas.to_area(frame_height, frame_width))
     for factor in 0.5, 0.7, 1 / 0.7, 2.0:
-        yield from within('Your picture has the wrong size: its corners are those of a picture %.3g times as large.'
+        yield from within('Your picture has the wrong size: its corners are those of a picture %.3g times as '
+                          'large.'
                           % factor, canvas.to_area(factor * width, factor * height))
     homography = canvas.to_area()
     backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
-    whole = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
-    scaled = np.linalg.inv(whole) @ np.linalg.inv(to_small)
+    whole: Floats = homography @ to_small  # from the picture's own pixels, of which the learner's homography is made
+    scaled = np.asarray(np.linalg.inv(whole) @ np.linalg.inv(to_small), np.float64)
     yield from within(backward, scaled)
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)
     box = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
-    yield from within('Your picture is an upright rectangle, which is only cut out to the area. Warp it, so that each of '
-                      'its corners is at a center.', replace(canvas, area=box).to_area())
+    yield from within('Your picture is an upright rectangle, which is only cut out to the area. Warp it, so '
+                      'that each of its corners is at a center.', replace(canvas, area=box).to_area())
     for kept in range(4):
         three = [i for i in range(4) if i != kept]
-        own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * (canvas.picture.shape[1], canvas.picture.shape[0])
-        affine = cv2.getAffineTransform(np.float32(own), np.float32(canvas.area[three]))
+        own = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])[three] * canvas.picture.shape[1::-1]
+        affine = cv2.getAffineTransform(np.asarray(own, np.float32), np.asarray(canvas.area[three], np.float32))
         yield from within('Your picture is a parallelogram, as from three of the centers. Four points and '
                           'cv2.warpPerspective let far sides be shorter.', np.vstack([affine, [0, 0, 1]]))
     full = np.array([[0, 0], [frame_width, 0], [frame_width, frame_height], [0, frame_height]], np.float64)
     to_frame = replace(canvas, area=full).to_area()
     yield Explanation('Your picture covers the whole frame. Warp it to the area.', canvas.warped(to_frame))
-    yield from within('Your picture is as large as the frame, and only cut out to the area. Warp it, so that all of it is '
-                      'in the area.', to_frame)
+    yield from within('Your picture is as large as the frame, and only cut out to the area. Warp it, so that '
+                      'all of it is in the area.', to_frame)
     # Without a warp: the picture in its own size.
     own_size = np.diag([width / canvas.picture.shape[1], height / canvas.picture.shape[0], 1.0])
     unwarped = 'Your picture is not warped: it has its own size and shape.'
@@ -357,7 +378,8 @@ def _shapes(canvas: Canvas, sight: Sight, before: Sequence[Sight]) -> Iterator[E
                 yield Explanation('Your picture is not in the right area. Its rim ' + what, other.painted())
                 warped = canvas.warped(other.to_area())
                 for image in warped, cv2.bitwise_and(warped, canvas.mask):
-                    yield Explanation('Your picture is not warped to the area that you subtract. The rim of the picture '
+                    yield Explanation('Your picture is not warped to the area that you subtract. The rim of '
+                                      'the picture '
                                       + what, cv2.add(canvas.black, image))
     warped = canvas.warped(canvas.to_area())
     for what, filled in crossing_orders(sight):
@@ -378,9 +400,10 @@ def _pairs(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
         for _, image in _blended(canvas, warped):
             yield Explanation(what, image)
         if order not in TURNS:  # the area to be subtracted has the same order
-            convex = np.zeros(canvas.frame.shape, np.uint8)
-            cv2.fillConvexPoly(convex, np.asarray(np.round(canvas.area[list(order)]), np.int32), (255, 255, 255))
-            for mask in convex, cv2.cvtColor(fill(canvas.frame.shape, canvas.area[list(order)]), cv2.COLOR_GRAY2BGR):
+            area, convex = canvas.area[list(order)], np.zeros(canvas.frame.shape, np.uint8)
+            cv2.fillConvexPoly(convex, np.asarray(np.round(area), np.int32), (255, 255, 255))
+            filled = cv2.cvtColor(fill(canvas.frame.shape, area), cv2.COLOR_GRAY2BGR)
+            for mask in convex, filled:
                 yield Explanation(what, cv2.add(cv2.subtract(canvas.frame, mask), warped))
 
 

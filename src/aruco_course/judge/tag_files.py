@@ -9,8 +9,8 @@ from typing import Iterator, Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Image
+
 from aruco_course.check import Fault, Written
 
 DICTIONARY = 'DICT_6X6_250'
@@ -44,7 +44,7 @@ def image_files(folder: Path) -> dict[Path, tuple[int, int]]:
 
 
 def files_fault(written: Written) -> Fault | None:
-    """The first Fault in the files of tags that a program wrote: four, of the ids 1 to 4, into the folder Tags."""
+    """The first Fault in the files that a program wrote: of the tags 1 to 4, in the folder Tags."""
     here = [path for path in dict.fromkeys(written.paths) if _is_in(path, written.folder / FOLDER)]
     if not here:
         return Fault(_nothing(written))
@@ -72,7 +72,12 @@ def _nothing(written: Written) -> str:
     """Why there is no new file in the folder Tags."""
     if written.refused:
         path = written.refused[0]
-        why = ('There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the path.' % path.parent
+        why = ('Only a shell knows what ~ is: os.path.expanduser(path) replaces it.'
+               if path.parts[0] == '~' else
+               'This path begins at the folder from which the program is started. The path TAGS begins at the file.'
+               if not path.is_absolute() and path.parent.name else
+               'There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the path.'
+               % path.parent
                if not path.parent.is_dir() else
                'Its name has no ending, such as .jpg.' if not path.suffix else
                'OpenCV writes no files that end in %s.' % path.suffix if path.suffix.lower() not in ENDINGS else
@@ -80,8 +85,10 @@ def _nothing(written: Written) -> str:
         return '%s was not written: cv2.imwrite only returns False then. %s' % (path, why)
     if written.paths:
         path = written.paths[-1]
-        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, which is %s.'
-                % (path.name, path.parent, written.folder / FOLDER))
+        to = str(path.parent) if _is_in(path, written.folder) \
+            else 'the folder that it is started from, which may be any'
+        return ('Your program writes %s into %s. Write the files into the folder Tags of your package, which is '
+                '%s.' % (path.name, to, written.folder / FOLDER))
     old = image_files(written.folder / FOLDER)
     return ('Your program writes no image%s. Does it call cv2.imwrite, and is main() called?'
             % ('; those in the folder Tags are older' if old else ' into the folder Tags'))
@@ -131,8 +138,8 @@ def _is_blurred(image: Image) -> bool:
 
 
 def _small(width: int, height: int) -> str:
-    return ('It has only %d x %d pixels, so the tag is blurred when it is printed. Draw it with at least %d, better '
-            'with 700.' % (width, height, LEAST_PX))
+    return ('It has only %d x %d pixels, so the tag is blurred when it is printed. Draw it with at least %d, '
+            'better with 700.' % (width, height, LEAST_PX))
 
 
 def _on_paper(image: Image, paper: int = 255) -> Image:
@@ -166,8 +173,8 @@ def _guesses(image: Image) -> Iterator[str]:
     for name, number in sorted(_dictionaries().items(), key=lambda item: ('6X6' not in item[0], item[0])):
         found = _ids(image, number)
         if found and not SAME_TAGS.match(name):
-            yield ('It shows a tag of %s, but the tags are to be of %s: a camera that looks for those does not find '
-                   'it.' % (_nicer(name), DICTIONARY))
+            yield ('It shows a tag of %s, but the tags are to be of %s: a camera that looks for those does not '
+                   'find it.' % (_nicer(name), DICTIONARY))
             return
     if _ids(cv2.bitwise_not(image)):
         yield 'Black and white are exchanged: the border of a tag is black, and the paper around it white.'
@@ -176,10 +183,10 @@ def _guesses(image: Image) -> Iterator[str]:
     cells = max(1, round(max(image.shape) / 6))
     bordered = cv2.copyMakeBorder(image, cells, cells, cells, cells, cv2.BORDER_CONSTANT, value=(0,))
     if _ids(bordered):
-        yield 'The black border around the tag is missing: the pattern of 6 x 6 cells needs one of a cell around it.'
+        yield 'The black border around the tag is missing, which is as wide as a cell of the pattern.'
     for border in 2, 3, 4:
         if _ids(image, border=border):
-            yield 'The black border is %d cells wide. Make it 1 cell wide, which is what is looked for.' % border
+            yield 'The black border is %d cells wide. Make it 1 cell wide: that is looked for.' % border
 
 
 def _dictionaries() -> dict[str, int]:
@@ -213,13 +220,13 @@ def _ids_fault(ids: dict[Path, tuple[int, ...]], written: Written) -> Fault | No
 def _missing(ids: dict[Path, tuple[int, ...]], every: Sequence[int], missing: Sequence[int],
              written: Written) -> str:
     if set(every) == {0, 1, 2, 3}:
-        return ('The tags have the ids 0, 1, 2, 3: range(4) begins at 0. range(1, 5) is 1, 2, 3, 4, since the end does '
-                'not count.')
+        return ('The tags have the ids 0, 1, 2, 3: range(4) begins at 0. range(1, 5) is 1, 2, 3, 4, since the '
+                'end does not count.')
     if set(every) == {1, 2, 3}:
         return 'Tag 4 is missing: range(1, 4) ends before 4. range(1, 5) is 1, 2, 3, 4.'
     if len(ids) == 1:
-        return ('There is only one file, %s, with tag %d. If all four tags are written to one name, each replaces the '
-                'one before: put the id into the name.' % (_name(next(iter(ids))), every[0]))
+        return ('There is only one file, %s, with tag %d. If all four tags are written to one name, each '
+                'replaces the one before: put the id into the name.' % (_name(next(iter(ids))), every[0]))
     if len(set(every)) == 1:
         return 'All files show tag %d. Draw each with an id of its own: 1, 2, 3, 4.' % every[0]
     return ('The tags %s are missing. The files show the tags %s; write those with the ids 1, 2, 3, 4.'

@@ -57,7 +57,8 @@ def of_taken(tree: ast.AST, taken: Sequence[ast.Call], given: Sequence[ast.Call]
 def of_given(given: Sequence[ast.Call], outputs: Sequence[str], images: Sequence[Image]) -> Fault | None:
     """An image that has not as many channels as the encoding it is published with."""
     for name, image in zip(outputs, images):
-        of_name = [call for call in given if len(outputs) == len(given) == 1 or (
+        alone = len(given) == 1 and len({each.ndim for each in images}) == 1  # such as one call in a loop
+        of_name = [call for call in given if alone or (
             call.args and isinstance(call.args[0], ast.Name) and call.args[0].id == name)]
         for call in of_name:
             encoding = encoding_of(call)

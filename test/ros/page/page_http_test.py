@@ -74,6 +74,13 @@ class PageHttp(ServerTest):
         self.assertNotIn('/words', body.decode())
         self.assertIn("default-src 'none'", headers['Content-Security-Policy'])
 
+    def test_a_learners_node_is_shown_beside_ours(self):
+        self.camera('/exercise5_4/image')
+        self.camera('/my_exercise5_4/image')
+        self.wait_until_listed('data-topic="/my_exercise5_4/image"')
+        page = ask(self.port, '/')[2].decode()
+        self.assertEqual(re.findall('data-topic="(.*?)"', page), ['/exercise5_4/image', '/my_exercise5_4/image'])
+
     def test_a_stream_of_jpegs_subscribes_only_while_somebody_watches(self):
         publish, connections = self.camera()
         self.wait_until_listed('/eye/image')

@@ -6,12 +6,22 @@ from typing import Sequence
 
 import cv2
 import numpy as np
-
 from aruco_ar.base.arrays import Booleans, Image
+
 from aruco_course.check import Check, Fault, Shown
-from aruco_course.judge.areas import (Sight, brightest, changed, darkest, fill, is_outline, likeness, sight_of, where,
-                                      why_not)
 from aruco_course.judge.area_challenges import area_challenges, untouched
+from aruco_course.judge.areas import (
+    Sight,
+    brightest,
+    changed,
+    darkest,
+    fill,
+    is_outline,
+    likeness,
+    sight_of,
+    where,
+    why_not,
+)
 from aruco_course.judge.drawing import as_bgr, place_of
 from aruco_course.judge.views import area_views
 
@@ -22,17 +32,17 @@ MOST = 0.95            # share of the pixels of a part that tells what the part 
 
 TASK = (
     "Make a mask: an image as large as the camera's that is white in the area between the four tags, and black "
-    "elsewhere. Subtract it from the camera's image, so that the area becomes black. Return both, the mask first. "
-    'Without four tags, the mask is black, and the image stays as it is.')
+    "elsewhere. Subtract it from the camera's image, so that the area becomes black. Return both, the mask "
+    'first. Without four tags, the mask is black, and the image stays as it is.')
 
 HINTS = (
-    'The mask begins black: np.zeros_like(image). The polygon of exercise 5.4, filled with white, is drawn on the '
-    'mask. The image is not drawn on.',
-    'cv2.fillConvexPoly(mask, points, (255, 255, 255)) fills a polygon whose points are in order; they are integers '
-    'of np.int32. White minus 255 is black, and a pixel minus 0 is what it was. cv2.subtract stops at 0, while '
-    "NumPy's minus begins again at 255.",
-    'With the centers in order, there are two lines left: cv2.fillConvexPoly(mask, ordered.astype(np.int32), '
-    '(255, 255, 255)) and image = cv2.subtract(image, mask).',
+    ('The mask begins black: np.zeros_like(image). The polygon of exercise 5.4, filled with white, is drawn on '
+     'the mask. The image is not drawn on.'),
+    ('cv2.fillConvexPoly(mask, points, (255, 255, 255)) fills a polygon whose points are in order; they are '
+     'integers of np.int32. White minus 255 is black, and a pixel minus 0 is what it was. cv2.subtract stops '
+     "at 0, while NumPy's minus begins again at 255."),
+    ('With the centers in order, there are two lines left: cv2.fillConvexPoly(mask, ordered.astype(np.int32), '
+     '(255, 255, 255)) and image = cv2.subtract(image, mask).'),
 )
 
 
@@ -54,7 +64,8 @@ def judge_none(shown: Sequence[Shown]) -> Fault | None:
     for one in shown:
         mask = as_bgr(one.images[0])
         if np.any(mask > BLACK):
-            return Fault('There is no area, since there are not four different tags. So nothing of the mask is white.',
+            return Fault('There is no area, since there are not four different tags. So nothing of the mask is '
+                         'white.',
                          place_of(one), replace(one, images=(one.images[0],)), np.zeros_like(mask),
                          brightest(mask) > BLACK)
     return untouched(shown)
@@ -64,8 +75,8 @@ def _sizes_fault(shown: Shown, sight: Sight) -> Fault | None:
     mask, image = shown.images
     if mask.shape[:2] != image.shape[:2]:
         (mask_height, mask_width), (height, width) = mask.shape[:2], image.shape[:2]
-        return Fault('Your mask is %d pixels wide and %d high, but your image is %d wide and %d high. Both have the '
-                     'same size.' % (mask_width, mask_height, width, height), place_of(shown))
+        return Fault('Your mask is %d pixels wide and %d high, but your image is %d wide and %d high. Both '
+                     'have the same size.' % (mask_width, mask_height, width, height), place_of(shown))
     fault = sight.drawing.fault
     return fault if fault is not None and 'wide' in fault.what else None
 
@@ -75,7 +86,8 @@ def _exchange_fault(shown: Shown, sight: Sight) -> Fault | None:
     first, last = (as_bgr(image) for image in shown.images)
     if likeness(_white(last), fill(sight.shape, sight.area) > 0) > 0.8 and likeness(
             _white(first), fill(sight.shape, sight.area) > 0) < 0.5 and np.mean(brightest(last) <= BLACK) > 0.3:
-        return Fault('You return the image first, and the mask last: it is the other way around.', place_of(shown),
+        return Fault('You return the image first, and the mask last: it is the other way '
+                     'around.', place_of(shown),
                      shown)
     return None
 
@@ -105,25 +117,27 @@ def _mask_fault(shown: Shown, sight: Sight, before: Sequence[Sight]) -> Fault | 
         return fault('Your mask is white all over. Only the area is white, and everything else is black.')
     if np.mean(changed(mask, sight.drawing.frame)[sight.outside]) < 0.1 or np.mean(
             changed(mask, _resized(shown.view.frame, mask))[sight.outside]) < 0.1:
-        return fault("Your mask shows the camera's image. Draw the area on an image of its own, which begins black: "
-                     'np.zeros_like(image).')
+        return fault("Your mask shows the camera's image. Draw the area on an image of its own, which begins "
+                     'black: np.zeros_like(image).')
     if likeness(~lit, fill(sight.shape, sight.area) > 0) > 0.9:
         return fault('Your mask is the wrong way around: it is black in the area, and white elsewhere.')
     if is_outline(lit, sight):
-        return fault("Only the outline of the area is drawn in your mask. Fill it, as cv2.fillConvexPoly does, or "
-                     'cv2.drawContours with a thickness of -1.')
+        return fault('Only the outline of the area is drawn in your mask. Fill it, as cv2.fillConvexPoly does, '
+                     'or cv2.drawContours with a thickness of -1.')
     why = '' if likeness(lit, fill(sight.shape, sight.area) > 0) > 0.97 else why_not(lit, sight, before)
     if why:
         return fault('The area in your mask is not the right one. Its rim %s' % why)
     color = np.median(mask[lit & sight.inside], axis=0) if np.any(lit & sight.inside) else np.zeros(3)
-    if color.min() < WHITE and np.mean(lit[sight.inside]) > MOST and not np.mean(not_black[sight.outside]) > WRONG:
+    if (color.min() < WHITE and np.mean(lit[sight.inside]) > MOST
+            and np.mean(not_black[sight.outside]) <= WRONG):
         return fault('The area in your mask has the color (%d, %d, %d). White is (255, 255, 255): only what is '
                      'subtracted of all three makes black.' % tuple(color))
     if np.mean(lit) < 0.01:
         return fault('Hardly anything of your mask is white: fill the whole polygon through the four centers.')
     if np.count_nonzero(not_black) > np.count_nonzero(not_white):
         return fault('Your mask is also white outside of the area, %s of it.' % where(not_black, sight))
-    return fault('Your mask is not white in all of the area: something is missing %s.' % where(not_white, sight))
+    return fault('Your mask is not white in all of the area: something is missing '
+                 '%s.' % where(not_white, sight))
 
 
 def _resized(frame: Image, like: Image) -> Image:
@@ -160,16 +174,17 @@ def _image_fault(shown: Shown, sight: Sight, before: Sequence[Sight]) -> Fault |
         return fault('Your image is a negative outside of the area, where it should stay as it is.')
     if outside == 'same':
         sentence = {
-            'wrapped': "The area is hardly changed, since NumPy's minus begins again at 255 if the result is below 0. "
-                       'cv2.subtract(image, mask) stops at 0.',
+            'wrapped': "The area is hardly changed, since NumPy's minus begins again at 255 if the result is "
+                       'below 0. cv2.subtract(image, mask) stops at 0.',
             'same': 'The area is not black in your image: nothing is subtracted there. Is it what cv2.subtract '
                     'returns that you return?',
             'white': 'The area is white in your image: the mask was added. Subtract it.',
-            'inverted': 'The area is a negative in your image, as from cv2.absdiff. cv2.subtract stops at 0, which is '
-                        'black.',
-            'channels': 'The area is not black in your image, since not all of blue, green and red are subtracted.',
-            'color': 'The area has a color in your image. Subtract the mask, and draw nothing on the image: then it '
-                     'is black.',
+            'inverted': 'The area is a negative in your image, as from cv2.absdiff. cv2.subtract stops at 0, '
+                        'which is black.',
+            'channels': 'The area is not black in your image, since not all of blue, green and red are '
+                        'subtracted.',
+            'color': 'The area has a color in your image. Subtract the mask, and draw nothing on the image: '
+                     'then it is black.',
             'darker': 'The area is only darker in your image. Subtract 255 of each pixel to make it black.',
         }.get(inside, '')
         if sentence:
@@ -178,11 +193,13 @@ def _image_fault(shown: Shown, sight: Sight, before: Sequence[Sight]) -> Fault |
         return sight.drawing.fault
     black = dark & ~(brightest(frame) <= 3 * BLACK)
     if outside != 'same' or inside_wrong:
-        why = why_not(cv2.morphologyEx(black.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5))) > 0, sight, before)
+        closed = cv2.morphologyEx(black.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+        why = why_not(closed > 0, sight, before)
         if why:
             return fault('The area that is black in your image is not that of your mask. Its rim %s' % why)
     if inside_wrong and np.count_nonzero(not_black) >= np.count_nonzero(touched):
-        return fault('The area is not black everywhere in your image: something is left %s.' % where(not_black, sight))
+        return fault('The area is not black everywhere in your image: something is left '
+                     '%s.' % where(not_black, sight))
     return fault('Your image is changed outside of the area, too, %s of it. Only the area becomes black.'
                  % where(touched, sight))
 

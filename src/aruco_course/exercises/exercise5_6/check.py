@@ -1,4 +1,4 @@
-"""How exercise 5.6 is presented and judged: the picture is in the area, the right way up, and nothing else changes."""
+"""How exercise 5.6 is presented and judged: the picture is in the area, the right way up."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -7,22 +7,23 @@ from typing import Sequence
 from aruco_course.check import Check, Fault, Shown, View
 from aruco_course.judge.area_challenges import area_challenges, untouched
 from aruco_course.judge.areas import Sight, sight_of, turned_sight
-from aruco_course.judge.pictures import picture_fault, own_picture, with_pictures
+from aruco_course.judge.pictures import own_picture, picture_fault, with_pictures
 from aruco_course.judge.views import area_views
 
 TASK = (
-    'Paint a picture into the area between the four tags. Each of its corners goes to the center at the same corner '
-    'of the area, and the rest of the frame stays as it is. Without four tags, return the image as it is.')
+    'Paint a picture into the area between the four tags. Each of its corners goes to the center at the same '
+    'corner of the area, and the rest of the frame stays as it is. Without four tags, return the image as it '
+    'is.')
 
 HINTS = (
-    'A homography takes four points to four others. cv2.findHomography(from_points, to_points) finds it, and '
-    "cv2.warpPerspective(picture, homography, (width, height)) applies it. The size is that of the camera's image, "
-    'the width first.',
-    "The picture's corners are [0, 0], [width, 0], [width, height], [0, height], if the centers come from the top left, "
-    'clockwise. The warped picture is black outside of the area. So make the area black in the frame, as in exercise '
-    '5.5, and add the two: black is 0.',
-    'homography, _ = cv2.findHomography(picture_corners, ordered), then warped = cv2.warpPerspective(picture, homography, '
-    '(image.shape[1], image.shape[0])), and at last cv2.add(cv2.subtract(image, mask), warped).',
+    ('A homography takes four points to four others. cv2.findHomography(from_points, to_points) finds it, and '
+     "cv2.warpPerspective(picture, homography, (width, height)) applies it. The size is that of the camera's "
+     'image, the width first.'),
+    ("The picture's corners are [0, 0], [width, 0], [width, height], [0, height], if the centers come from the "
+     'top left, clockwise. The warped picture is black outside of the area. So make the area black in the '
+     'frame, as in exercise 5.5, and add the two: black is 0.'),
+    ('homography, _ = cv2.findHomography(picture_corners, ordered), then warped = cv2.warpPerspective(picture, '
+     'homography, (image.shape[1], image.shape[0])), and at last cv2.add(cv2.subtract(image, mask), warped).'),
 )
 
 

@@ -14,6 +14,8 @@ from .opencv import of_opencv
 ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no attribute '([^']+)'")
 PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml': 'PyYAML', 'imutils': 'imutils',
        'scipy': 'scipy', 'skimage': 'scikit-image', 'matplotlib': 'matplotlib', 'sklearn': 'scikit-learn'}
+# What people take for the names of modules.
+OTHERWISE = {'opencv': 'cv2', 'cv': 'cv2', 'cv3': 'cv2', 'cv4': 'cv2', 'ros': 'rospy', 'np': 'numpy as np'}
 
 
 class Error:
@@ -111,6 +113,8 @@ def of_module(error: Error) -> str:
         return of_no_aruco(error)
     if error.near and error.near != root:
         return 'there is no module %s. Is %s meant?' % (error.name, error.near)
+    if root.lower() in OTHERWISE:
+        return 'there is no module %s: "import %s".' % (error.name, OTHERWISE[root.lower()])
     if root == 'aruco':
         return 'there is no module aruco. It is a part of OpenCV: "from cv2 import aruco".'
     return 'there is no module %s here. Is its name right? "pip install %s" may bring it.' % (
@@ -188,6 +192,9 @@ def of_none(error: Error, but: str) -> str:
 def of_unread(error: Error) -> str:
     assert error.unread
     name, line = error.unread
+    if name.startswith('~'):
+        return ('cv2.imread found no image at %s, and gave None instead: only a shell knows what ~ is. '
+                'os.path.expanduser(path) replaces it.' % name)
     return ('cv2.imread found no image at %s%s, and gave None instead. Is the path right? Make it from that of '
             'your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).' % (
                 name, ' (line %d)' % line if line and line != error.line else ''))
