@@ -11,6 +11,7 @@ from aruco_ar.base.files import in_package, write_whole
 from aruco_course.black_box.verdict import NodeVerdict
 from aruco_course.check import Check
 from aruco_course.exercises import CHECKS
+from aruco_course.judge.verdict_picture import verdict_picture
 from aruco_course.trial import Trial, fault_of_speed
 
 from .black_box import BlackBox, Topics
@@ -61,7 +62,7 @@ def check_node(options, is_shared):
     if fault is not None:
         verdict.fault, verdict.place = fault.what, fault.place
     verdict.remarks, verdict.printed = collected.remarks, collected.printed[-MAX_PRINTED:]
-    if options.verdict and collected.shown:
+    if options.verdict:
         verdict.picture = _save_picture(fault, collected.shown, options.verdict)
     verdict.seconds = round(time.monotonic() - began, 2)
     return verdict
@@ -102,9 +103,9 @@ def _views(check, options, package):
 
 
 def _save_picture(fault, shown, path):
-    wrong = fault and fault.shown
-    done, data = cv2.imencode('.png', (wrong or shown[-1]).image)
-    if not done:
-        raise InputError('The picture of the verdict cannot be written as PNG.')
-    write_whole(path, data.tobytes())
+    """Save the verdict's picture as PNG, if there is anything to see. Returns its path, or nothing."""
+    picture = verdict_picture(fault, shown[0] if shown else None)
+    if picture is None:
+        return ''
+    write_whole(path, cv2.imencode('.png', picture)[1].tobytes())
     return path

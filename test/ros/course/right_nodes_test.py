@@ -5,9 +5,12 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+from unittest import mock
 
 import rospy
 import rostest
+from aruco_course.exercises import CHECKS
+from aruco_course.learner.package import has_node, start
 from aruco_node.black_box.node_check import Options, check_node
 from rig import PACKAGE
 from rig.nodes.learners import learners_node
@@ -29,10 +32,14 @@ class RightNodes(unittest.TestCase):
         self.assertTrue(verdict.passed, verdict)
         return verdict
 
-    def test_our_solutions(self):
-        for number in '5.2', '5.3', '5.4', '5.5', '5.6':
-            verdict = self.assert_right(learners_node(self.folder, 'solution', number=number), number)
-            self.assertEqual(verdict.remarks, [])
+    def test_our_solutions_in_a_learners_package(self):
+        package = start(os.path.join(self.folder, 'my_unit5'), CHECKS).package
+        with mock.patch.dict(os.environ, ROS_PACKAGE_PATH='%s:%s' % (
+                package.folder, os.environ.get('ROS_PACKAGE_PATH', ''))):
+            for check in filter(has_node, CHECKS):
+                learners_node(package.path('src'), check.name, number=check.number)
+                verdict = self.assert_right('my_unit5/%s.py' % check.name, check.number)
+                self.assertEqual(verdict.remarks, [])
 
     def test_a_solution_on_the_frames_of_a_bag(self):
         self.assert_right(learners_node(self.folder, 'solution'), bag=BAG)

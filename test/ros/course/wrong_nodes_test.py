@@ -43,7 +43,7 @@ class WrongNodes(unittest.TestCase):
     def test_it_dies_at_the_start(self):
         verdict = self.assert_wrong('getPredefinedDictionary', ('getPredefinedDictionary', 'Dictionary_get'))
         self.assertRegex(verdict.place, r'Line \d+')
-        self.assert_wrong('colon is missing', ('def main():', 'def main()'))
+        self.assert_wrong('missing at the end of this line', ('def main():', 'def main()'))
 
     def test_it_ends_by_itself(self):
         self.assert_wrong('the node ends by itself', ('    rospy.spin()\n', ''))
