@@ -14,7 +14,6 @@ from aruco_ar.geometry.lines import cross
 NEAR_PX = 4.0          # a line or a rim may be that far from where it should be
 REACH_PX = 24          # half the width of the widest line
 LEAST_DRAWN = 0.85     # share of a line, or of a filled area, that must be drawn
-MOST_BESIDE = 0.4      # share of the surroundings of a filled area that may be drawn, such as text
 LEAST_CORE = 50        # pixels: a smaller area is none
 STEP_PX = 2.0          # distance between the places at which a line is looked for
 
@@ -46,7 +45,8 @@ def line_at(changed: Booleans, start: Numbers, end: Numbers, near: float = NEAR_
     along = np.linspace(trim, length - trim, int((length - 2 * trim) / STEP_PX) + 2)
     across = np.arange(-REACH_PX, REACH_PX + 1)
     points = start + along[:, None, None] * direction + across[:, None] * normal
-    drawn = _at(changed, points)
+    # Wider by a pixel, so that no line of one pixel slips through between the places that are looked at.
+    drawn = _at(cv2.dilate(changed.view(np.uint8), np.ones((3, 3), np.uint8)) > 0, points)
     # The end of the line may be out of the frame. What cannot be seen is not asked for.
     inside = _inside(changed, points[:, REACH_PX])
     if inside.mean() < 0.3:
@@ -87,26 +87,54 @@ def outlined(changed: Booleans, polygon: Numbers, closed: bool = True, near: flo
 
 
 def filled(changed: Booleans, polygon: Numbers, side: float, convex: bool = False) -> bool:
-    """Whether the area of a polygon is drawn, and what is around it is not.
+    """Whether the area of a polygon is drawn, and ends at its sides.
 
-    ``side``: of a tag, pixels: around it means up to about a third of that. ``convex``: if the polygon is
-    filled by OpenCV's fillConvexPoly, which makes something else of one that crosses itself.
+    ``side``: of a tag, pixels. With wide lines around it, the area may end farther outside, by the same at all
+    sides, and by up to about a third of that. ``convex``: if the polygon is filled by OpenCV's
+    fillConvexPoly, which makes something else of one that crosses itself.
     """
     area = area_mask(changed.shape, polygon, convex)
     # Most polygons are told apart by this already, which is quick.
-    if cv2.mean(changed.view(np.uint8), area)[0] < LEAST_DRAWN - 0.15 or cv2.countNonZero(area) < LEAST_CORE:
+    size = cv2.countNonZero(area)
+    if size < LEAST_CORE or cv2.mean(changed.view(np.uint8), area)[0] < LEAST_DRAWN - 0.15:
         return False
-    x, y, width, height = cv2.boundingRect(area)
-    margin = round(0.4 * side + NEAR_PX) + 4
-    part = np.s_[max(y - margin, 0):y + height + margin, max(x - margin, 0):x + width + margin]
-    area, changed = area[part], changed[part]
-    core = cv2.distanceTransform(area, cv2.DIST_L2, 3) > NEAR_PX
-    beside = cv2.distanceTransform(cv2.bitwise_not(area), cv2.DIST_L2, 3)
-    around = (beside > max(0.2 * side, NEAR_PX + 1)) & (beside < max(0.35 * side, NEAR_PX + 4))
-    if core.sum() < LEAST_CORE:
+    polygons = [np.asarray(polygon, np.float64)]
+    if convex:
+        contours, _ = cv2.findContours(area, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        polygons = [np.asarray(cv2.approxPolyDP(contour, 1.5, True)[:, 0], np.float64) for contour in contours]
+    rims = np.array([rim for one in polygons for rim in _rims(changed, area, one)])
+    if not len(rims) or np.isnan(rims).any():
         return False
-    return bool(changed[core].mean() >= LEAST_DRAWN
-                and (not around.any() or changed[around].mean() <= MOST_BESIDE))
+    if np.abs(rims).max() > NEAR_PX and not (rims.min() >= 0 and rims.max() <= max(5, 0.35 * side)
+                                             and np.ptp(rims) <= NEAR_PX):
+        return False
+    core = cv2.erode(area, np.ones((2 * int(NEAR_PX) + 1,) * 2, np.uint8)) > 0
+    return int(core.sum()) >= LEAST_CORE and bool(changed[core].mean() >= LEAST_DRAWN)
+
+
+def _rims(changed: Booleans, area: Image, polygon: Floats) -> list[float]:
+    """For each side of a polygon, how far outside of it the drawn area ends, pixels; nan if there is none."""
+    rims, across = [], np.arange(-REACH_PX, REACH_PX + 1)
+    start = REACH_PX - int(NEAR_PX) - 2  # what is drawn begins there or deeper inside
+    for begin, end in zip(polygon, np.roll(polygon, -1, axis=0)):
+        length = float(np.hypot(*(end - begin)))
+        if length < 4 * NEAR_PX:
+            continue
+        direction = (end - begin) / length
+        normal = np.array([-direction[1], direction[0]])
+        middle = begin + np.linspace(0.05, 0.95, int(length / 3) + 3)[:, None] * (end - begin)
+        one, other = (_at(area > 0, middle + step * normal) for step in (3, -3))
+        middle, outward = middle[one != other], np.where(one, -1, 1)[one != other]
+        points = middle[:, None] + across[:, None] * (outward[:, None] * normal)[:, None]
+        visible = _inside(changed, points[:, REACH_PX]) if len(points) else np.zeros(0, bool)
+        if not visible.any():
+            continue
+        drawn = _at(changed, points[visible])
+        ends = np.where(drawn[:, start:], 2 * REACH_PX, np.arange(2 * REACH_PX + 1 - start)).min(axis=1)
+        # It is nan where nothing is drawn inside, or where no end is in reach.
+        ends = np.where((ends == 0) | (ends == 2 * REACH_PX), np.nan, ends + start - REACH_PX - 0.5)
+        rims.append(float(np.nanmedian(ends)) if np.isnan(ends).mean() < 0.5 else np.nan)
+    return rims
 
 
 def area_mask(shape: tuple[int, ...], polygon: Numbers, convex: bool = False) -> Image:
