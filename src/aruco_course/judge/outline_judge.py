@@ -120,8 +120,9 @@ def write_id(image: Image, tag_id: int, quad: Floats) -> None:
 
 def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
     empty = [scene for scene in faulty if scene.empty]
-    if empty:
+    if empty and len(empty) in (len(faulty), len(scenes)):
         return _expected_fault(nothing_drawn(empty, len(scenes), 'tag'), empty[0])
+    faulty = [scene for scene in faulty if not scene.empty]
     partly = [scene for scene in faulty if any(outlines(scene))]
     if len(partly) == len(faulty):
         scene = partly[0]

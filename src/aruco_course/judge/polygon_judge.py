@@ -1,7 +1,7 @@
 """Judges the polygon through the centers of four tags: exercises 5.3 and 5.4."""
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, permutations
 from typing import Callable, Iterator, Sequence
 
 import cv2
@@ -59,8 +59,9 @@ def _judge(shown: Sequence[Shown], right: Callable[[Scene], bool], expected: Cal
     if not faulty:
         return None
     empty = [scene for scene in faulty if scene.empty]
-    if empty:
+    if empty and len(empty) in (len(faulty), total):
         return empty[0].polygon_fault(nothing_drawn(empty, total, 'polygon'), expected(empty[0]))
+    faulty = [scene for scene in faulty if not scene.empty]
     fault = first(faulty)
     if fault:
         return fault
@@ -174,6 +175,27 @@ def _three(scene: Scene) -> Polygons:
         yield scene.area[list(three)]
 
 
+def _three_there_and_back(scene: Scene) -> Polygons:
+    """Two lines between three of the centers: the polygon goes back on them, since one center is there twice."""
+    for three in permutations(range(4), 3):
+        yield scene.area[list(three)]
+
+
+def _one_coordinate(axis: int) -> Callable[[Scene], Polygons]:
+    """x or y taken for both."""
+    return lambda scene: cycles(scene.area[:, [axis, axis]])
+
+
+def _bytes(scene: Scene) -> Polygons:
+    """Coordinates in bytes, where 0 follows 255."""
+    yield from cycles(scene.area % 256)
+
+
+def _axis_missing(scene: Scene) -> Polygons:
+    """What c[:, 0].mean() and c[:, 1].mean() are if c is (1, 4, 2): each of one corner's x and y."""
+    yield from cycles(scene.corners[_around(scene), :2].mean(axis=2))
+
+
 def _with_zero(scene: Scene) -> Polygons:
     """Some of the centers, and the top left of the frame."""
     for count in 3, 2, 1:
@@ -239,8 +261,17 @@ MISTAKES = (
             'but drawn on the whole frame. Find and draw in the same image.', _scaled(SHRUNK)),
     Mistake('your polygon is too far to the right and too low: the centers were found in the whole frame, but '
             'drawn on one that was shrunk to 0.7. Find and draw in the same image.', _scaled(1 / SHRUNK)),
+    Mistake('your polygon is twice as far from the top left as it should be. The mean of four corners is their sum '
+            'divided by 4.', _scaled(2)),
+    Mistake('x is taken for y, too: of a point, [0] is x, and [1] is y.', _one_coordinate(0)),
+    Mistake('y is taken for x, too: of a point, [0] is x, and [1] is y.', _one_coordinate(1)),
+    Mistake('coordinates of more than 255 begin again at 0, since they are kept in np.uint8. Keep them in np.int32.',
+            _bytes),
+    Mistake('corners[i] is an array of 1 x 4 x 2 numbers, so one [0] is missing: the four corners of a tag are '
+            'corners[i][0].', _axis_missing),
     Mistake('a corner of your polygon is (0, 0), the top left of the frame: it was never set.', _with_zero),
-    Mistake('your polygon has only three corners, so one center is missing, or another is taken twice.', _three),
+    *(Mistake('your polygon has only three corners, so one center is missing, or another is taken twice.', *three)
+      for three in ((_three, True), (_three_there_and_back, False))),
     Mistake('x and y were sorted each by itself, so they no longer belong together. Sort whole centers.',
             _axes_apart),
     Mistake('your polygon goes through all corners of all tags, not through the four centers. ' + CENTER,

@@ -219,6 +219,10 @@ def of_type(error: Error) -> str:
         if 'not subscriptable' in message:
             return of_none(error, 'there is nothing at [0]')
         return of_none(error, 'Python says: %s' % one_line(message))
+    match = re.match(r"descriptor '(\w+)' for '([\w.]+)' objects doesn't apply", message)
+    if match:
+        return '%s is a class, and one object of it is made first: %s(…).%s(…).' % (
+            match.group(2), match.group(2), match.group(1))
     match = re.match(r'(?:[\w.<>]*\.)?(\w+)\(\) (?:takes|missing|got) ', message)
     if match and error.function and match.group(1) == error.function and error.source.startswith('def ') is False and (
             not error.line):
@@ -274,9 +278,10 @@ def of_index(error: Error) -> str:
     match = re.match(r'index (-?\d+) is out of bounds for axis (\d+) with size (\d+)', error.message)
     if match:
         index, axis, size = match.groups()
-        if re.search('argm(in|ax)', error.source):
-            return ('there is no [%s] here, only %s of them. np.argmin and np.argmax count through all numbers of a '
-                    'table: do they, or what comes before them, need axis=1?' % (index, size))
+        if re.search(r'arg(min|max|sort)', error.source):
+            return ('there is no [%s] here, only %s of them. argmin and argmax count through all numbers of an array, '
+                    'row by row: is there one number for each point? np.diff(points, axis=1) and '
+                    'points.sum(axis=1) have one.' % (index, size))
         if int(size) > 100:
             return ('there is no place %s along axis %s, which has %s. An image is indexed image[y, x]: are x '
                     'and y exchanged?' % (index, axis, size))
@@ -294,7 +299,10 @@ def of_index(error: Error) -> str:
 
 
 def of_key(error: Error) -> str:
-    return 'there is no %s in this dictionary.' % one_line(error.message)[:100]
+    key = one_line(error.message)[:100]
+    if key.isdigit():
+        return 'there is no %s in this dictionary. Is it an id? A tag may have any, so count on none.' % key
+    return 'there is no %s in this dictionary.' % key
 
 
 def of_name(error: Error) -> str:

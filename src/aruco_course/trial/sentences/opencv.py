@@ -108,6 +108,9 @@ SENTENCES = (
      'cv2.warpPerspective needs a matrix of 3 x 3. findHomography returns two values: matrix, status.'),
     (r'_in\.channels\(\)|in\.channels\(\) == 1|detectMarkers.*channel',
      'the search for tags needs a gray or a colored image of uint8.'),
+    (r'drawDetectedMarkers.*(ids|corners) is not ',
+     'drawDetectedMarkers takes the image, the corners and the ids. detectMarkers returns corners, ids and rejected '
+     'candidates, in this order.'),
     (r'drawDetectedMarkers|_corners\.total\(\) == _ids\.total',
      'drawDetectedMarkers needs a colored image, and as many ids as corners.'),
     (r'Expected Ptr<cv::UMat>|is not a numpy array|Expected cv::UMat',
