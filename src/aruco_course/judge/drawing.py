@@ -155,7 +155,8 @@ def _frame_fault(shown: Shown, image: Image) -> Fault:
     what = ('The frame is hardly to be seen in your image, since nearly each pixel is changed. '
             'Draw on the frame as it came.')
     if np.all(image == image[0, 0]):
-        what = 'Your image is of one color only, and nothing of the frame is left.'
+        what = ('Your image is %s, and nothing of the frame is left.'
+                % ('of one color only' if image[0, 0].any() else 'black all over'))
     elif np.mean(image.max(axis=2) <= SAME) > 0.5:
         what = 'What you drew is on a black image. Draw it on the frame.'
     else:

@@ -33,6 +33,7 @@ BESIDE = 1.5, 40.0    # it is written near a tag: tag sides, and pixels more
 IDS = 5, 160, 31, 87
 OTHER_IDS = 18, 233, 64, 112
 TURNS = 0, 90, 180, 0
+FIRST_IDS = 1, 2, 3, 4   # those of the course's own wall
 STAND = Stand(1.75, 0.25, -7, 6)
 
 
@@ -128,6 +129,9 @@ def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
         scene = partly[0]
         done = [(tag_id, right) for some in scenes for tag_id, right in zip(some.ids, outlines(some))]
         lost = [tag_id for tag_id, right in zip(scene.ids, outlines(scene)) if not right]
+        if all(right == (tag_id in FIRST_IDS) for tag_id, right in done):
+            return _expected_fault('only tags with the ids 1 to 4 are outlined, but an id may be any: %s, for '
+                                   'example.' % words(lost), scene)
         if all(right == (tag_id < 50) for tag_id, right in done):
             return _expected_fault('the tags with ids from 50 on are not outlined: %s. Does the dictionary '
                                    'have them, as DICT_6X6_250 does?' % words(lost), scene)
@@ -196,6 +200,8 @@ def _through_all(scene: Scene) -> Iterator[Floats]:
 
 # What people draw instead. Most of the polygons must be there.
 MISTAKES = (
+    Mistake('you draw upright rectangles around the tags. Draw the lines through their four corners.', _upright),
+    Mistake('one line goes through the corners of all tags. Draw each tag by itself.', _through_all),
     Mistake('the outlines are not closed: the line from the last corner to the first is missing.', _open, False),
     Mistake('x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is y, first.',
             _exchanged),
@@ -207,8 +213,6 @@ MISTAKES = (
             'this order; draw the first.', lambda scene: scene.rejected),
     Mistake('the outlines cross themselves: the corners of a tag come clockwise, so take them in their order.',
             _crossed),
-    Mistake('one line goes through the corners of all tags. Draw each tag by itself.', _through_all),
-    Mistake('you draw upright rectangles around the tags. Draw the lines through their four corners.', _upright),
     *(Mistake('you draw upright rectangles between two corners of each tag. Draw the lines through all four '
               'corners.', _between(corner)) for corner in (0, 1)),
 )
@@ -246,8 +250,8 @@ def ids_fault(scenes: Sequence[Scene]) -> Fault | None:
         written = _written(first, scene)
         if written.sum() < LEAST_WRITTEN:
             pair = first.ids[place], scene.ids[place]
-            what = ('the same is written for the ids %d and %d. Is it the position of the tag in the list, not '
-                    'its id?' % pair if _something_written(scene, place)
+            what = ('the same is written for the ids %d and %d. Write the id of each tag at it, not its position '
+                    'in the list, nor the id of another.' % pair if _something_written(scene, place)
                     else 'the id of tag %d is not written.' % pair[1])
             if not any(_something_written(scene, number) for number in range(4)):
                 what = 'the tags are outlined, but their ids are not written.'
@@ -289,7 +293,9 @@ def _written(first: Scene, other: Scene) -> Booleans:
         return np.zeros_like(first.changed)
     one, two = first.drawing.image, other.drawing.image
     agree = cv2.absdiff(first.drawing.frame, other.drawing.frame).max(axis=2) <= 2
-    return agree & _new(one, two) | agree & _new(two, one)
+    # Where the tags' own cells differ, what is drawn on one alone tells as much.
+    only_one, only_two = first.changed & ~other.changed, other.changed & ~first.changed
+    return (agree | only_one) & _new(one, two) | (agree | only_two) & _new(two, one)
 
 
 def _new(one: Image, two: Image) -> Booleans:

@@ -248,6 +248,7 @@ def _sorted_around(points: Floats) -> Floats:
     return points[np.argsort(np.arctan2(arms[:, 1], arms[:, 0]))]
 
 
+THREE = 'your polygon has only three corners, so one center is missing, or another is taken twice.'
 CENTER = 'A center is the mean of the four corners.'
 # What people draw instead.
 MISTAKES = (
@@ -270,8 +271,7 @@ MISTAKES = (
     Mistake('corners[i] is an array of 1 x 4 x 2 numbers, so one [0] is missing: the four corners of a tag are '
             'corners[i][0].', _axis_missing),
     Mistake('a corner of your polygon is (0, 0), the top left of the frame: it was never set.', _with_zero),
-    *(Mistake('your polygon has only three corners, so one center is missing, or another is taken twice.', *three)
-      for three in ((_three, True), (_three_there_and_back, False))),
+    Mistake(THREE, _three),
     Mistake('x and y were sorted each by itself, so they no longer belong together. Sort whole centers.',
             _axes_apart),
     Mistake('your polygon goes through all corners of all tags, not through the four centers. ' + CENTER,
@@ -286,6 +286,7 @@ MISTAKES = (
     Mistake('you draw a rectangle. A camera seldom sees one as such: the corners should be the four centers.',
             _rotated),
     Mistake('your polygon is open: the line from its last corner to its first is missing.', _open, False),
+    Mistake(THREE, _three_there_and_back, False),
 )
 
 
@@ -302,8 +303,8 @@ def _what_is_missing(scene: Scene) -> str:
         return ('your polygon does not reach the center of %s.' % tags(lost) if lost
                 else 'your polygon does not go through the four centers.')
     if sum(drawn.values()) == 0 and not lost and scene.changed.sum() < 60 * len(scene.tags) * CIRCLE_PX:
-        return ('there are only points at the centers, and no lines between them. drawContours, polylines and '
-                'fillPoly take a list of polygons: [points], not points.')
+        return ('there are only points at the centers, and no polygon. Is one drawn through all four, as a list of '
+                'polygons ([points]), and on the image that you return?')
     missing = [pair for pair in ((0, 1), (1, 2), (2, 3), (0, 3)) if not drawn[pair]]
     if 0 < len(missing) < 4 and sum(drawn.values()):
         first, second = (scene.ids[index] for index in missing[0])

@@ -15,6 +15,7 @@ NEAR_PX = 4.0          # a line or a rim may be that far from where it should be
 REACH_PX = 24          # half the width of the widest line
 LEAST_DRAWN = 0.85     # share of a line, or of a filled area, that must be drawn
 LEAST_CORE = 50        # pixels: a smaller area is none
+NARROW_PERCENT = 40    # share of a line's places, the narrowest, that tell where it is
 STEP_PX = 2.0          # distance between the places at which a line is looked for
 
 
@@ -61,6 +62,8 @@ def line_at(changed: Booleans, start: Numbers, end: Numbers, near: float = NEAR_
     rows = np.arange(len(drawn))
     low, high = before[rows, nearest] + 1, behind[rows, nearest] - 1
     narrow = hit & (low > 0) & (high < len(across) - 1)
+    if narrow.any():  # text beside the line makes it wider in places: the narrower ones tell where it is
+        narrow &= high - low <= np.percentile((high - low)[narrow], NARROW_PERCENT)
     offset = float(np.median((low + high)[narrow] / 2 - REACH_PX)) if narrow.any() else np.nan
     return Line(float(hit.mean()), offset)
 

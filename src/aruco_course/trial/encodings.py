@@ -6,6 +6,7 @@ import difflib
 from typing import Sequence
 
 from aruco_ar.base.arrays import Image
+
 from aruco_course.check import Fault
 
 from .names import called, text_of
@@ -45,7 +46,7 @@ def of_taken(tree: ast.AST, taken: Sequence[ast.Call], given: Sequence[ast.Call]
                      'one when it is judged: "bgr8".', at(taken[0]))
     if converts:
         return None
-    if encodings == {'rgb8'} and 'bgr8' in out or encodings == {'bgr8'} and 'rgb8' in out:
+    if (encodings == {'rgb8'} and 'bgr8' in out) or (encodings == {'bgr8'} and 'rgb8' in out):
         return Fault('the frame comes in as "%s" and goes out as "%s", so red and blue are exchanged. Take '
                      '"bgr8" for both.' % ((*encodings, *(out & set(COLORED)))[:2]), at(taken[0]))
     if encodings == {'passthrough'} and 'bgr8' in out:

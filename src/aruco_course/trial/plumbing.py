@@ -8,6 +8,7 @@ import shutil
 from typing import Callable, Sequence
 
 from aruco_ar.base.arrays import Image
+
 from aruco_course.check import Exercise, Fault
 
 from .encodings import fault_of_encodings

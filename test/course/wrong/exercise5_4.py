@@ -15,121 +15,149 @@ ALONE = (FIRST, '')
 
 WRONG = [
     Wrong(what='The centers are left as they come, as in exercise 5.3.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is the '
+               'order in which they were found.',
           edits=[('        %s\n' % ORDER, '        pass\n')]),
     Wrong(what='The ordered centers are not kept: params stays what it was.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is the '
+               'order in which they were found.',
           edits=[(ORDER, 'order_coordinates(params)')]),
     Wrong(what='The centers are ordered only if there are more than four.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is the '
+               'order in which they were found.',
           edits=[('len(params) >= 4', 'len(params) > 4')]),
     Wrong(what='The polygon is drawn only if there are more than four.',
-          says='polygon',
+          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
+               'list of polygons ([points]), and on the image that you return?',
           edits=[ALONE, (SECOND, ''), ('len(params) >= 4', 'len(params) > 4'),
                  (ORDER, ORDER + '\n        cv2.drawContours(image, [params], -1, (255, 0, 150), -1)')]),
     Wrong(what='They are ordered by x alone.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is column '
+               'by column, as if sorted by x or by x + y alone: it takes a second number to tell the '
+               'corners apart.',
           edits=[ALONE, (ORDER, 'params = params[np.argsort(params[:, 0])]')]),
     Wrong(what='They are ordered by their distance to the top left corner of the image.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is column '
+               'by column, as if sorted by x or by x + y alone: it takes a second number to tell the '
+               'corners apart.',
           edits=[ALONE, (ORDER, 'params = np.array(sorted(params, key=np.linalg.norm))')]),
     Wrong(what='Row by row: top left, top right, bottom left, bottom right.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is row by '
+               'row: after the top right comes the bottom right.',
           edits=[ALONE, ('coordinates[2] = pts[np.argmax(s)]', 'coordinates[3] = pts[np.argmax(s)]'),
                  ('coordinates[3] = pts[np.argmax(diff)]', 'coordinates[2] = pts[np.argmax(diff)]')]),
     Wrong(what='They are ordered by the ids of their tags.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is sorted '
+               'by id, which says nothing of where a tag is.',
           edits=[ALONE, (ORDER, 'params = params[np.argsort(ids.ravel())]')]),
     Wrong(what='They are ordered by their angle, but as seen from the corner of the image.',
-          says='crosses itself',
+          says='your polygon crosses itself. Its corners come in the order of the tags ….',
           edits=[ALONE, (ORDER, 'params = params[np.argsort(np.arctan2(params[:, 1], params[:, 0]))]')]),
     Wrong(what='np.sort orders x and y each by itself, so that no center is left.',
-          says='np.sort',
+          says='x and y were sorted each by itself, so they no longer belong together. Sort whole centers.',
           edits=[ALONE, (ORDER, 'params = np.sort(params, axis=0)')]),
     Wrong(what='A line is copied and not changed, so that one corner is there twice.',
-          says='twice',
+          says='your polygon has only three corners, so one center is missing, or another is taken twice.',
           edits=[ALONE, ('coordinates[3] = pts[np.argmax(diff)]', 'coordinates[3] = pts[np.argmin(diff)]')]),
     Wrong(what='One of the four is never set, so that it is at 0, 0.',
-          says='0, 0',
+          says='a corner of your polygon is (0, 0), the top left of the frame: it was never set.',
           edits=[ALONE, ('    coordinates[3] = pts[np.argmax(diff)]\n', '')]),
     Wrong(what='The coordinates are kept in bytes, which end at 255.',
-          says='255',
+          says='coordinates of more than 255 begin again at 0, since they are kept in np.uint8. Keep them '
+               'in np.int32.',
           edits=[ALONE, ("dtype='int')", 'dtype=np.uint8)'),
                  (SECOND, SECOND.replace('[params]', '[np.int32(params)]'))]),
     Wrong(what='The coordinates are kept as fractions.',
-          says='int32',
+          says='cv2.drawContours wants whole numbers, of int32, and params is of float64: [np.int32(params)].',
           edits=[("dtype='int')", 'dtype=float)')],
           place='Line'),
     Wrong(what='np.diff goes along the wrong axis.',
-          says='axis',
+          says='there is no [4] here, only 4 of them. argmin and argmax count through all numbers of an '
+               'array, row by row: is there one number for each point? np.diff(points, axis=1) and '
+               'points.sum(axis=1) have one.',
           edits=[('np.diff(pts, axis=1)', 'np.diff(pts, axis=0)')],
           place='Line'),
     Wrong(what='The first corner of each tag instead of its center.',
-          says='first corner',
+          says="your polygon goes through the tags' first corners, not through their centers. A center is "
+               'the mean of the four corners.',
           edits=[(APPEND, 'params.append((int(c[0][0]), int(c[0][1])))')]),
     Wrong(what='x and y are exchanged.',
-          says='x and y',
+          says='x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is'
+               ' y, first.',
           edits=[(APPEND, 'params.append((int(c[:, 1].mean()), int(c[:, 0].mean())))')]),
     Wrong(what='x and y are exchanged while ordering.',
-          says='x and y',
+          says='x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is'
+               ' y, first.',
           edits=[ALONE, ('return coordinates', 'return coordinates[:, ::-1].copy()')]),
     Wrong(what='Found in the small frame, drawn on the whole one.',
-          says='0.7',
+          says='your polygon is too near to the top left: the centers were found in a frame that was '
+               'shrunk to 0.7, but drawn on the whole frame. Find and draw in the same image.',
           edits=DRAWN_ON_WHOLE),
     Wrong(what='An upright rectangle around the centers, which needs no order.',
-          says='upright rectangle',
+          says='you draw an upright rectangle. Its corners should be the four centers.',
           edits=[ALONE, (SECOND, '''    x, y, wide, high = cv2.boundingRect(params)
     cv2.rectangle(image, (x, y), (x + wide, y + high), (255, 0, 150), -1)
 ''')]),
     Wrong(what='The least rectangle around the centers, which needs no order.',
-          says='rectangle',
+          says='you draw a rectangle. A camera seldom sees one as such: the corners should be the four '
+               'centers.',
           edits=[ALONE, (ORDER, 'params = cv2.boxPoints(cv2.minAreaRect(params)).astype(int)')]),
     Wrong(what='The hull of all corners of all tags, which needs no order.',
-          says='corner',
+          says='your polygon goes around all tags, through their outermost corners, not through their '
+               'centers. A center is the mean of the four corners.',
           edits=[ALONE, (SECOND, SECOND.replace('params', HULL))]),
     Wrong(what='The coordinates are returned instead of the image.',
-          says='image',
+          says='order_centers returned an array of the shape (4, 2), which looks like points or a matrix, '
+               'not like an image.',
           edits=[('    return image', '    return params')]),
     Wrong(what='The polygon is not drawn.',
-          says='polygon',
+          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
+               'list of polygons ([points]), and on the image that you return?',
           edits=[ALONE, (SECOND, '')]),
     Wrong(what='The polygon goes to a copy, and the frame is returned.',
-          says='polygon',
+          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
+               'list of polygons ([points]), and on the image that you return?',
           edits=[ALONE, (SECOND, SECOND.replace('image,', 'image.copy(),'))]),
     Wrong(what='Each tag has its place by its id, and the ids are those of the wall at hand.',
-          says='id',
+          says='there is no 2 in this dictionary. Is it an id? A tag may have any, so count on none.',
           edits=[ALONE, (ORDER, '''places = dict(zip(ids.ravel().tolist(), params))
         params = np.array([places[1], places[2], places[3], places[4]])''')],
           place='Line'),
     Wrong(what='A try with a bare except hides that a name is misspelled.',
-          says='except',
+          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
+               'list of polygons ([points]), and on the image that you return?',
           edits=[ALONE, (SECOND, '''    try:
         cv2.drawContours(image, [parms], -1, (255, 0, 150), -1)
     except:
         pass
 ''')]),
     Wrong(what='A list has no sum of its rows.',
-          says='np.array',
+          says='this is a list, and only an array has sum: np.array(…) makes one of it. (detectMarkers '
+               'returns a tuple of arrays, one for each tag.)',
           edits=[('    params = np.array(params)\n', ''), ALONE],
           place='Line'),
     Wrong(what='The function has another name.',
-          says='order_centers',
+          says='the function is called order_center, but it is judged by its name, which must be '
+               'order_centers.',
           edits=[('def order_centers(', 'def order_center('),
                  ('(order_centers(image)', '(order_center(image)')],
-          place=''),
+          place='Line'),
     Wrong(what='The image is shown in a window from the callback.',
-          says='imshow',
+          says='cv2.imshow needs a screen. A robot has none, nor has every OpenCV windows: there the '
+               'callback fails. Leave it out, and look at the topic with rqt_image_view.',
           edits=[('        self.publisher.publish(result)',
                   '''        self.publisher.publish(result)
         cv2.imshow('detection', image)
         cv2.waitKey(1)''')],
           place='Line'),
     Wrong(what='The callback never publishes.',
-          says='publish',
+          says='nothing is published, so nobody sees what the function makes: publisher.publish(…) at the '
+               'end of the callback.',
           edits=[('        self.publisher.publish(result)\n', '')],
-          place='Line'),
+          place=''),
     Wrong(what='It waits for the next image in a loop of its own, in the function.',
-          says='Line',
+          says='order_centers did not come to its end within 5 seconds. Does a loop here never end, or '
+               'does something wait? A function of one frame must not wait.',
           edits=[('    return image', '    while not rospy.is_shutdown():\n        pass\n    return image')],
           place='Line'),
 ]

@@ -104,7 +104,7 @@ def outlined(image):
 @pytest.mark.parametrize('function, says', [
     (of_points(lambda image: ordered(image)[[0, 1, 3, 2]]), 'crosses itself: its corners come in the order'),
     (of_points(upright), 'an upright rectangle around the centers'),
-    (of_points(hull), "not through their centers"),
+    (of_points(hull), 'not through their centers'),
     (of_points(lambda image: ordered(image)[:3]), 'leaves out the center of tag'),
     (of_points(lambda image: ordered(image)[:, ::-1]), 'x and y exchanged'),
     (of_points(lambda image: ordered(shrink(image))), '0.7 times as far'),

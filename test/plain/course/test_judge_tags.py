@@ -51,7 +51,7 @@ def line_by_line(image):
         for start, end in zip(points, points[1:] + points[:1]):
             cv2.line(image, start, end, (255, 0, 0), 1)
         cv2.circle(image, tuple(quad.mean(axis=0).astype(int).tolist()), 4, (0, 0, 255), -1)
-        write(image, 'id: %d' % tag_id, quad[0] - (10, 10), cv2.FONT_HERSHEY_PLAIN, 1, (255, 255, 255), 1)
+        write(image, 'id: %d' % tag_id, quad[0] - (10, 10), cv2.FONT_HERSHEY_PLAIN, 1, (0, 0, 160), 1)
     return image
 
 
@@ -198,9 +198,9 @@ WRONG = {
     'another dictionary': (other_dictionary(cv2.aruco.DICT_4X4_50), 'dictionary'),
     'a small dictionary': (other_dictionary(cv2.aruco.DICT_6X6_50), 'ids from 50 on'),
     'only 1 to 4': (only_1_to_4, 'an id may be any'),
-    'position': (each(outline, above, lambda ids: range(len(ids))), 'position of the tag in the list'),
-    'position from 1': (each(outline, above, lambda ids: range(1, 1 + len(ids))), 'position of the tag in the list'),
-    'position of the sorted ids': (each(outline, above, lambda ids: np.argsort(np.argsort(ids))), 'position of the'),
+    'position': (each(outline, above, lambda ids: range(len(ids))), 'position in the list'),
+    'position from 1': (each(outline, above, lambda ids: range(1, 1 + len(ids))), 'position in the list'),
+    'position of the sorted ids': (each(outline, above, lambda ids: np.argsort(np.argsort(ids))), 'position in the list'),
     'sorted': (each(outline, above, sorted), 'is written at tag'),
     'reversed': (each(outline, above, lambda ids: ids[::-1]), 'is written at tag'),
     'the first id': (each(outline, above, lambda ids: [ids[0]] * len(ids)), 'is written at tag|is not written|same'),
@@ -210,7 +210,7 @@ WRONG = {
     'no ids, drawDetectedMarkers': (lambda image: cv2.aruco.drawDetectedMarkers(
         image, [quad[None] for quad in find(image)[0]]), 'their ids are not written'),
     'no ids, translucent': (lambda image: cv2.addWeighted(cv2.fillPoly(
-        image.copy(), list(np.int32(find(image)[0])), (0, 255, 255)), 0.5, image, 0.5, 0), 'not written'),
+        image.copy(), list(np.int32(find(image)[0])), (0, 255, 255)), 0.5, image, 0.5, 0), 'the id of each'),
     'in one place': (in_one_place, 'not beside their tags'),
     'open': (each(lambda image, quad: cv2.polylines(image, [np.int32(quad)], False, (0, 255, 0), 2), above),
              'not closed'),

@@ -9,7 +9,7 @@ from aruco_course.check import Fault
 
 from .gone import of_gone
 from .opencv import of_opencv
-from .shapes import Values, fit_of
+from .shapes import Values
 
 # Such as "module 'cv2.aruco' has no attribute 'Dictionary_get'".
 ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no attribute '([^']+)'")
@@ -37,8 +37,8 @@ class Error:
         self.stage = str(record['stage'])
         self.call = int(record['call'])
         self.function = function
-        self.values: Values = {str(name): dict(what) for name, what in record['values'].items()}
-        unread = record['unread']
+        self.values: Values = {str(name): dict(what) for name, what in record.get('values', {}).items()}
+        unread = record.get('unread')
         self.unread = (str(unread[0]), int(unread[1])) if unread else None
         linecache.checkcache(path)
         self.source = linecache.getline(path, self.line).strip() if self.line else ''
@@ -209,7 +209,7 @@ def of_type(error: Error) -> str:
     message = error.message
     match = re.match(r"(?:descriptor|unbound method) '(\w+)'.* '?cv2\.(?:aruco\.)?(\w+)", message)
     if match:
-        return ('%s belongs to a %s, which must be made first: %s(…).%s(…).' % (
+        return ('%s belongs to %s, of which one is made first: %s(…).%s(…).' % (
             match.group(1), match.group(2), match.group(2), match.group(1)))
     if "'NoneType'" in message:
         if 'len()' in message:
