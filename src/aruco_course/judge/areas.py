@@ -65,7 +65,7 @@ def sight_of(shown: Shown, output: int = -1) -> Sight:
     """The Sight of one of the outputs, by default the last. The View has four tags."""
     drawing = drawing_of(shown, output)
     if drawing.fault is not None:  # then what it was compared with may be anything
-        frame = cv2.resize(shown.view.frame, drawing.image.shape[1::-1], interpolation=cv2.INTER_AREA)
+        frame = cv2.resize(shown.view.frame, drawing.image.shape[1::-1])
         drawing = replace(drawing, frame=frame)
     area, centers = area_of(shown.view), centers_of(shown.view)
     order = [int(np.argmin(np.linalg.norm(centers - corner, axis=1))) for corner in area]

@@ -96,9 +96,6 @@ WRONG = [
     Wrong(what='A black image with the polygon, instead of the frame.',
           says='What you drew is on a black image. Draw it on the frame.',
           edits=[(DRAW, 'image = np.zeros_like(image)\n    ' + DRAW)]),
-    Wrong(what='The centers are rounded to tens.',
-          says='your polygon has only three corners, so one center is missing, or another is taken twice.',
-          edits=[('params = np.array(params)', 'params = np.array(params) // 20 * 20')]),
     Wrong(what='A corner lacks an index: the corners of a tag are in an array of their own.',
           says='corners[i] is an array of 1 x 4 x 2 numbers, so one [0] is missing: the four corners of a '
                'tag are corners[i][0].',

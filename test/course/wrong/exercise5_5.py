@@ -51,7 +51,8 @@ WRONG = [
                'cv2.subtract(image, mask).',
           edits=[(SUBTRACT, 'subtraction = cv2.bitwise_and(image, mask)')]),
     Wrong(what='The image is subtracted from the mask.',
-          says='What you drew is on a black image. Draw it on the frame.',
+          says='You subtract the image from the mask. Subtract the mask from the image: '
+               'cv2.subtract(image, mask).',
           edits=[(SUBTRACT, 'subtraction = cv2.subtract(mask, image)')]),
     Wrong(what='The mask is added.',
           says='The area is white in your image: the mask was added. Subtract it.',
