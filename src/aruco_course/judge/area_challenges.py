@@ -43,8 +43,8 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
             fault = judge_none([one])
             if fault is not None:
                 if all(judge([choice]) for choice in choices(one)):
-                    return replace(fault, what='The frame should stay as it is, or the area be that of four of the '
-                                               'tags. It is neither.')
+                    return replace(fault, what='The frame should stay as it is, or the area be that of four '
+                                               'of the tags. It is neither.')
         return None
 
     return (

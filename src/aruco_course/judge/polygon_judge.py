@@ -139,8 +139,8 @@ def _by(key: Callable[[Scene], Floats]) -> Callable[[Scene], list[int]]:
 RULES: Sequence[tuple[str, Callable[[Scene], list[int]]]] = (
     ('That is the order in which they were found.', lambda scene: scene.found),
     ('That is sorted by id, which says nothing of where a tag is.', _by(lambda scene: np.array(scene.ids))),
-    ('That is column by column, as if sorted by x or by x + y alone: it takes a second number to tell the corners '
-     'apart.', _by(lambda scene: scene.centers[:, 0])),
+    (('That is column by column, as if sorted by x or by x + y alone: it takes a '
+      'second number to tell the corners apart.'), _by(lambda scene: scene.centers[:, 0])),
     ('That is row by row, as if sorted by y alone: after the top right comes the bottom right.',
      _by(lambda scene: scene.centers[:, 1])),
     ('That is sorted by x + y alone: it takes a second number to tell the corners apart.',
@@ -252,21 +252,24 @@ THREE = 'your polygon has only three corners, so one center is missing, or anoth
 CENTER = 'A center is the mean of the four corners.'
 # What people draw instead.
 MISTAKES = (
-    Mistake('x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is y, first.',
+    Mistake('x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is y, '
+            'first.',
             _exchanged),
     *(Mistake("your polygon goes through the tags' %s corners, not through their centers. %s" % (name, CENTER),
               _corner(number)) for number, name in enumerate(('first', 'second', 'third', 'fourth'))),
     Mistake("your polygon goes through the middles of the tags' sides, not through their centers. " + CENTER,
             _middles),
-    Mistake('your polygon is too near to the top left: the centers were found in a frame that was shrunk to 0.7, '
-            'but drawn on the whole frame. Find and draw in the same image.', _scaled(SHRUNK)),
+    Mistake('your polygon is too near to the top left: the centers were found in a frame '
+            'that was shrunk to 0.7, but drawn on the whole frame. Find and draw in the same '
+            'image.', _scaled(SHRUNK)),
     Mistake('your polygon is too far to the right and too low: the centers were found in the whole frame, but '
             'drawn on one that was shrunk to 0.7. Find and draw in the same image.', _scaled(1 / SHRUNK)),
-    Mistake('your polygon is twice as far from the top left as it should be. The mean of four corners is their sum '
-            'divided by 4.', _scaled(2)),
+    Mistake('your polygon is twice as far from the top left as it should be. The mean of four '
+            'corners is their sum divided by 4.', _scaled(2)),
     Mistake('x is taken for y, too: of a point, [0] is x, and [1] is y.', _one_coordinate(0)),
     Mistake('y is taken for x, too: of a point, [0] is x, and [1] is y.', _one_coordinate(1)),
-    Mistake('coordinates of more than 255 begin again at 0, since they are kept in np.uint8. Keep them in np.int32.',
+    Mistake('coordinates of more than 255 begin again at 0, since they are kept in np.uint8. Keep them in '
+            'np.int32.',
             _bytes),
     Mistake('corners[i] is an array of 1 x 4 x 2 numbers, so one [0] is missing: the four corners of a tag are '
             'corners[i][0].', _axis_missing),
@@ -303,8 +306,8 @@ def _what_is_missing(scene: Scene) -> str:
         return ('your polygon does not reach the center of %s.' % tags(lost) if lost
                 else 'your polygon does not go through the four centers.')
     if sum(drawn.values()) == 0 and not lost and scene.changed.sum() < 60 * len(scene.tags) * CIRCLE_PX:
-        return ('there are only points at the centers, and no polygon. Is one drawn through all four, as a list of '
-                'polygons ([points]), and on the image that you return?')
+        return ('there are only points at the centers, and no polygon. Is one drawn through all four, as a '
+                'list of polygons ([points]), and on the image that you return?')
     missing = [pair for pair in ((0, 1), (1, 2), (2, 3), (0, 3)) if not drawn[pair]]
     if 0 < len(missing) < 4 and sum(drawn.values()):
         first, second = (scene.ids[index] for index in missing[0])

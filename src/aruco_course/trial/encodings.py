@@ -28,7 +28,8 @@ def fault_of_encodings(tree: ast.AST, calls: Sequence[ast.Call], outputs: Sequen
         encoding = encoding_of(call)
         if encoding is not None and encoding not in KNOWN:
             near = difflib.get_close_matches(encoding.lower(), ['bgr8', 'rgb8', 'mono8'], 1, 0.5)
-            return Fault('cv_bridge knows no encoding "%s". A colored image of OpenCV is "bgr8", a gray one "mono8"%s.' % (
+            return Fault('cv_bridge knows no encoding "%s". A colored image of OpenCV is "bgr8", a gray one '
+                         '"mono8"%s.' % (
                 encoding, '; is "%s" meant?' % near[0] if near else ''), at(call))
     return of_taken(tree, taken, given) or of_given(given, outputs, images)
 
@@ -50,8 +51,9 @@ def of_taken(tree: ast.AST, taken: Sequence[ast.Call], given: Sequence[ast.Call]
         return Fault('the frame comes in as "%s" and goes out as "%s", so red and blue are exchanged. Take '
                      '"bgr8" for both.' % ((*encodings, *(out & set(COLORED)))[:2]), at(taken[0]))
     if encodings == {'passthrough'} and 'bgr8' in out:
-        return Fault('imgmsg_to_cv2 is not told an encoding, so the frame comes as the camera sends it, mostly '
-                     'with red first, and goes out as "bgr8": red and blue are exchanged. Give it "bgr8".', at(taken[0]))
+        return Fault('imgmsg_to_cv2 is not told an encoding, so the frame comes as the camera '
+                     'sends it, mostly with red first, and goes out as "bgr8": red and blue are '
+                     'exchanged. Give it "bgr8".', at(taken[0]))
     return None
 
 

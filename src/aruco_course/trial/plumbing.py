@@ -120,7 +120,8 @@ def of_first_line(node: Node) -> Fault | None:
         return Fault('an invisible mark (BOM) stands before the first line, so Linux does not see its #!. Save '
                      'the file as UTF-8 without BOM.', place)
     if not line.startswith(b'#!'):
-        return Fault('the first line must be "%s", else Linux takes the file for a shell script.' % SHEBANG, place)
+        return Fault('the first line must be "%s", else Linux takes the file for a shell '
+                     'script.' % SHEBANG, place)
     if line.endswith(b'\r\n'):
         return Fault('the lines end as those of Windows do (CRLF), and Linux looks for a program named '
                      '"python3\\r". Save the file with Unix line ends (LF).', place)
@@ -137,10 +138,12 @@ def of_init(node: Node) -> Fault | None:
     """A node that is not made, or whose name cannot be."""
     calls = node.calls_of('init_node')
     if not calls:
-        return Fault('nothing calls rospy.init_node, so this is no node: it belongs at the beginning of main().')
+        return Fault('nothing calls rospy.init_node, so this is no node: it belongs at the beginning of '
+                     'main().')
     name = text_of(calls[0].args[0]) if calls[0].args else None
     if name is not None and not NODE_NAME.match(name):
-        return Fault('a node cannot have the name "%s": letters, digits and _ alone, and a letter first.' % name,
+        return Fault('a node cannot have the name "%s": letters, digits and _ alone, and a letter '
+                     'first.' % name,
                      at(calls[0]))
     return None
 
@@ -156,7 +159,8 @@ def of_listening(node: Node) -> Fault | None:
         if isinstance(given, ast.Call) and isinstance(given.func, ast.Name):
             function = top_functions(node.tree).get(given.func.id)
             if function and not any(isinstance(one, ast.Return) and one.value for one in ast.walk(function)):
-                return Fault('the subscriber wants the function itself: %s, without the brackets, which call it at once.'
+                return Fault('the subscriber wants the function itself: %s, without the brackets, which call '
+                             'it at once.'
                              % given.func.id, at(given))
     return None
 
@@ -173,8 +177,9 @@ def of_callback(node: Node) -> Fault | None:
     """What belongs into main(), but is done for each frame."""
     for callback in node.callbacks():
         for call in node.calls_of('Publisher', within=callback):
-            return Fault('a publisher is made for each frame, in %s. A new one has no listeners yet, so its '
-                         'messages are lost: make it once, in main(), before the subscriber.' % callback.name, at(call))
+            return Fault('a publisher is made for each frame, in %s. A new one has no '
+                         'listeners yet, so its messages are lost: make it once, in '
+                         'main(), before the subscriber.' % callback.name, at(call))
         for call in node.calls_of('Subscriber', 'init_node', 'spin', within=callback):
             return Fault('%s is called for each frame, in %s. It belongs into main().' % (called(call), callback.name),
                          at(call))
@@ -204,8 +209,9 @@ def of_window(node: Node) -> Fault | None:
     """A window, for which a robot has no screen."""
     for call in node.calls_of('imshow', 'waitKey', 'namedWindow'):
         if text_of_dotted(call).split('.')[0] == 'cv2' or isinstance(call.func, ast.Name):
-            return Fault('cv2.%s needs a screen. A robot has none, nor has every OpenCV windows: there the '
-                         'callback fails. Leave it out, and look at the topic with rqt_image_view.' % called(call), at(call))
+            return Fault('cv2.%s needs a screen. A robot has none, nor has every '
+                         'OpenCV windows: there the callback fails. Leave it out, and '
+                         'look at the topic with rqt_image_view.' % called(call), at(call))
     return None
 
 

@@ -44,7 +44,8 @@ def fault_of_syntax(path: str) -> Fault | None:
     if len(source) > LARGEST:
         return Fault('%s is larger than 1 MB. Is it the right file?' % name)
     if not source.strip():
-        return Fault('%s is empty. Was it saved? "learn.py reset" brings it back as it was at the beginning.' % name)
+        return Fault('%s is empty. Was it saved? "learn.py reset" brings it back as it was at the '
+                     'beginning.' % name)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter('ignore')
@@ -70,7 +71,8 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
             before.decode('utf-8')
         except UnicodeDecodeError as bad:
             place = 'Line %d' % (source[:bad.start].count(b'\n') + 1)
-        return Fault('this is no UTF-8, so Python cannot read it. Save the file as UTF-8 in your editor.', place)
+        return Fault('this is no UTF-8, so Python cannot read it. Save the file as UTF-8 in your '
+                     'editor.', place)
     if isinstance(error, TabError) or 'inconsistent use of tabs' in message:
         return Fault('tabs and spaces are mixed here. Indent with spaces alone, four for each step.', place)
     if isinstance(error, IndentationError):
@@ -81,7 +83,8 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     if "Missing parentheses in call to 'print'" in message or line.strip().startswith('print '):
         return Fault('this is Python 2. In Python 3, print takes brackets: print(…).', place)
     if 'was never closed' in message or 'unexpected EOF' in message:
-        return Fault('a bracket that begins here, or before, is never closed (Python says: %s).' % message, place)
+        return Fault('a bracket that begins here, or before, is never closed (Python says: '
+                     '%s).' % message, place)
     if "expected ':'" in message:
         return Fault('a colon (:) is missing at the end of this line.', place)
     if line.strip().startswith('return') and 'outside function' in message:
@@ -102,14 +105,16 @@ def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
             for inner in holder.body:
                 if isinstance(inner, (ast.FunctionDef, ast.AsyncFunctionDef)) and inner.name == name:
                     kind = 'class' if isinstance(holder, ast.ClassDef) else 'function'
-                    return Fault('%s is inside the %s %s, where it cannot be called alone. Move it to the left '
-                                 'margin, or let a function of this name call it.%s' % (name, kind, holder.name, node),
+                    return Fault('%s is inside the %s %s, where it cannot be called '
+                                 'alone. Move it to the left margin, or let a function '
+                                 'of this name call it.%s' % (name, kind, holder.name, node),
                                  'Line %d' % inner.lineno)
     close = difflib.get_close_matches(name, list(functions), 1, 0.75)
     same = [one for one in functions if one.replace('_', '').lower() == name.replace('_', '').lower()]
     if same or close:
         meant = functions[(same or close)[0]]
-        return Fault('the function is called %s, but it is judged by its name, which must be %s.' % (meant.name, name),
+        return Fault('the function is called %s, but it is judged by its name, which must '
+                     'be %s.' % (meant.name, name),
                      'Line %d' % meant.lineno)
     classes = [one for one in tree.body if isinstance(one, ast.ClassDef)]
     callbacks = [one for one in functions if 'callback' in one.lower() or one.lower().endswith(('_cb', 'cb'))]

@@ -104,7 +104,8 @@ def _run(path: str, job: dict[str, Any], arrays: list[Image], limits: Limits, cw
             trial.images.append(tuple(images))
             trial.seconds.append(float(record['seconds']))
             if sum(trial.seconds) > limits.total:
-                trial.fault = Fault('%s takes %.1f seconds for a frame, and the camera sends many each second.' % (
+                trial.fault = Fault('%s takes %.1f seconds for a frame, and the camera sends many each '
+                                    'second.' % (
                     function, trial.call_seconds))
                 return None
             return limits.call

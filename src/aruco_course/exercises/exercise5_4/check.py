@@ -18,30 +18,30 @@ The tags are found in an order that says nothing, and their ids differ from fram
 tags, leave the frame as it is.'''
 
 HINTS = (
-    'In an image, x grows to the right, and y grows down. So at the top left both are small, and at the bottom '
-    'right both are large. At which corner is x + y least, and at which is it greatest?',
-    'At the top right, x is large and y is small, so y - x is least there. At the bottom left it is greatest. '
-    'np.argmin and np.argmax tell the place of the least and of the greatest number in an array.',
-    'total = centers[:, 0] + centers[:, 1], difference = centers[:, 1] - centers[:, 0]. The order is '
-    '[np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)], and centers[order] are '
-    'the centers in that order.')
+    ('In an image, x grows to the right, and y grows down. So at the top left both are small, and at the '
+     'bottom right both are large. At which corner is x + y least, and at which is it greatest?'),
+    ('At the top right, x is large and y is small, so y - x is least there. At the bottom left it is '
+     'greatest. np.argmin and np.argmax tell the place of the least and of the greatest number in an array.'),
+    ('total = centers[:, 0] + centers[:, 1], difference = centers[:, 1] - centers[:, 0]. The order is '
+     '[np.argmin(total), np.argmin(difference), np.argmax(total), np.argmax(difference)], and '
+     'centers[order] are the centers in that order.'))
 
 CHALLENGES = (
     Challenge('no tag in sight',
-              'Without a tag, the ids are None. "for i in range(len(ids))", as in the course, then ends with an '
-              'exception, and the node shows nothing until it sees a tag again.',
+              'Without a tag, the ids are None. "for i in range(len(ids))", as in the course, then ends with '
+              'an exception, and the node shows nothing until it sees a tag again.',
               no_tag_views, judge_no_polygon),
     Challenge('three tags',
-              'The course draws the polygon once before it looks whether there are four centers. With three tags '
-              'that is a triangle, which is not the area.',
+              'The course draws the polygon once before it looks whether there are four centers. With three '
+              'tags that is a triangle, which is not the area.',
               three_views, judge_no_polygon),
     Challenge('five tags',
               'The course takes all centers before it sorts them. What is drawn with five is a polygon of five '
               'corners. Leave such a frame as it is, or take the four that are farthest outside.',
               five_views, judge_five),
     Challenge('one id twice',
-              'Two tags may have the same id, such as two prints of one page. Code that keeps the centers by id, '
-              'in a dict, loses one of them.',
+              'Two tags may have the same id, such as two prints of one page. Code that keeps the centers by '
+              'id, in a dict, loses one of them.',
               twice_views, judge_order),
     Challenge('a camera that rolls',
               'If the area stands on a corner, two centers have nearly the same x + y, and two nearly the same '

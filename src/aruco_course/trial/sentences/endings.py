@@ -27,18 +27,21 @@ def fault_of_ending(ending: Ending, left: dict[str, Any], now: dict[str, Any], p
         return Fault('Python could not start with NumPy and OpenCV: %s' % (last_line(ending.printed) or 'it ended.'))
     if ending.how == 'slow':
         if now['stage'] == 'call':
-            return Fault('%s did not come to its end within %g seconds. Does a loop here never end, or does '
-                         'something wait? A function of one frame must not wait.' % (function, limits.call), place)
+            return Fault('%s did not come to its end within %g seconds. Does a loop '
+                         'here never end, or does something wait? A function of one '
+                         'frame must not wait.' % (function, limits.call), place)
         if function is None:
             return Fault('the program did not come to its end within %g seconds. Does a loop here never end, '
                          'or does something wait?' % limits.load, place)
         return Fault('the file was not imported within %g seconds: something at its left margin waits, or '
                      'loops without end. What the node does belongs into main().' % limits.load, place)
     if ending.how == 'printed':
-        return Fault('%s prints without end: it was stopped after %d kB. Is there a print in a loop that never ends?'
+        return Fault('%s prints without end: it was stopped after %d kB. Is there a print in a loop that '
+                     'never ends?'
                      % (what, limits.printed >> 10), place)
     if left:
-        return Fault('%s ends its own process with os._exit, so no frame comes after that. Leave the call out.' % what,
+        return Fault('%s ends its own process with os._exit, so no frame comes after that. Leave the '
+                     'call out.' % what,
                      'Line %d' % left['line'] if left.get('line') else place)
     if ending.status < 0:
         return Fault(of_signal(-ending.status, what), place)

@@ -97,7 +97,8 @@ def of_interrupt(error: Error) -> str:
 
 
 def of_memory(error: Error) -> str:
-    return ('this takes more memory than the 1 GB that it may have%s. Look at the size of what is made here.' % (
+    return ('this takes more memory than the 1 GB that it may have%s. Look at the size of what is made '
+            'here.' % (
         ': ' + one_line(error.message).rstrip('.') if error.message else ''))
 
 
@@ -126,7 +127,8 @@ def of_module(error: Error) -> str:
 
 
 def of_no_aruco(error: Error) -> str:
-    return ('your OpenCV, %s, has no aruco: "pip uninstall opencv-python", then "pip install opencv-contrib-python".'
+    return ('your OpenCV, %s, has no aruco: "pip uninstall opencv-python", then "pip install '
+            'opencv-contrib-python".'
             % error.opencv)
 
 
@@ -188,10 +190,10 @@ def of_none(error: Error, but: str) -> str:
         return of_unread(error)
     name = next((name for name, what in error.values.items() if what['type'] == 'NoneType'), 'something')
     if name == 'ids' or (name == 'something' and re.search(r'\bids\b', error.source)):
-        return ('ids is None here, and %s: detectMarkers found no tag. Ask "if ids is None" first, and return the image '
-                'as it is.' % but)
-    return ('%s is None here, and %s. Where does it come from? OpenCV gives ids = None without tags, and imread gives '
-            'None if it finds no file.' % (name, but))
+        return ('ids is None here, and %s: detectMarkers found no tag. Ask "if ids is None" first, and '
+                'return the image as it is.' % but)
+    return ('%s is None here, and %s. Where does it come from? OpenCV gives ids = None without '
+            'tags, and imread gives None if it finds no file.' % (name, but))
 
 
 def of_unread(error: Error) -> str:
@@ -279,9 +281,9 @@ def of_index(error: Error) -> str:
     if match:
         index, axis, size = match.groups()
         if re.search(r'arg(min|max|sort)', error.source):
-            return ('there is no [%s] here, only %s of them. argmin and argmax count through all numbers of an array, '
-                    'row by row: is there one number for each point? np.diff(points, axis=1) and '
-                    'points.sum(axis=1) have one.' % (index, size))
+            return ('there is no [%s] here, only %s of them. argmin and argmax count through '
+                    'all numbers of an array, row by row: is there one number for each point? '
+                    'np.diff(points, axis=1) and points.sum(axis=1) have one.' % (index, size))
         if int(size) > 100:
             return ('there is no place %s along axis %s, which has %s. An image is indexed image[y, x]: are x '
                     'and y exchanged?' % (index, axis, size))
@@ -355,8 +357,8 @@ def of_assertion(error: Error) -> str:
 
 
 def of_screen(error: Error) -> str:
-    return ('cv2.%s needs a window on a screen, which a robot does not have, nor the OpenCV that comes with pip. Leave it '
-            'out%s.' % (error.message, ', and return the image' if error.function else ''))
+    return ('cv2.%s needs a window on a screen, which a robot does not have, nor the '
+            'OpenCV that comes with pip. Leave it out%s.' % (error.message, ', and return the image' if error.function else ''))
 
 
 def of_file_there(error: Error) -> str:

@@ -43,10 +43,11 @@ def of_values(function: str, text: str, source: str, values: Values) -> str:
     for name, what in values.items():
         if function in ('warpPerspective', 'warpAffine', 'perspectiveTransform') and what['type'] == 'tuple' and (
                 what['length'] == 2 and what['items'][0].get('shape') == [3, 3]):
-            return ('%s has two things in it, since cv2.findHomography returns two: "%s, status = …".' % (name, name))
+            return ('%s has two things in it, since cv2.findHomography returns two: "%s, status '
+                    '= …".' % (name, name))
         if function == 'drawDetectedMarkers' and name == 'ids' and what['type'] in ('tuple', 'list'):
-            return ('what is called ids here is a list of corners. detectMarkers returns three things, in the order '
-                    'corners, ids, rejected.')
+            return ('what is called ids here is a list of corners. detectMarkers returns three things, in '
+                    'the order corners, ids, rejected.')
     return ''
 
 
@@ -71,19 +72,20 @@ SENTENCES = (
     (r'^imwrite.*empty',
      '%(name)s got no image to write: it is None, or empty. Does the function that made it return it?'),
     (r'sidePixels',
-     'the tag would be smaller than its cells. The order is (dictionary, id, size): are id and size exchanged?'),
+     ('the tag would be smaller than its cells. The order is (dictionary, id, size): are id and size '
+      'exchanged?')),
     (r'(generateImageMarker|drawMarker).*(id|rows)',
      'the dictionary has no tag of this id. DICT_6X6_250 has 0 to 249.'),
     (r'Failed to allocate|OutOfMemory|Insufficient memory',
      '%(name)s needs more memory than the 1 GB that it may have. Look at the size that it gets.'),
     (r'!_src\.empty\(\)|!src\.empty\(\)|\.empty\(\)|_img\.empty',
-     '%(name)s got an empty image. Where does it come from: was its file found, or is a part of an image cut '
-     'out that lies outside?'),
+     ('%(name)s got an empty image. Where does it come from: was its file found, or is a part of an image '
+      'cut out that lies outside?')),
     (r'(drawContours|drawContours_|fillPoly|polylines|fillConvexPoly|contourArea|boundingRect|pointPolygonTest|'
      r'minAreaRect|convexHull|isContourConvex).*(npoints >= 0|CV_32S|depth|checkVector|total)|npoints >= 0|'
      r'checkVector\(2, CV_32S\)',
-     'the points that %(name)s draws must be whole numbers of 32 bits, a list of arrays: '
-     '[np.int32(points)].'),
+     ('the points that %(name)s draws must be whole numbers of 32 bits, a list of arrays: '
+      '[np.int32(points)].')),
     (r"contours.*(wrong type|not a sequence|Can't parse|is not a numerical tuple)|"
      r"(drawContours|polylines|fillPoly).*(Can't parse|Expected|not a)",
      '%(name)s wants a list of arrays of points: [np.int32(points)], with the brackets.'),
@@ -94,28 +96,30 @@ SENTENCES = (
     (r"Can't parse '(color|fontColor)'|Scalar value for argument '(color)'",
      'a color must be three numbers from 0 to 255: (blue, green, red).'),
     (r'scn is|Invalid number of channels in input image',
-     '%(name)s gets an image with a number of channels that does not fit: is it gray already, or is it colored '
-     'where a gray one is needed?'),
+     ('%(name)s gets an image with a number of channels that does not fit: is it gray already, or is it '
+      'colored where a gray one is needed?')),
     (r'Sizes of input arguments do not match|size.*same|StsUnmatchedSizes|\(src1\.size|arithm_op|'
      r'neither .array op array.',
-     '%(name)s needs two images of the same size and the same number of channels. print(image.shape, '
-     'mask.shape) shows them. A gray mask becomes one of three channels with cv2.merge([mask, mask, mask]).'),
+     ('%(name)s needs two images of the same size and the same number of channels. print(image.shape, '
+      'mask.shape) shows them. A gray mask becomes one of three channels with cv2.merge([mask, mask, '
+      'mask]).')),
     (r'(findHomography|getPerspectiveTransform).*(npoints|checkVector|count|total|src|Input)|'
      r'at least 4|calibration.*>= 4|The input arrays should be 2D or 3D point sets|'
      r'src\.checkVector\(2, CV_32F\) == 4',
-     '%(name)s needs as many points on both sides, at least four each: arrays of 4 x 2 numbers, np.float32(points).'),
+     ('%(name)s needs as many points on both sides, at least four each: arrays of 4 x 2 numbers, '
+      'np.float32(points).')),
     (r'warpPerspective.*(M0|matrix|rows == 3)|\(M0\.type|M0\.rows',
      'cv2.warpPerspective needs a matrix of 3 x 3. findHomography returns two values: matrix, status.'),
     (r'_in\.channels\(\)|in\.channels\(\) == 1|detectMarkers.*channel',
      'the search for tags needs a gray or a colored image of uint8.'),
     (r'drawDetectedMarkers.*(ids|corners) is not ',
-     'drawDetectedMarkers takes the image, the corners and the ids. detectMarkers returns corners, ids and rejected '
-     'candidates, in this order.'),
+     ('drawDetectedMarkers takes the image, the corners and the ids. detectMarkers returns corners, ids and '
+      'rejected candidates, in this order.')),
     (r'drawDetectedMarkers|_corners\.total\(\) == _ids\.total',
      'drawDetectedMarkers needs a colored image, and as many ids as corners.'),
     (r'Expected Ptr<cv::UMat>|is not a numpy array|Expected cv::UMat',
-     '%(name)s got something that is no array where it needs an image or points. np.array(…) makes one of a '
-     'list; is something None?'),
+     ('%(name)s got something that is no array where it needs an image or points. np.array(…) makes one of '
+      'a list; is something None?')),
     (r'data type = (\w+) is not supported|is not supported|Unsupported (depth|combination)|depth\(\)',
      '%(name)s cannot use numbers of this kind. Images are np.uint8, points np.float32 or np.int32.'),
     (r'could not find a writer', 'OpenCV knows images by the end of their names: .jpg or .png is missing.'),

@@ -32,8 +32,8 @@ def fit_of(values: Values) -> str:
     if a[:2] == b[:2]:
         return what + ' cv2.merge([gray, gray, gray]) makes three channels of a gray image.'
     if a[:2] == b[1::-1]:
-        return what + (' Height and width are exchanged: arrays take the height first, (h, w), but cv2.resize and '
-                       'cv2.warpPerspective take (w, h).')
+        return what + (' Height and width are exchanged: arrays take the height first, (h, w), but '
+                       'cv2.resize and cv2.warpPerspective take (w, h).')
     return what + ' They must be of the same size.'
 
 

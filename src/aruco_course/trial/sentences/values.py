@@ -23,7 +23,8 @@ def fault_of_value(what: dict[str, Any], names: Sequence[str], number: int, path
         if definition and not any(isinstance(node, ast.Return) and node.value for node in ast.walk(definition)):
             return Fault('%s returns nothing: it lacks the line "%s" at its end.' % (function, wanted),
                          'Line %d' % definition.lineno)
-        return Fault('%s returned None here. Each way through the function must end with "%s".' % (function, wanted),
+        return Fault('%s returned None here. Each way through the function must end with '
+                     '"%s".' % (function, wanted),
                      place)
     if kind in ('generator', 'coroutine'):
         return Fault('%s returns a %s, since %s. It must return the image itself.' % (
