@@ -41,10 +41,9 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
         """Frames in which it is as right to see no area."""
         for one in shown:
             fault = judge_none([one])
-            if fault is not None:
-                if all(judge([choice]) for choice in choices(one)):
-                    return replace(fault, what='The frame should stay as it is, or the area be that of four '
-                                               'of the tags. It is neither.')
+            if fault is not None and all(judge([choice]) for choice in choices(one)):
+                return replace(fault, what='The frame should stay as it is, or the area be that of four of the '
+                                           'tags. It is neither.')
         return None
 
     return (

@@ -33,7 +33,8 @@ def three_views() -> tuple[View, ...]:
 def five_views() -> tuple[View, ...]:
     """Two Views with four tags, and a fifth one, the View's last, between them."""
     return (look(square_wall((1, 2, 3, 4), more=[WallTag(5, 0.05, 0.45, 0.18)]), Stand(1.7, 0.2, -5, 3)),
-            look(square_wall((20, 7, 133, 54), more=[WallTag(9, -0.08, 0.38, 0.18, 90)]), Stand(1.8, -0.4, 12, -5)))
+            look(square_wall((20, 7, 133, 54), more=[WallTag(9, -0.08, 0.38, 0.18, 90)]),
+                 Stand(1.8, -0.4, 12, -5)))
 
 
 @lru_cache(maxsize=None)
@@ -46,9 +47,9 @@ def twice_views() -> tuple[View, ...]:
 @lru_cache(maxsize=None)
 def rolled_views() -> tuple[View, ...]:
     """Four Views of a camera that rolls until the area stands on a corner, and farther."""
-    return tuple(look(square_wall(ids, turns), Stand(2.0, 0.0, 0.0, roll))
-                 for ids, turns, roll in (((1, 2, 3, 4), (0, 0, 0, 0), 30.0), ((8, 2, 90, 41), (0, 0, 90, 0), 45.0),
-                                          ((1, 2, 3, 4), (0, 0, 0, 0), 56.0), ((3, 1, 77, 6), (0, 0, 0, 0), -45.0)))
+    scenes = (((1, 2, 3, 4), (0, 0, 0, 0), 30.0), ((8, 2, 90, 41), (0, 0, 90, 0), 45.0),
+              ((1, 2, 3, 4), (0, 0, 0, 0), 56.0), ((3, 1, 77, 6), (0, 0, 0, 0), -45.0))
+    return tuple(look(square_wall(ids, turns), Stand(2.0, 0.0, 0.0, roll)) for ids, turns, roll in scenes)
 
 
 @lru_cache(maxsize=None)

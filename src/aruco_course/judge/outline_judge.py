@@ -255,9 +255,10 @@ def ids_fault(scenes: Sequence[Scene]) -> Fault | None:
         written = _written(first, scene)
         if written.sum() < LEAST_WRITTEN:
             pair = first.ids[place], scene.ids[place]
-            what = ('the same is written for the ids %d and %d. Write the id of each '
-                    'tag at it, not its position in the list, nor the id of another.' % pair if _something_written(scene, place)
-                    else 'the id of tag %d is not written.' % pair[1])
+            what = 'the id of tag %d is not written.' % pair[1]
+            if _something_written(scene, place):
+                what = ('the same is written for the ids %d and %d. Write the id of each tag at it, not its '
+                        'position in the list, nor the id of another.' % pair)
             if not any(_something_written(scene, number) for number in range(4)):
                 what = 'the tags are outlined, but their ids are not written.'
             return _written_fault(what, scene, place)

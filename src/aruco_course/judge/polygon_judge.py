@@ -176,7 +176,7 @@ def _three(scene: Scene) -> Polygons:
 
 
 def _three_there_and_back(scene: Scene) -> Polygons:
-    """Two lines between three of the centers: the polygon goes back on them, since one center is there twice."""
+    """Two lines between three of the centers, there and back, since one center is there twice."""
     for three in permutations(range(4), 3):
         yield scene.area[list(three)]
 

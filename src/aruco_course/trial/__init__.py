@@ -9,4 +9,5 @@ from .source import fault_of_source
 from .speed import fault_of_speed
 from .trial import Trial, run_function, run_program
 
-__all__ = ['Limits', 'Trial', 'fault_of_plumbing', 'fault_of_source', 'fault_of_speed', 'run_function', 'run_program']
+__all__ = ['Limits', 'Trial', 'fault_of_plumbing', 'fault_of_source', 'fault_of_speed', 'run_function',
+           'run_program']

@@ -12,9 +12,10 @@ from aruco_course.check import Fault
 from .names import called, text_of
 
 COLORED = 'bgr8', 'rgb8'
-KNOWN = frozenset([*COLORED, 'rgba8', 'bgra8', 'rgb16', 'bgr16', 'rgba16', 'bgra16', 'mono8', 'mono16', 'passthrough',
-                   'yuv422', 'yuv422_yuy2', *('bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg')
-                                              for bits in (8, 16)),
+KNOWN = frozenset([*COLORED, 'rgba8', 'bgra8', 'rgb16', 'bgr16', 'rgba16', 'bgra16', 'mono8', 'mono16',
+                   'passthrough', 'yuv422', 'yuv422_yuy2',
+                   *('bayer_%s%d' % (order, bits) for order in ('rggb', 'bggr', 'gbrg', 'grbg')
+                     for bits in (8, 16)),
                    *('%s%s' % (kind, channels) for kind in ('8U', '8S', '16U', '16S', '32S', '32F', '64F')
                      for channels in ('C1', 'C2', 'C3', 'C4'))])
 
@@ -75,7 +76,7 @@ def of_given(given: Sequence[ast.Call], outputs: Sequence[str], images: Sequence
 
 
 def encoding_of(call: ast.Call, without: str | None = None) -> str | None:
-    """The encoding that is written in a call. ``without``: what it is if none is given; None: it is not known."""
+    """The encoding that is written in a call, or None. ``without``: what it is if none is given."""
     if len(call.args) > 1:
         return text_of(call.args[1])
     for keyword in call.keywords:

@@ -9,7 +9,7 @@ from typing import Callable, Sequence
 
 from aruco_ar.base.arrays import Image
 
-from aruco_course.check import Exercise, Fault
+from aruco_course.check import Check, Exercise, Fault
 
 from .encodings import fault_of_encodings
 from .names import Function, called, imported, read_tree, text_of, top_functions, top_statements
@@ -33,7 +33,9 @@ class Node:
 
     def calls_of(self, *names: str, within: ast.AST | None = None) -> list[ast.Call]:
         """The calls of functions with one of these names, whatever is before their last dot."""
-        calls = self.calls if within is None else [node for node in ast.walk(within) if isinstance(node, ast.Call)]
+        calls = self.calls
+        if within is not None:
+            calls = [node for node in ast.walk(within) if isinstance(node, ast.Call)]
         return [call for call in calls if called(call) in names]
 
     def callbacks(self) -> list[Function]:
@@ -55,8 +57,8 @@ def fault_of_plumbing(path: str, check: Exercise, images: Sequence[Image] = ()) 
     node = Node(path, check, images)
     finders: tuple[Callable[[Node], Fault | None], ...] = (of_main,)
     if not is_program(check):
-        finders = (of_no_node, of_main, of_executable, of_first_line, of_init, of_listening, of_publishing, of_callback,
-                   of_unused_function, of_encodings, of_window, of_spin)
+        finders = (of_no_node, of_main, of_executable, of_first_line, of_init, of_listening, of_publishing,
+                   of_callback, of_unused_function, of_encodings, of_window, of_spin)
     for find in finders:
         fault = find(node)
         if fault:
@@ -74,7 +76,8 @@ def of_no_node(node: Node) -> Fault | None:
     folder = os.path.dirname(os.path.abspath(node.path))
     for name in imported(node.tree):
         root = name.split('.')[0]
-        if root in ('rospy', '') or any(os.path.exists(os.path.join(folder, root + end)) for end in ('.py', '')):
+        beside = os.path.join(folder, root)
+        if root in ('rospy', '') or os.path.exists(beside) or os.path.exists(beside + '.py'):
             return None
     return Fault('the function is right, but there is no node around it: nothing imports rospy. "learn.py '
                  'reset" brings back the file as it was, with its main(), and keeps yours.')
@@ -98,7 +101,8 @@ def of_main(node: Node) -> Fault | None:
         return Fault('nothing calls main(), so the program does nothing. At the end of the file belong "if '
                      '__name__ == \'__main__\':" and, indented below it, "main()".', at(main))
     for statement in top_statements(node.tree):
-        if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Name) and statement.value.id == 'main':
+        if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Name) \
+                and statement.value.id == 'main':
             return Fault('this does not call main, it only names it: "main()".', at(statement))
     return None
 
@@ -181,7 +185,8 @@ def of_callback(node: Node) -> Fault | None:
                          'listeners yet, so its messages are lost: make it once, in '
                          'main(), before the subscriber.' % callback.name, at(call))
         for call in node.calls_of('Subscriber', 'init_node', 'spin', within=callback):
-            return Fault('%s is called for each frame, in %s. It belongs into main().' % (called(call), callback.name),
+            return Fault('%s is called for each frame, in %s. It belongs into main().'
+                         % (called(call), callback.name),
                          at(call))
         for call in node.calls_of('sleep', within=callback):
             return Fault('%s sleeps, so it is slower than the camera, and frames get lost or come late. Leave '
@@ -202,7 +207,8 @@ def of_unused_function(node: Node) -> Fault | None:
 
 def of_encodings(node: Node) -> Fault | None:
     """Encodings of cv_bridge that are none, or do not fit."""
-    return fault_of_encodings(node.tree, node.calls, node.check.outputs, node.images)
+    outputs = node.check.outputs if isinstance(node.check, Check) else ()
+    return fault_of_encodings(node.tree, node.calls, outputs, node.images)
 
 
 def of_window(node: Node) -> Fault | None:
@@ -228,7 +234,8 @@ def text_of_dotted(call: ast.Call) -> str:
 def of_spin(node: Node) -> Fault | None:
     """A program that ends at once."""
     kept = {'spin', 'is_shutdown', 'sleep', 'wait_for_message', 'join', 'pause', 'wait', 'on_shutdown'}
-    if any((isinstance(one, ast.Attribute) and one.attr in kept) or (isinstance(one, ast.Name) and one.id in kept)
+    if any((isinstance(one, ast.Attribute) and one.attr in kept)
+           or (isinstance(one, ast.Name) and one.id in kept)
            for one in ast.walk(node.tree)):
         return None
     return Fault('the program ends at once, before the first frame comes: rospy.spin() at the end of main() '

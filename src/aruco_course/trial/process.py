@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import suppress
 from typing import IO, Any, Callable, Sequence
 
 import numpy as np
@@ -19,7 +20,8 @@ from .limits import Limits
 
 MAIN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'inside', 'main.py')
 # What would change how the learner's code runs.
-UNSET = 'PYTHONDEVMODE', 'PYTHONWARNINGS', 'PYTHONINSPECT', 'PYTHONSTARTUP', 'PYTHONMALLOC', 'PYTHONPROFILEIMPORTTIME'
+UNSET = ('PYTHONDEVMODE', 'PYTHONWARNINGS', 'PYTHONINSPECT', 'PYTHONSTARTUP', 'PYTHONMALLOC',
+         'PYTHONPROFILEIMPORTTIME')
 SET = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1', 'PYTHONUNBUFFERED': '1',
        'PYTHONIOENCODING': 'utf-8:backslashreplace', 'MPLBACKEND': 'Agg', 'OPENCV_LOG_LEVEL': 'ERROR'}
 LARGEST = 1 << 24  # bytes of an image
@@ -28,8 +30,8 @@ GRACE = 2.0        # seconds that the process has to end itself after its time i
 
 class Ending:
     """How the process ended. ``how``: 'end' if it did all, 'ended' if it ended itself before, 'slow' if it was
-    ended since it took too long, 'printed' if it printed too much. ``status``: its exit code, or minus a signal.
-    ``trace``: where it was then, as faulthandler writes it.
+    ended since it took too long, 'printed' if it printed too much. ``status``: its exit code, or minus a
+    signal. ``trace``: where it was then, as faulthandler writes it.
     """
 
     def __init__(self) -> None:
@@ -44,7 +46,8 @@ def run(job: dict[str, Any], arrays: Sequence[Image], limits: Limits, cwd: str |
     """Run a job in a process of its own.
 
     ``hear`` is called with each record that comes, and the arrays in it, and returns how many seconds the code
-    has from now on, or None if it is to be ended. ``cwd``: the folder in which the code runs; an empty one if None.
+    has from now on, or None if it is to be ended. ``cwd``: the folder in which the code runs; None: an empty
+    one.
     """
     with tempfile.TemporaryDirectory(prefix='trial_') as folder:
         scratch = os.path.join(folder, 'empty')
@@ -68,8 +71,8 @@ class Process:
         self._heard: queue.Queue[tuple[str, dict[str, Any], list[Image]]] = queue.Queue()
         self._printed: list[bytes] = []
         self._process = subprocess.Popen(
-            [sys.executable, MAIN, trace], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            cwd=cwd, env=environment, start_new_session=True)
+            [sys.executable, MAIN, trace], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, cwd=cwd, env=environment, start_new_session=True)
         self._threads = [threading.Thread(target=one, daemon=True)
                          for one in (self._read_records, self._read_printed, self._await_end)]
         for thread in self._threads:
@@ -139,11 +142,9 @@ class Process:
             thread.join(1)
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
-            try:
+            with suppress(OSError):  # what was not yet written to it is lost
                 if pipe:
                     pipe.close()
-            except OSError:
-                pass  # what was not yet written to it
 
     def _kill(self) -> None:
         """End the process, and those that it has started."""
@@ -219,14 +220,14 @@ class Process:
 
 
 def read_record(pipe: IO[bytes]) -> tuple[dict[str, Any], list[Image]]:
-    """The next record in the pipe, and its images. Raises EOFError, or ValueError and others if it makes no sense."""
+    """The next record in the pipe, and its images. Raises EOFError, or others if it makes no sense."""
     line = pipe.readline(1 << 16)
     if not line.endswith(b'\n'):
         raise EOFError
     record = json.loads(line)
     if not isinstance(record.get('say'), str):
         raise ValueError('no record')
-    images = []
+    images: list[Image] = []
     for kind, shape in record['arrays']:
         if kind != '|u1' or len(shape) not in (2, 3) or not all(isinstance(n, int) and n > 0 for n in shape):
             raise ValueError('no image')

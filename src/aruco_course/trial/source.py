@@ -4,6 +4,7 @@ from __future__ import annotations
 import ast
 import difflib
 import os
+import re
 import warnings
 
 from aruco_course.check import Exercise, Fault
@@ -65,7 +66,7 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     place = 'Line %d' % error.lineno if error.lineno else ''
     lines = source.decode('utf-8', 'replace').splitlines()
     line = lines[error.lineno - 1] if error.lineno and error.lineno <= len(lines) else ''
-    if 'codec' in message or 'encoding' in message or 'Non-UTF-8' in message or isinstance(error.__cause__, UnicodeError):
+    if re.search('codec|encoding|Non-UTF-8', message) or isinstance(error.__cause__, UnicodeError):
         before = source[:len(source)]
         try:
             before.decode('utf-8')
@@ -124,9 +125,9 @@ def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
         return Fault('there is no function %s, only %s. A function is judged by its name: let %s(…) take an '
                      'image and return one, and call it from there.%s' % (name, what, name, node))
     if there:
-        return Fault('there is no function %s. There %s %s; which of them is it? It is judged by its name.' % (
-            name, 'are' if len(there) > 1 else 'is', ' and '.join([', '.join(there[:-1]), there[-1]] if len(there) > 1
-                                                                  else there)))
+        names = ' and '.join([', '.join(there[:-1]), there[-1]]) if len(there) > 1 else there[0]
+        return Fault('there is no function %s. There %s %s; which of them is it? It is judged by its name.'
+                     % (name, 'are' if len(there) > 1 else 'is', names))
     return Fault('there is no function %s. It is judged by its name: "def %s(…):" at the left margin.%s' % (
         name, name, node))
 
@@ -153,7 +154,7 @@ def count(number: int) -> str:
 
 
 def wanted_arguments(check: Exercise) -> list[str]:
-    """The names of the arguments that the function gets: those of its solution's. None if there is no solution."""
+    """The names of the arguments that the function gets: those of its solution's. None without a solution."""
     function = top_functions(read_tree(solution(check))).get(check.function)
     return [one.arg for one in function.args.args] if function else []
 

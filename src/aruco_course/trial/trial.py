@@ -46,8 +46,8 @@ def run_function(path: str, function: str, calls: Sequence[Sequence[Any]], outpu
     """Call a function of the file with the arguments of each of the calls, in a process of its own.
 
     ``calls``: tuples of arguments: arrays, numbers, texts. The first argument is a frame of its own for each
-    call, if it is an array; an array that is a later argument of several calls is the same for all. ``outputs``:
-    how many images the function returns, or their names.
+    call, if it is an array; an array that is a later argument of several calls is the same for all.
+    ``outputs``: how many images the function returns, or their names.
     """
     names = tuple(outputs) if not isinstance(outputs, int) else ('image',) * outputs
     arrays: list[Image] = []
@@ -69,8 +69,8 @@ def run_function(path: str, function: str, calls: Sequence[Sequence[Any]], outpu
 
 
 def run_program(path: str, limits: Limits = Limits(), cwd: str | None = None) -> Trial:  # noqa: B008
-    """Run the file as a program, in a process of its own. ``cwd``: the folder it runs in; an empty one if None."""
-    job = {'function': None, 'outputs': 0, 'calls': []}
+    """Run the file as a program, in a process of its own. ``cwd``: its folder; None: an empty one."""
+    job: dict[str, Any] = {'function': None, 'outputs': 0, 'calls': []}
     return _run(path, job, [], limits, cwd, (), [])
 
 

@@ -115,7 +115,7 @@ def outlined(image):
     (of_mask(lambda mask, image: mask // 2), 'the color (127, 127, 127)'),
     (of_mask(lambda mask, image: masked(image, ordered(image), (255, 0, 150))), 'the color (255, 0, 150)'),
     (of_mask(lambda mask, image: outlined(image)), 'Only the outline'),
-    (of_mask(lambda mask, image: cv2.add(mask, image)), "shows the camera's image"),
+    (of_mask(cv2.add), "shows the camera's image"),
 ])
 def test_wrong_mask_is_named(function, says):
     sentence = said(function)
@@ -134,7 +134,8 @@ def test_wrong_mask_is_named(function, says):
     (lambda image, mask: np.where(mask > 0, np.uint8((200, 0, 150)), image), 'has a color'),
     (lambda image, mask: cv2.addWeighted(image, 1, mask, -0.3, 0), 'only darker'),
     (lambda image, mask: cv2.subtract(image, mask)[:, :, ::-1], 'colors of your image are exchanged'),
-    (lambda image, mask: cv2.putText(cv2.subtract(image, mask), 'ROS', (520, 40), 0, 1, WHITE, 2), 'at the top'),
+    (lambda image, mask: cv2.putText(cv2.subtract(image, mask), 'ROS', (520, 40), 0, 1, WHITE, 2),
+     'at the top'),
 ])
 def test_wrong_image_is_named(make, says):
     def function(image):

@@ -13,7 +13,7 @@ def draw(tag_id, size=700, dictionary='DICT_6X6_250', border=1):
 
 @pytest.fixture
 def judge(tmp_path):
-    """A function that writes images, {path in the package: image}, and returns the sentence on them, or None."""
+    """A function that writes images, {path in the package: image}, and returns what is said of them."""
     def written(images, *flags):
         for name, image in images.items():
             path = tmp_path / name

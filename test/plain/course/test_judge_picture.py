@@ -120,7 +120,8 @@ def upright(image):
 
 def backward(image, picture):
     width, height = picture.shape[1::-1]
-    homography, _ = cv2.findHomography(ordered(image), np.array([[0, 0], [width, 0], [width, height], [0, height]]))
+    corners = np.array([[0, 0], [width, 0], [width, height], [0, height]])
+    homography, _ = cv2.findHomography(ordered(image), corners)
     black = cv2.subtract(image, masked(image, ordered(image)))
     return cv2.add(black, cv2.warpPerspective(picture, homography, image.shape[1::-1]))
 
@@ -128,7 +129,8 @@ def backward(image, picture):
 def of_three(image, picture):
     width, height = picture.shape[1::-1]
     points = ordered(image)
-    matrix = cv2.getAffineTransform(np.float32([[0, 0], [width, 0], [width, height]]), points[:3].astype(np.float32))
+    corners = np.float32([[0, 0], [width, 0], [width, height]])
+    matrix = cv2.getAffineTransform(corners, points[:3].astype(np.float32))
     return cv2.add(cv2.subtract(image, masked(image, points)),
                    cv2.warpAffine(picture, matrix, image.shape[1::-1]))
 

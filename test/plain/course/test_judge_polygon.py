@@ -107,7 +107,8 @@ DRAWN = {
     'wide lines': lambda image, points: lines(image, points, 15),
     'very wide lines': lambda image, points: lines(image, points, 30),
     'filled, with wide lines': lambda image, points: lines(fill(image, points), points, 9),
-    'drawContours with lines': lambda image, points: cv2.drawContours(image, [np.int32(points)], 0, (9, 9, 9), 3),
+    'drawContours with lines': lambda image, points: cv2.drawContours(image, [np.int32(points)], 0, (9, 9, 9),
+                                                                      3),
     'subpixel': subpixel,
     'translucent': translucent,
     'words and circles': with_words,
@@ -142,6 +143,17 @@ def test_as_found_passes_5_3_but_not_5_4(way, share):
     assert 'crosses itself' in said or way == 'fillConvexPoly'
 
 
+def resized(draw, image, *how):
+    small = shrink(image, *how)
+    return draw(small, ordered(four(small)))
+
+
+def bounds(image):
+    left, top, width, height = cv2.boundingRect(four(image).astype(np.float32))
+    right, foot = left + width, top + height
+    return np.array([[left, top], [right, top], [right, foot], [left, foot]])
+
+
 RIGHT = {
     'the course': course,
     'around the middle': lambda image: fill(image, around_the_middle(four(image))),
@@ -151,11 +163,10 @@ RIGHT = {
     'opposite corners': lambda image: fill(image, ordered(find(image)[0][:, [0, 2]].mean(axis=1))),
     'truncated': lambda image: lines(image, ordered(four(image).astype(int)), 1),
     'argmin and argmax exchanged': lambda image: fill(image, -ordered(-four(image))),
-    'INTER_AREA': lambda image: (lambda small: fill(small, ordered(four(small))))(
-        shrink(image, 0.7, cv2.INTER_AREA)),
+    'INTER_AREA': lambda image: resized(fill, image, 0.7, cv2.INTER_AREA),
     'found in the whole frame, drawn scaled': lambda image: lines(shrink(image), ordered(four(image) * 0.7), 1),
     'a channel more': lambda image: cv2.cvtColor(fill(image, ordered(four(image))), cv2.COLOR_BGR2BGRA),
-    'enlarged': lambda image: (lambda big: lines(big, ordered(four(big))))(shrink(image, 1.5)),
+    'enlarged': lambda image: resized(lines, image, 1.5),
 }
 
 
@@ -198,11 +209,10 @@ WRONG_ORDERS = {
     'last two exchanged': (lambda image: ordered(four(image))[[0, 1, 3, 2]], 'row by row'),
     'second and third exchanged': (lambda image: ordered(four(image))[[0, 2, 1, 3]], 'crosses itself'),
     'one is unset': (unset, r'\(0, 0\)'),
-    'argmin twice': (lambda image: (lambda p: p[[0, 1, 2, 2]])(ordered(four(image))), 'only three corners'),
+    'argmin twice': (lambda image: ordered(four(image))[[0, 1, 2, 2]], 'only three corners'),
     'axes apart': (lambda image: np.sort(four(image), axis=0), 'sorted each by itself'),
     'rectangle': (lambda image: cv2.boxPoints(cv2.minAreaRect(four(image).astype(np.float32))), 'a rectangle'),
-    'bounds': (lambda image: (lambda x, y, w, h: np.array([[x, y], [x + w, y], [x + w, y + h], [x, y + h]]))(
-        *cv2.boundingRect(four(image).astype(np.float32))), 'upright rectangle'),
+    'bounds': (bounds, 'upright rectangle'),
 }
 
 
@@ -258,7 +268,8 @@ WRONG = {
     'nothing, on gray': (gray, 'nothing is drawn'),
     'only the ids 1 to 4': (only_these_ids, 'an id may be any, not only 1 to 4'),
     'first corners': (lambda image: fill(image, first_corners(image)), 'first corners, not through'),
-    'first corners, as lines': (lambda image: lines(image, first_corners(image), 1), 'first corners, not through'),
+    'first corners, as lines': (lambda image: lines(image, first_corners(image), 1),
+                                'first corners, not through'),
     'third corners': (lambda image: fill(image, around_the_middle(find(image)[0][:, 2])), 'third corners, not'),
     'middles of sides': (lambda image: fill(image, around_the_middle(find(image)[0][:, :2].mean(axis=1))),
                          'middles of the tags'),
@@ -270,7 +281,8 @@ WRONG = {
     'too small': (shrunk_back, 'too near to the top left'),
     'too large': (lambda image: lines(shrink(image), four(image)), 'too far to the right'),
     'all corners': (lambda image: fill(image, find(image)[0].reshape(-1, 2)), 'all corners of all tags'),
-    'all corners, as lines': (lambda image: lines(image, find(image)[0].reshape(-1, 2), 1), 'all corners of all'),
+    'all corners, as lines': (lambda image: lines(image, find(image)[0].reshape(-1, 2), 1),
+                              'all corners of all'),
     'around all': (lambda image: fill(image, cv2.convexHull(find(image)[0].reshape(-1, 2))[:, 0]),
                    'around all tags'),
     'dots': (dots, 'only points at the centers'),
@@ -278,7 +290,8 @@ WRONG = {
     'tags only': (outlines_only, 'no polygon'),
     'tags filled': (lambda image: cv2.fillPoly(image, list(np.int32(find(image)[0])), PURPLE), 'no polygon'),
     'on black': (lambda image: fill(np.zeros_like(image), four(image)), 'on a black image'),
-    'colors exchanged': (lambda image: fill(image, four(image))[:, :, ::-1], 'colors of your image are exchanged'),
+    'colors exchanged': (lambda image: fill(image, four(image))[:, :, ::-1],
+                         'colors of your image are exchanged'),
     'size exchanged': (lambda image: fill(cv2.resize(image, (336, 448)), four(image)), 'pixels wide and'),
     'upside down': (lambda image: fill(image, ordered(four(image)))[::-1], 'upside down'),
     'everything': (lambda image: cv2.rectangle(image, (0, 0), (640, 480), PURPLE, -1), 'one color only'),

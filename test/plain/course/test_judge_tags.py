@@ -8,6 +8,10 @@ from aruco_course.judge.outline_judge import judge_tags, tag_views
 from rig.learners import DICTIONARY, fault_of, find, gray, shrink
 
 
+def detected(image):
+    return cv2.aruco.ArucoDetector(DICTIONARY, cv2.aruco.DetectorParameters()).detectMarkers(gray(image))
+
+
 def outline(image, quad, color=(0, 255, 0), width=2, kind=cv2.LINE_8):
     cv2.polylines(image, [np.round(quad).astype(np.int32)], True, color, width, kind)
 
@@ -35,12 +39,12 @@ def above(image, text, quad):
 def course(image):
     height, width = image.shape[:2]
     image = cv2.resize(image, (int(width * 0.7), int(height * 0.7)))
-    corners, ids, _ = cv2.aruco.ArucoDetector(DICTIONARY, cv2.aruco.DetectorParameters()).detectMarkers(gray(image))
+    corners, ids, _ = detected(image)
     return cv2.aruco.drawDetectedMarkers(image.copy(), corners, ids)
 
 
 def draw_detected(image, color=(0, 255, 0)):
-    corners, ids, _ = cv2.aruco.ArucoDetector(DICTIONARY, cv2.aruco.DetectorParameters()).detectMarkers(gray(image))
+    corners, ids, _ = detected(image)
     return cv2.aruco.drawDetectedMarkers(image, corners, ids, color)
 
 
@@ -85,15 +89,16 @@ RIGHT = {
     'white': each(lambda image, quad: outline(image, quad, (255, 255, 255), 2), above),
     'black': each(lambda image, quad: outline(image, quad, (0, 0, 0), 1), above),
     'wide': each(lambda image, quad: outline(image, quad, (255, 0, 255), 7), above),
-    'drawContours': each(lambda image, quad: cv2.drawContours(image, [np.int32(quad)], -1, (9, 200, 9), 3), above),
+    'drawContours': each(lambda image, quad: cv2.drawContours(image, [np.int32(quad)], -1, (9, 200, 9), 3),
+                         above),
     'line by line': line_by_line,
     'at the first corner': each(outline, lambda image, text, quad: write(image, text, quad[0])),
     'in the middle': each(outline, lambda image, text, quad: write(image, text, quad.mean(axis=0))),
-    'below, large': each(outline, lambda image, text, quad: write(image, text, (quad[:, 0].min(), quad[:, 1].max()
-                                                                             + 30), scale=1)),
+    'below, large': each(outline, lambda image, text, quad: write(
+        image, text, (quad[:, 0].min(), quad[:, 1].max() + 30), scale=1)),
     'with a word': each(outline, lambda image, text, quad: write(image, 'Tag ID: %d' % text, quad.min(axis=0))),
-    'small, one pixel wide': each(outline, lambda image, text, quad: write(image, text, quad.min(axis=0), scale=0.4,
-                                                                         width=1)),
+    'small, one pixel wide': each(outline, lambda image, text, quad: write(
+        image, text, quad.min(axis=0), scale=0.4, width=1)),
     'in brackets': each(outline, above, lambda ids: [[number] for number in ids]),
     'script': each(outline, lambda image, text, quad: write(image, text, quad.min(axis=0),
                                                             cv2.FONT_HERSHEY_SCRIPT_COMPLEX)),
@@ -108,9 +113,7 @@ def test_right_solutions_pass(learner):
 
 
 def rejected(image):
-    corners, ids, others = cv2.aruco.ArucoDetector(
-        DICTIONARY, cv2.aruco.DetectorParameters()).detectMarkers(gray(image))
-    return cv2.aruco.drawDetectedMarkers(image, others)
+    return cv2.aruco.drawDetectedMarkers(image, detected(image)[2])
 
 
 def first_only(image):
@@ -200,10 +203,12 @@ WRONG = {
     'only 1 to 4': (only_1_to_4, 'an id may be any'),
     'position': (each(outline, above, lambda ids: range(len(ids))), 'position in the list'),
     'position from 1': (each(outline, above, lambda ids: range(1, 1 + len(ids))), 'position in the list'),
-    'position of the sorted ids': (each(outline, above, lambda ids: np.argsort(np.argsort(ids))), 'position in the list'),
+    'position of the sorted ids': (each(outline, above, lambda ids: np.argsort(np.argsort(ids))),
+                                   'position in the list'),
     'sorted': (each(outline, above, sorted), 'is written at tag'),
     'reversed': (each(outline, above, lambda ids: ids[::-1]), 'is written at tag'),
-    'the first id': (each(outline, above, lambda ids: [ids[0]] * len(ids)), 'is written at tag|is not written|same'),
+    'the first id': (each(outline, above, lambda ids: [ids[0]] * len(ids)),
+                     'is written at tag|is not written|same'),
     'a constant': (each(outline, above, lambda ids: ['id'] * len(ids)), 'the same is written for'),
     'all ids at each': (each(outline, above, lambda ids: [list(ids)] * len(ids)), 'written at'),
     'no ids': (each(outline, lambda image, text, quad: None), 'their ids are not written'),
@@ -215,11 +220,11 @@ WRONG = {
     'open': (each(lambda image, quad: cv2.polylines(image, [np.int32(quad)], False, (0, 255, 0), 2), above),
              'not closed'),
     'crossed': (each(lambda image, quad: outline(image, quad[[0, 1, 3, 2]]), above), 'cross themselves'),
-    'one line': (lambda image: cv2.polylines(image, [np.int32(find(image)[0].reshape(-1, 2))], True, (0, 255, 0)),
+    'one line': (lambda image: cv2.polylines(image, [np.int32(find(image)[0].reshape(-1, 2))], True, 255),
                  'one line goes through'),
     'boxes': (each(box, above), 'upright rectangles around'),
     'boxes between corners': (each(diagonal_box, above), 'upright rectangles between'),
-    'points': (each(lambda image, quad: cv2.drawContours(image, np.int32(quad)[:, None], -1, (0, 255, 0), 4), above),
+    'points': (each(lambda image, quad: cv2.drawContours(image, np.int32(quad)[:, None], -1, 255, 4), above),
                'not outlined, though something'),
     'only ids': (each(lambda image, quad: None, above), 'not outlined, though something'),
     'on black': (lambda image: cv2.addWeighted(draw_detected(image), 1, image, -1, 0), 'black'),

@@ -18,7 +18,7 @@ def judged(folder, number, *code):
     return judge_exercise(check, corpus.write_package(folder, number, *code))
 
 
-@pytest.mark.parametrize('number, wrong', WRONG, ids=['%s: %s' % (number, wrong.what) for number, wrong in WRONG])
+@pytest.mark.parametrize('number, wrong', WRONG, ids=['%s: %s' % (each[0], each[1].what) for each in WRONG])
 def test_wrong_solution_is_told_its_mistake(tmp_path, number, wrong):
     verdict = judged(tmp_path / 'my_unit5', number, corpus.code_of(number, wrong), wrong.executable)
     assert not verdict.passed
@@ -27,7 +27,7 @@ def test_wrong_solution_is_told_its_mistake(tmp_path, number, wrong):
     assert bool(verdict.fault.place) == bool(wrong.place)
 
 
-@pytest.mark.parametrize('number, path', RIGHT, ids=[os.path.relpath(path, corpus.PACKAGE) for _, path in RIGHT])
+@pytest.mark.parametrize('number, path', RIGHT, ids=[os.path.basename(path) for _, path in RIGHT])
 def test_right_solution_passes(tmp_path, number, path):
     with open(path, encoding='utf-8') as file:
         verdict = judged(tmp_path / 'my_unit5', number, file.read())

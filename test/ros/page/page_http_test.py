@@ -79,7 +79,8 @@ class PageHttp(ServerTest):
         self.camera('/my_exercise5_4/image')
         self.wait_until_listed('data-topic="/my_exercise5_4/image"')
         page = ask(self.port, '/')[2].decode()
-        self.assertEqual(re.findall('data-topic="(.*?)"', page), ['/exercise5_4/image', '/my_exercise5_4/image'])
+        self.assertEqual(re.findall('data-topic="(.*?)"', page),
+                         ['/exercise5_4/image', '/my_exercise5_4/image'])
 
     def test_a_stream_of_jpegs_subscribes_only_while_somebody_watches(self):
         publish, connections = self.camera()

@@ -12,8 +12,9 @@ from aruco_course.judge.polygon_judge import judge_centers
 from aruco_course.judge.views import area_views
 
 TASK = '''\
-Find the centers of the four tags, and draw the polygon through them. Its corners may come as the tags were found.
-The ids and the places of the tags differ from frame to frame. If there are not four tags, leave the frame as it is.'''
+Find the centers of the four tags, and draw the polygon through them. Its corners may come as the tags were
+found. The ids and the places of the tags differ from frame to frame. If there are not four tags, leave the
+frame as it is.'''
 
 HINTS = (
     ('The center of a tag is the mean of its four corners: the mean of their x, and the mean of their y. '
@@ -42,4 +43,5 @@ CHALLENGES = (
               'id, in a dict, loses one of them.',
               twice_views, judge_centers))
 
-CHECK = Check('5.3', 'Find the centers', 15, 'extract_centers', TASK, HINTS, area_views, judge_centers, CHALLENGES)
+CHECK = Check('5.3', 'Find the centers', 15, 'extract_centers', TASK, HINTS, area_views, judge_centers,
+              CHALLENGES)

@@ -14,8 +14,8 @@ from aruco_course.judge.views import area_views
 
 TASK = '''\
 Put the four centers in order, so that the polygon through them goes around and does not cross itself.
-The tags are found in an order that says nothing, and their ids differ from frame to frame. If there are not four
-tags, leave the frame as it is.'''
+The tags are found in an order that says nothing, and their ids differ from frame to frame. If there are not
+four tags, leave the frame as it is.'''
 
 HINTS = (
     ('In an image, x grows to the right, and y grows down. So at the top left both are small, and at the '

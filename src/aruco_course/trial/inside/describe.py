@@ -103,10 +103,7 @@ def near(raised, frame):
     """The name that may have been meant where a name is not known, or ''."""
     words = str(raised).split("'")
     if isinstance(raised, AttributeError) and len(words) >= 4:
-        if hasattr(raised, 'obj'):
-            names = dir(raised.obj)
-        else:
-            names = dir(sys.modules.get(words[1], ()))
+        names = dir(raised.obj if hasattr(raised, 'obj') else sys.modules.get(words[1], ()))
         wanted = words[3]
     elif isinstance(raised, NameError) and len(words) >= 2:
         names = list(frame.f_globals) + list(frame.f_locals) + dir(builtins) if frame else []

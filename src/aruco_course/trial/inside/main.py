@@ -121,7 +121,8 @@ class Child:
         folder = os.path.dirname(self._path)
         sys.path[0] = folder
         sys.argv = [self._path]
-        name = '__main__' if self._job['function'] is None else os.path.splitext(os.path.basename(self._path))[0]
+        own = os.path.splitext(os.path.basename(self._path))[0]
+        name = '__main__' if self._job['function'] is None else own
         module = type(sys)(name)
         module.__file__ = self._path
         sys.modules[name] = module

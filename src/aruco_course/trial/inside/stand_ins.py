@@ -2,13 +2,19 @@
 
 ROS's real modules are taken where they can be imported. A node is never made, neither with them nor without.
 """
+from __future__ import annotations
+
 import importlib.machinery
 import os
 import sys
 
 import cv2
 
-ROS = frozenset(['actionlib', 'actionlib_msgs', 'catkin_pkg', 'cv_bridge', 'diagnostic_msgs', 'dynamic_reconfigure', 'genpy', 'geometry_msgs', 'image_geometry', 'image_transport', 'message_filters', 'nav_msgs', 'rosbag', 'rosgraph', 'roslib', 'rospkg', 'rospy', 'rostopic', 'sensor_msgs', 'std_msgs', 'std_srvs', 'tf', 'tf2_geometry_msgs', 'tf2_ros', 'tf_conversions', 'unit5', 'visualization_msgs'])
+ROS = frozenset(['actionlib', 'actionlib_msgs', 'catkin_pkg', 'cv_bridge', 'diagnostic_msgs',
+                 'dynamic_reconfigure', 'genpy', 'geometry_msgs', 'image_geometry', 'image_transport',
+                 'message_filters', 'nav_msgs', 'rosbag', 'rosgraph', 'roslib', 'rospkg', 'rospy', 'rostopic',
+                 'sensor_msgs', 'std_msgs', 'std_srvs', 'tf', 'tf2_geometry_msgs', 'tf2_ros',
+                 'tf_conversions', 'unit5', 'visualization_msgs'])
 # What `from … import *` brings.
 STARS = {'sensor_msgs.msg': ['CameraInfo', 'CompressedImage', 'Image', 'RegionOfInterest'],
          'std_msgs.msg': ['Bool', 'Float32', 'Header', 'Int32', 'String', 'UInt8'],
@@ -16,16 +22,20 @@ STARS = {'sensor_msgs.msg': ['CameraInfo', 'CompressedImage', 'Image', 'RegionOf
          'cv_bridge': ['CvBridge', 'CvBridgeError'],
          'message_filters': ['ApproximateTimeSynchronizer', 'Cache', 'Subscriber', 'TimeSynchronizer']}
 
-WINDOWS = ('imshow', 'namedWindow', 'waitKey', 'waitKeyEx', 'pollKey', 'moveWindow', 'resizeWindow', 'destroyWindow',
-           'destroyAllWindows', 'startWindowThread', 'setMouseCallback', 'setWindowTitle', 'selectROI')
+WINDOWS = ('imshow', 'namedWindow', 'waitKey', 'waitKeyEx', 'pollKey', 'moveWindow', 'resizeWindow',
+           'destroyWindow', 'destroyAllWindows', 'startWindowThread', 'setMouseCallback', 'setWindowTitle',
+           'selectROI')
 
-unread = []     # [path, line] of the image that was last asked for and is not there
-refused = []    # the paths of images that could not be written
+unread: list[object] = []   # [path, line] of the image that was last asked for and is not there
+refused: list[str] = []     # the paths of images that could not be written
 is_loaded = False
 
 
 class NodeNeededError(BaseException):
-    """The learner's code asks for what only a running node has. Not an Exception: `except Exception` lets it by."""
+    """The learner's code asks for what only a running node has.
+
+    It is no Exception, so that ``except Exception`` lets it by.
+    """
 
 
 class NoScreenError(cv2.error):
@@ -172,7 +182,7 @@ def put_in(path):
             raise NoScreenError(name)
         return shown
 
-    # They fail in the OpenCV without windows, and without a screen; where they do not, they would wait for a key.
+    # They fail in the OpenCV without windows, and without a screen. Elsewhere they would wait for a key.
     for name in WINDOWS:
         setattr(cv2, name, without_screen(name))
 

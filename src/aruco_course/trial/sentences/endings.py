@@ -22,9 +22,12 @@ def fault_of_ending(ending: Ending, left: dict[str, Any], now: dict[str, Any], p
     """
     line = line_in_trace(ending.trace, path)
     place = 'Line %d' % line if line else 'Frame %d' % now['call'] if now['stage'] == 'call' else ''
-    what = function if now['stage'] == 'call' and function else 'the program' if function is None else 'the file'
+    what = 'the program' if function is None else 'the file'
+    if now['stage'] == 'call' and function:
+        what = function
     if now['stage'] == 'start':
-        return Fault('Python could not start with NumPy and OpenCV: %s' % (last_line(ending.printed) or 'it ended.'))
+        return Fault('Python could not start with NumPy and OpenCV: %s'
+                     % (last_line(ending.printed) or 'it ended.'))
     if ending.how == 'slow':
         if now['stage'] == 'call':
             return Fault('%s did not come to its end within %g seconds. Does a loop '

@@ -17,8 +17,9 @@ ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no a
 OTHER_NAMES = {'opencv': 'cv2', 'cv': 'cv2', 'OpenCV': 'cv2', 'cv3': 'cv2', 'cv4': 'cv2', 'open_cv': 'cv2',
                'opencv_python': 'cv2', 'np': 'numpy as np', 'cvbridge': 'cv_bridge', 'CvBridge': 'cv_bridge',
                'ros': 'rospy', 'sensor_msg': 'sensor_msgs'}
-PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml': 'PyYAML', 'imutils': 'imutils',
-       'scipy': 'scipy', 'skimage': 'scikit-image', 'matplotlib': 'matplotlib', 'sklearn': 'scikit-learn'}
+PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml': 'PyYAML',
+       'imutils': 'imutils', 'scipy': 'scipy', 'skimage': 'scikit-image', 'matplotlib': 'matplotlib',
+       'sklearn': 'scikit-learn'}
 
 
 class Error:
@@ -226,8 +227,8 @@ def of_type(error: Error) -> str:
         return '%s is a class, and one object of it is made first: %s(…).%s(…).' % (
             match.group(2), match.group(2), match.group(1))
     match = re.match(r'(?:[\w.<>]*\.)?(\w+)\(\) (?:takes|missing|got) ', message)
-    if match and error.function and match.group(1) == error.function and error.source.startswith('def ') is False and (
-            not error.line):
+    if match and error.function and match.group(1) == error.function and not error.line \
+            and not error.source.startswith('def '):
         return '%s cannot be called with the arguments that it gets: %s.' % (error.function, one_line(message))
     if 'only integer scalar arrays' in message or 'indices must be integers' in message:
         return 'an index must be a whole number (%s): int(…), or .astype(int) for an array.' % one_line(message)
@@ -236,7 +237,7 @@ def of_type(error: Error) -> str:
     if "'float' object cannot be interpreted as an integer" in message:
         return 'this must be a whole number: int(…), or // instead of /.'
     if "'tuple' object is not callable" in message or 'object is not callable' in message:
-        return 'something that is no function is called here, with (…): %s. Are [ ] meant, or is a comma missing?' % (
+        return 'something is called here, with (…), that is no function: %s. Are [ ] meant, or a comma?' % (
             one_line(message))
     if "'tuple' object does not support item assignment" in message:
         return 'a tuple cannot be changed. Make a list or an array of it first: np.array(…).'
@@ -266,7 +267,8 @@ def of_value(error: Error) -> str:
         return 'there are %s values on the right than the %s names on the left.' % (
             'more' if many else 'fewer', match.group(1))
     if 'cannot reshape array' in message:
-        return 'this array cannot have that shape: %s. Were all four tags found?' % one_line(message).rstrip('.')
+        return ('this array cannot have that shape: %s. Were all four tags found?'
+                % one_line(message).rstrip('.'))
     if 'inhomogeneous' in message:
         return 'these values do not make an array, since they are not all of the same length.'
     if 'argmin of an empty' in message or 'argmax of an empty' in message or 'zero-size array' in message:
@@ -314,7 +316,8 @@ def of_name(error: Error) -> str:
         return ('%s has no value here yet. It gets one in this function, but only in a loop or after an "if" '
                 'that was not taken for this frame.' % name)
     if name in ('np', 'cv2', 'rospy', 'os', 'sys', 'math', 'aruco', 'numpy', 'CvBridge', 'Image'):
-        how = {'np': 'import numpy as np', 'aruco': 'from cv2 import aruco', 'CvBridge': 'from cv_bridge import CvBridge',
+        how = {'np': 'import numpy as np', 'aruco': 'from cv2 import aruco',
+               'CvBridge': 'from cv_bridge import CvBridge',
                'Image': 'from sensor_msgs.msg import Image'}.get(name, 'import %s' % name)
         return '%s is not known. "%s" is missing at the top of the file.' % (name, how)
     if error.near:
@@ -353,16 +356,20 @@ def of_syntax(error: Error) -> str:
 
 
 def of_assertion(error: Error) -> str:
-    return 'an assert of the code itself failed%s.' % (': ' + one_line(error.message)[:200] if error.message else '')
+    why = ': ' + one_line(error.message)[:200] if error.message else ''
+    return 'an assert of the code itself failed%s.' % why
 
 
 def of_screen(error: Error) -> str:
     return ('cv2.%s needs a window on a screen, which a robot does not have, nor the '
-            'OpenCV that comes with pip. Leave it out%s.' % (error.message, ', and return the image' if error.function else ''))
+            'OpenCV that comes with pip. Leave it out%s.'
+            % (error.message, ', and return the image' if error.function else ''))
 
 
 def of_file_there(error: Error) -> str:
-    return '%s is there already. os.makedirs(…, exist_ok=True) does not mind that.' % error.file if error.file else ''
+    if not error.file:
+        return ''
+    return '%s is there already. os.makedirs(…, exist_ok=True) does not mind that.' % error.file
 
 
 SENTENCES = (
@@ -371,6 +378,7 @@ SENTENCES = (
     ('MemoryError', of_memory), ('RecursionError', of_recursion), ('EOFError', of_end_of_file),
     ('ModuleNotFoundError', of_module), ('ImportError', of_import), ('AttributeError', of_attribute),
     ('error', of_opencv_error), ('TypeError', of_type), ('ValueError', of_value), ('IndexError', of_index),
-    ('KeyError', of_key), ('NameError', of_name), ('FileNotFoundError', of_file), ('PermissionError', of_permission),
+    ('KeyError', of_key), ('NameError', of_name), ('FileNotFoundError', of_file),
+    ('PermissionError', of_permission),
     ('ZeroDivisionError', of_zero), ('ROSException', of_ros), ('SyntaxError', of_syntax),
     ('AssertionError', of_assertion))

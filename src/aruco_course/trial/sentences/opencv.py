@@ -5,14 +5,14 @@ import re
 
 from .shapes import Values, arrays_of, fit_of
 
-UNEQUAL = (r'Sizes of input arguments do not match|StsUnmatchedSizes|neither .array op array|have different types|'
-           r'src1\.size|size\(\) == ')
+UNEQUAL = (r'Sizes of input arguments do not match|StsUnmatchedSizes|neither .array op array|'
+           r'have different types|src1\.size|size\(\) == ')
 DRAWN = 'drawContours', 'fillPoly', 'polylines', 'fillConvexPoly'
 IN = re.compile(r"in function '?([\w:]+)'?")
 
 
 def of_opencv(message: str, source: str, values: Values) -> str:
-    """The sentence for a cv2.error. ``source``: the line of the learner's file. ``values``: what its names have."""
+    """The sentence for a cv2.error. ``source``: the line of the file. ``values``: what its names have."""
     text = ' '.join(message.split())
     match = IN.search(text)
     written = re.findall(r'(?:cv2|aruco)\.([a-z]\w*)\(', source)
@@ -37,12 +37,13 @@ def of_values(function: str, text: str, source: str, values: Values) -> str:
             if what['dtype'] in ('int32', 'int64'):
                 if 'float' in source or '[%s' % name in source:
                     break
-                return 'cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].' % (function, name)
+                return ('cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].'
+                        % (function, name))
             return ('cv2.%s wants whole numbers, of int32, and %s is of %s: [np.int32(%s)].' % (
                 function, name, what['dtype'], name))
     for name, what in values.items():
-        if function in ('warpPerspective', 'warpAffine', 'perspectiveTransform') and what['type'] == 'tuple' and (
-                what['length'] == 2 and what['items'][0].get('shape') == [3, 3]):
+        if function in ('warpPerspective', 'warpAffine', 'perspectiveTransform') and what['type'] == 'tuple' \
+                and what['length'] == 2 and what['items'][0].get('shape') == [3, 3]:
             return ('%s has two things in it, since cv2.findHomography returns two: "%s, status '
                     '= …".' % (name, name))
         if function == 'drawDetectedMarkers' and name == 'ids' and what['type'] in ('tuple', 'list'):
@@ -59,8 +60,8 @@ def short(text: str) -> str:
     text = re.sub(r"in function '?[\w:]+'? *", '', text)
     text = re.sub(r': \{anonymous\}.*', '', text)
     parts = []
-    for part in re.split(r' > - ', ' ' + text):  # the same is said of each overload
-        part = part.strip(' >-')
+    for said in re.split(r' > - ', ' ' + text):  # the same is said of each overload
+        part = said.strip(' >-')
         if part and part not in parts:
             parts.append(part)
     return '; '.join(parts[:2])[:200].rstrip(' .')
@@ -81,13 +82,13 @@ SENTENCES = (
     (r'!_src\.empty\(\)|!src\.empty\(\)|\.empty\(\)|_img\.empty',
      ('%(name)s got an empty image. Where does it come from: was its file found, or is a part of an image '
       'cut out that lies outside?')),
-    (r'(drawContours|drawContours_|fillPoly|polylines|fillConvexPoly|contourArea|boundingRect|pointPolygonTest|'
-     r'minAreaRect|convexHull|isContourConvex).*(npoints >= 0|CV_32S|depth|checkVector|total)|npoints >= 0|'
-     r'checkVector\(2, CV_32S\)',
+    ((r'(drawContours_?|fillPoly|polylines|fillConvexPoly|contourArea|boundingRect|pointPolygonTest|'
+      r'minAreaRect|convexHull|isContourConvex).*'
+      r'(npoints >= 0|CV_32S|depth|checkVector|total)|npoints >= 0|checkVector\(2, CV_32S\)'),
      ('the points that %(name)s draws must be whole numbers of 32 bits, a list of arrays: '
       '[np.int32(points)].')),
-    (r"contours.*(wrong type|not a sequence|Can't parse|is not a numerical tuple)|"
-     r"(drawContours|polylines|fillPoly).*(Can't parse|Expected|not a)",
+    ((r"contours.*(wrong type|not a sequence|Can't parse|is not a numerical tuple)|"
+      r"(drawContours|polylines|fillPoly).*(Can't parse|Expected|not a)"),
      '%(name)s wants a list of arrays of points: [np.int32(points)], with the brackets.'),
     (r"Can't parse '(center|pt1|pt2|org)'|argument '?(center|pt1|pt2|org)",
      'a point must be a tuple of two whole numbers: (int(x), int(y)).'),
@@ -98,14 +99,14 @@ SENTENCES = (
     (r'scn is|Invalid number of channels in input image',
      ('%(name)s gets an image with a number of channels that does not fit: is it gray already, or is it '
       'colored where a gray one is needed?')),
-    (r'Sizes of input arguments do not match|size.*same|StsUnmatchedSizes|\(src1\.size|arithm_op|'
-     r'neither .array op array.',
+    ((r'Sizes of input arguments do not match|size.*same|StsUnmatchedSizes|\(src1\.size|arithm_op|'
+      r'neither .array op array.'),
      ('%(name)s needs two images of the same size and the same number of channels. print(image.shape, '
       'mask.shape) shows them. A gray mask becomes one of three channels with cv2.merge([mask, mask, '
       'mask]).')),
-    (r'(findHomography|getPerspectiveTransform).*(npoints|checkVector|count|total|src|Input)|'
-     r'at least 4|calibration.*>= 4|The input arrays should be 2D or 3D point sets|'
-     r'src\.checkVector\(2, CV_32F\) == 4',
+    ((r'(findHomography|getPerspectiveTransform).*(npoints|checkVector|count|total|src|Input)|'
+      r'at least 4|calibration.*>= 4|The input arrays should be 2D or 3D point sets|'
+      r'src\.checkVector\(2, CV_32F\) == 4'),
      ('%(name)s needs as many points on both sides, at least four each: arrays of 4 x 2 numbers, '
       'np.float32(points).')),
     (r'warpPerspective.*(M0|matrix|rows == 3)|\(M0\.type|M0\.rows',
@@ -123,6 +124,7 @@ SENTENCES = (
     (r'data type = (\w+) is not supported|is not supported|Unsupported (depth|combination)|depth\(\)',
      '%(name)s cannot use numbers of this kind. Images are np.uint8, points np.float32 or np.int32.'),
     (r'could not find a writer', 'OpenCV knows images by the end of their names: .jpg or .png is missing.'),
-    (r'required argument|missing required|takes (at most|exactly)|Unknown argument|not a keyword|unexpected keyword',
+    ((r'required argument|missing required|takes (at most|exactly)|Unknown argument|not a keyword|'
+      r'unexpected keyword'),
      'the arguments of %(name)s do not fit.'),
 )

@@ -28,17 +28,20 @@ def fault_of_value(what: dict[str, Any], names: Sequence[str], number: int, path
                      place)
     if kind in ('generator', 'coroutine'):
         return Fault('%s returns a %s, since %s. It must return the image itself.' % (
-            function, kind, 'there is a yield in it' if kind == 'generator' else 'it is an async function'), place)
+            function, kind, 'there is a yield in it' if kind == 'generator' else 'it is an async function'),
+                         place)
     items = what.get('items')
     if items is None or (len(names) == 1 and kind == 'list' and len(items) != 1):
         if len(names) > 1 and kind == 'ndarray':
-            return Fault('%s returned one image, but there should be %d: "%s".' % (function, len(names), wanted), place)
+            return Fault('%s returned one image, but there should be %d: "%s".'
+                         % (function, len(names), wanted), place)
         return Fault('%s returned %s' % (function, of_one(what)), place)
     if len(names) == 1:
         if len(items) == 1 and items[0]['type'] == 'ndarray':
             return Fault('%s returned the image in a %s. Is there a comma, or a bracket, too many after return?'
                          % (function, kind), place)
-        return Fault('%s returned %d values, but there should be one: "%s".' % (function, what['length'], wanted), place)
+        return Fault('%s returned %d values, but there should be one: "%s".'
+                     % (function, what['length'], wanted), place)
     if what['length'] != len(names):
         return Fault('%s returned %d values, but there should be %d: "%s".' % (
             function, what['length'], len(names), wanted), place)
@@ -64,10 +67,13 @@ def of_one(what: dict[str, Any]) -> str:
     dtype = str(what['dtype'])
     if len(shape) not in (2, 3) or not min(shape):
         if len(shape) == 2 or len(shape) == 3 or not shape:
-            return 'an empty array, of the shape %s.' % (tuple(shape),) if shape else 'a single number, not an image.'
+            if not shape:
+                return 'a single number, not an image.'
+            return 'an empty array, of the shape %s.' % (tuple(shape),)
         return 'an array of the shape %s, which is no image: that is height x width x 3.' % (tuple(shape),)
     if shape[-1] == 2 or (len(shape) == 2 and shape[0] <= 4 and shape[1] <= 4):
-        return 'an array of the shape %s, which looks like points or a matrix, not like an image.' % (tuple(shape),)
+        return ('an array of the shape %s, which looks like points or a matrix, not like an image.'
+                % (tuple(shape),))
     if len(shape) == 3 and shape[2] == 4:
         return 'an image of four channels. Leave out the last, the opacity: image[:, :, :3].'
     if len(shape) == 3 and shape[2] not in (1, 3):
@@ -101,17 +107,18 @@ def of_other(what: dict[str, Any], kind: str) -> str:
 
 def fault_of_images(images: Sequence[Image], names: Sequence[str], frame: tuple[int, ...] | None, number: int
                     ) -> Fault | None:
-    """What is wrong with the sizes of images, and with their order. ``frame``: the shape of the frame, if any."""
+    """What is wrong with the sizes of images, and with their order. ``frame``: the frame's shape, if any."""
     place = 'Frame %d' % number
     for name, image in zip(names, images):
         what = of_size(image.shape[:2], frame[:2]) if frame else ''
-        if what:
+        if frame and what:
             return Fault('your %s is %d x %d pixels, and the frame is %d x %d: %s' % (
-                name, image.shape[1], image.shape[0], frame[1] if frame else 0, frame[0] if frame else 0, what), place)
+                name, image.shape[1], image.shape[0], frame[1], frame[0], what), place)
     if len(images) > 1 and len({image.shape[:2] for image in images}) > 1:
         return Fault('your %s differ in size: %s.' % (' and '.join(names), ' and '.join(
             '%d x %d pixels' % image.shape[1::-1] for image in images)), place)
-    if len(images) == 2 and names[0] == 'mask' and is_black_or_white(images[1]) and not is_black_or_white(images[0]):
+    if len(images) == 2 and names[0] == 'mask' and is_black_or_white(images[1]) \
+            and not is_black_or_white(images[0]):
         return Fault('mask and image are returned in the wrong order: "return %s".' % ', '.join(names), place)
     return None
 
@@ -119,9 +126,11 @@ def fault_of_images(images: Sequence[Image], names: Sequence[str], frame: tuple[
 def of_size(size: Sequence[int], frame: Sequence[int]) -> str:
     """Why a size is none of a frame that was only shrunk or enlarged, or ''. Both: height, width."""
     height, width = size
-    if abs(width - height * frame[1] / frame[0]) <= ROUNDING or abs(height - width * frame[0] / frame[1]) <= ROUNDING:
+    if (abs(width - height * frame[1] / frame[0]) <= ROUNDING
+            or abs(height - width * frame[0] / frame[1]) <= ROUNDING):
         return ''
-    if abs(height - width * frame[1] / frame[0]) <= ROUNDING or abs(width - height * frame[0] / frame[1]) <= ROUNDING:
+    if (abs(height - width * frame[1] / frame[0]) <= ROUNDING
+            or abs(width - height * frame[0] / frame[1]) <= ROUNDING):
         return ("width and height are exchanged. An array's shape is height first, but cv2.resize and "
                 'cv2.warpPerspective take the width first.')
     if width == frame[1] or height == frame[0]:
