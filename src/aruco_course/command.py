@@ -19,7 +19,7 @@ from .learner import package as learner
 from .learner.page import page
 from .learner.report import report
 from .terminal import Screen
-from .verdict import try_challenges
+from .verdict import judge_recording, try_challenges
 from .watch import watch
 
 RIGHT, WRONG, USAGE = 0, 1, 2
@@ -77,8 +77,12 @@ def _parser(called: str) -> argparse.ArgumentParser:
     command('start', _start, 'make a package of your own, or bring back files that are gone').add_argument(
         'folder', nargs='?', help='where (default: %s, or here if there is no such workspace)' % DEFAULT_PLACE)
     command('watch', _watch, 'show the exercise at hand, and a verdict each time you save (the default)')
-    command('check', _check, 'say once whether an exercise is right', one + '; all: every one').add_argument(
-        '--node', action='store_true', help='also start it as a ROS node, and judge what it publishes')
+    check = command('check', _check, 'say once whether an exercise is right', one + '; all: every one')
+    check.add_argument('--node', action='store_true',
+                       help='also start it as a ROS node, and judge what it publishes')
+    check.add_argument('--on', metavar='FILE', default='',
+                       help='also judge it by what a camera recorded of four tags: a video, a picture, a '
+                            'folder of pictures, or, with --node, a bag')
     command('hint', _hint, 'give a hint; there are three, and each tells more', one)
     command('solution', _solution, 'show the difference to our solution', one)
     command('reset', _reset, 'bring back the file as it was in the beginning; yours is kept', one)
@@ -146,11 +150,11 @@ def _check(options: argparse.Namespace, screen: Screen) -> int:
     for number, check in enumerate(checks):
         if number:
             screen.text()
-        codes.append(_check_one(course, check, options.node, screen))
+        codes.append(_check_one(course, check, options, screen))
     return max(codes)
 
 
-def _check_one(course: Course, check: Exercise, with_node: bool, screen: Screen) -> int:
+def _check_one(course: Course, check: Exercise, options: argparse.Namespace, screen: Screen) -> int:
     judged = course.judge(check)
     if course.is_untouched(check):
         say.task(screen, check)
@@ -163,16 +167,29 @@ def _check_one(course: Course, check: Exercise, with_node: bool, screen: Screen)
             say.challenges_begin(screen)
         say.challenge(screen, tried, fault)
         course.note_challenge(check, tried, fault)
-    if with_node and learner.has_node(check):
-        return _check_node(course, check, screen)
+    is_bag = options.on.endswith('.bag')
+    if is_bag and not options.node:
+        raise InputError('Only a node is judged by a bag: add --node.')
+    if options.on and not is_bag:
+        screen.text()
+        recorded = judge_recording(check, course.package.folder, options.on)
+        if recorded.fault is not None:
+            screen.wrong('On your recording it is not right yet.')
+            screen.text(str(recorded.fault))
+            course.keep_picture(check, recorded)
+            return WRONG
+        screen.right('On your recording it is right, too.')
+    if options.node and learner.has_node(check):
+        return _check_node(course, check, options.on if is_bag else '', screen)
     return RIGHT
 
 
-def _check_node(course: Course, check: Exercise, screen: Screen) -> int:
-    """Start the node in a ROS of its own, and say what is wrong with what it publishes."""
+def _check_node(course: Course, check: Exercise, bag: str, screen: Screen) -> int:
+    """Start the node in a ROS of its own, and say what is wrong with what it publishes. ``bag``: its frames."""
     screen.text()
     try:
         command = command_for_node(check.number, course.package.source(check),
+                                   bag=os.path.abspath(bag) if bag else '',
                                    verdict=course.package.picture(check))
     except ImportError:
         raise InputError('A node needs ROS, which this Python does not find. Source its setup.bash.') from None

@@ -61,12 +61,18 @@ class Course:
         if not untouched:
             with changed(self.package) as progress:
                 progress.of(check.number).attempt(digest, None if verdict.fault is None else str(verdict.fault))
-        if verdict.picture is not None:
-            data = cv2.imencode('.png', verdict.picture)[1].tobytes()
-            write_whole(self.package.picture(check), data)
-            if verdict.passed:
-                write_whole(self.package.passed_picture(check), data)
+        data = self.keep_picture(check, verdict)
+        if data is not None and verdict.passed:
+            write_whole(self.package.passed_picture(check), data)
         return verdict
+
+    def keep_picture(self, check: Exercise, verdict: Verdict) -> bytes | None:
+        """Write the picture of the newest verdict, if there is one. Returns it as a PNG."""
+        if verdict.picture is None:
+            return None
+        data: bytes = cv2.imencode('.png', verdict.picture)[1].tobytes()
+        write_whole(self.package.picture(check), data)
+        return data
 
     def note_challenge(self, check: Exercise, challenge: Challenge, fault: Fault | None) -> None:
         """Note whether the code survives a challenge."""

@@ -36,8 +36,6 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
         screen.wrong('%s is not right yet.%s' % (check.number, when))
     if judged.fault is not None:
         screen.text(str(judged.fault), indent=0 if screen.is_plain else 2)
-    for note in judged.notes:
-        screen.text(note, indent=0 if screen.is_plain else 2)
     if judged.printed.strip():
         lines = judged.printed.rstrip().splitlines()
         screen.text('Your code printed:', 'dim')

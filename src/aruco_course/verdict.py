@@ -4,15 +4,17 @@ from __future__ import annotations
 import tempfile
 import time
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Iterator, Sequence
 
 import cv2
 import numpy as np
+from aruco_ar import InputError
 from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
+from .judge.recordings import recorded_views
 from .judge.verdict_picture import verdict_picture
 from .learner.package import HIDDEN
 from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
@@ -28,9 +30,8 @@ class Verdict:
 
     ``fault``: the first thing that is wrong; None if nothing is. ``picture``: (h, w, 3) BGR uint8, what is
     expected beside what the code shows; what it shows alone if that is right; None if it shows nothing.
-    ``printed``: what the code printed, or the beginning. ``seconds``: how long the verdict took. ``notes``:
-    sentences on what is right, but could be better. ``challenges``: what else was tried, and what went wrong
-    there; see ``try_challenges``.
+    ``printed``: what the code printed, or the beginning. ``seconds``: how long the verdict took.
+    ``challenges``: what else was tried, and what went wrong there; see ``try_challenges``.
     """
 
     check: Exercise
@@ -38,7 +39,6 @@ class Verdict:
     picture: Image | None = None
     printed: str = ''
     seconds: float = 0.0
-    notes: list[str] = field(default_factory=list)
     challenges: list[tuple[Challenge, Fault | None]] = field(default_factory=list)
 
     @property
@@ -93,14 +93,25 @@ def _judge_function(check: Check, path: Path) -> Verdict:
     views = check.views()
     trial = _run(check, path, views)
     shown = _shown(views, trial.images)
-    fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0])
+    fault = trial.fault or check.judge(shown) or fault_of_plumbing(str(path), check, trial.images[0]) \
+        or fault_of_speed(trial)
     picture = verdict_picture(fault, shown[0] if shown else None)
-    verdict = Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
-    if fault is None:
-        slow = fault_of_speed(trial)
-        if slow is not None:  # how fast is no question of right or wrong, and this machine is not the robot
-            verdict.notes.append(str(slow))
-    return verdict
+    return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
+
+
+def judge_recording(check: Exercise, folder: str, recording: str) -> Verdict:
+    """Judge the function of an exercise by recorded frames: a video, a picture, or a folder of pictures.
+
+    Raises InputError if the exercise has no frames, or if no frame of the recording can be used.
+    """
+    if not isinstance(check, Check):
+        raise InputError('Exercise %s looks at no frames.' % check.number)
+    picture = check.views()[0].picture
+    views = [replace(view, picture=picture) for view in recorded_views(recording)]
+    trial = _run(check, Path(folder, 'src', check.name + '.py'), views)
+    shown = _shown(views, trial.images)
+    fault = trial.fault or check.judge(shown)
+    return Verdict(check, fault, verdict_picture(fault, shown[0] if shown else None))
 
 
 def _judge_program(check: ProgramCheck, path: Path) -> Verdict:

@@ -4,8 +4,10 @@ import os
 import subprocess
 import sys
 
+import cv2
 import pytest
 from aruco_course.command import main
+from aruco_course.judge.views import area_views
 from aruco_course.learner import package as learner
 from aruco_course.learner import progress
 
@@ -46,6 +48,31 @@ def test_start_uses_the_workspace_if_there_is_one(tmp_path, monkeypatch, capsys)
     assert 'rosrun unit5 learn.py' in capsys.readouterr().out
     assert main(['report']) == RIGHT  # from anywhere
     assert main(['start', str(tmp_path / 'unit5')]) == USAGE
+
+
+def test_a_recording_is_judged_as_well(learn, solve, tmp_path):
+    frames = tmp_path / 'frames'
+    frames.mkdir()
+    for number, view in enumerate(area_views()[:3]):
+        cv2.imwrite(str(frames / ('%d.png' % number)), view.frame)
+    for number in '5.4', '5.6':
+        solve(number)
+        code, said = learn('check', number, '--on', str(frames))
+        assert code == RIGHT and 'On your recording it is right' in said
+    # This is right on all of our own frames, but not on this one, which is smaller.
+    small = str(frames / 'small.png')
+    cv2.imwrite(small, cv2.resize(area_views()[0].frame, None, fx=0.8, fy=0.8))
+    solve('5.4', 'return image\n\n\ndef main', 'return image if len(image) == 480 else image * 0\n\n\ndef main')
+    code, said = learn('check', '5.4', '--on', small)
+    assert code == WRONG and 'On your recording it is not right yet' in said and 'black all over' in said
+    solve('5.4')
+    cv2.imwrite(str(frames / 'gray.png'), area_views()[0].frame[:40])
+    code, said = learn('check', '5.4', '--on', str(frames / 'gray.png'))
+    assert code == USAGE and 'In no frame of' in said
+    code, said = learn('check', '5.4', '--on', str(frames / 'none.mp4'))
+    assert code == USAGE and 'There is no file' in said
+    code, said = learn('check', '5.4', '--on', 'wall.bag')
+    assert code == USAGE and '--node' in said
 
 
 def test_a_right_solution_passes_and_a_wrong_one_is_told_why(learn, solve, course):

@@ -17,7 +17,7 @@ def show(screen, course):
     screen.progress(course.checks, course.progress, check)
     say.task(screen, check)
     say.verdict(screen, course, Verdict(check, Fault(LONG, 'Frame 12'), printed='printed ' * 60))
-    say.verdict(screen, course, Verdict(check, None, notes=[LONG]))
+    say.verdict(screen, course, Verdict(check, None))
     say.hints(screen, check, check.hints)
     say.solution(screen, course, check, ['--- yours', '+++ ours', '@@ -1 +1 @@', '-' + 'x' * 150, '+y'])
 
