@@ -5,6 +5,7 @@ import runpy
 import signal
 from contextlib import contextmanager
 from unittest import mock
+from xmlrpc.client import Binary
 
 import numpy as np
 import yaml
@@ -28,6 +29,13 @@ FRAME = np.full((48, 64, 3), 180, np.uint8)
 
 class Stuck(BaseException):
     """Raised if something takes too long. It is no Exception, since that might be caught."""
+
+
+class _Writer(yaml.Dumper):
+    """Writes YAML as without ROS: its rosparam, once imported, makes PyYAML fail at an empty Binary."""
+
+
+_Writer.add_representer(Binary, lambda writer, binary: writer.represent_binary(binary.data))
 
 
 def settings_of(node):
@@ -77,7 +85,7 @@ def area_taken(path, name, value):
     Raises InputError if a node would refuse it.
     """
     with open(path, 'w') as file:
-        yaml.dump({'areas': [{'ids': [1, 2, 3, 4], name: value}, {'ids': [5, 6, 7, 8]}]}, file)
+        yaml.dump({'areas': [{'ids': [1, 2, 3, 4], name: value}, {'ids': [5, 6, 7, 8]}]}, file, _Writer)
     for area in load_areas(path):
         _look(read(PictureSettings, area.get))
 

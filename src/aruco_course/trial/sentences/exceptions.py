@@ -237,8 +237,8 @@ def of_type(error: Error) -> str:
     if "'float' object cannot be interpreted as an integer" in message:
         return 'this must be a whole number: int(…), or // instead of /.'
     if "'tuple' object is not callable" in message or 'object is not callable' in message:
-        return 'something is called here, with (…), that is no function: %s. Are [ ] meant, or a comma?' % (
-            one_line(message))
+        return ('something that is no function is called here, with (…): %s. Are [ ] meant, or is a comma '
+                'missing?' % one_line(message))
     if "'tuple' object does not support item assignment" in message:
         return 'a tuple cannot be changed. Make a list or an array of it first: np.array(…).'
     if 'list indices must be integers or slices, not tuple' in message:
