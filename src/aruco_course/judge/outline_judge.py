@@ -200,22 +200,19 @@ def _through_all(scene: Scene) -> Iterator[Floats]:
 
 # What people draw instead. Most of the polygons must be there.
 MISTAKES = (
-    Mistake('you draw upright rectangles around the tags. Draw the lines through their four '
-            'corners.', _upright),
+    Mistake('you draw upright rectangles around the tags. Draw the lines through their four corners.',
+            _upright),
     Mistake('one line goes through the corners of all tags. Draw each tag by itself.', _through_all),
-    Mistake('the outlines are not closed: the line from the last corner to the first is '
-            'missing.', _open, False),
+    Mistake('the outlines are not closed: the line from the last corner to the first is missing.',
+            _open, False),
     Mistake('x and y are exchanged. Drawing functions take (x, y), while an array has the row, which is y, '
-            'first.',
-            _exchanged),
-    Mistake('the outlines are too near to the top left: the tags were found in a frame that '
-            'was shrunk to 0.7, but drawn on the whole frame. Find and draw in the same '
-            'image.', _scaled(SHRUNK)),
-    Mistake('the outlines are too far to the right and too low: the tags were found in '
-            'the whole frame, but drawn on one that was shrunk to 0.7. Find and draw in '
-            'the same image.', _scaled(1 / SHRUNK)),
-    Mistake('squares are outlined that the detector rejected. It returns corners, ids '
-            'and rejected candidates, in this order; draw the first.', lambda scene: scene.rejected),
+            'first.', _exchanged),
+    Mistake('the outlines are too near to the top left: the tags were found in a frame that was shrunk to '
+            '0.7, but drawn on the whole frame. Find and draw in the same image.', _scaled(SHRUNK)),
+    Mistake('the outlines are too far to the right and too low: the tags were found in the whole frame, but '
+            'drawn on one that was shrunk to 0.7. Find and draw in the same image.', _scaled(1 / SHRUNK)),
+    Mistake('squares are outlined that the detector rejected. It returns corners, ids and rejected candidates, '
+            'in this order; draw the first.', lambda scene: scene.rejected),
     Mistake('the outlines cross themselves: the corners of a tag come clockwise, so take them in their order.',
             _crossed),
     *(Mistake('you draw upright rectangles between two corners of each tag. Draw the lines through all four '

@@ -161,11 +161,11 @@ def of_listening(node: Node) -> Fault | None:
         given = call.args[2] if len(call.args) > 2 else next(
             (keyword.value for keyword in call.keywords if keyword.arg == 'callback'), None)
         if isinstance(given, ast.Call) and isinstance(given.func, ast.Name):
-            function = top_functions(node.tree).get(given.func.id)
-            if function and not any(isinstance(one, ast.Return) and one.value for one in ast.walk(function)):
+            functions = [one for one in node.functions if one.name == given.func.id]
+            if functions and not any(isinstance(one, ast.Return) and one.value
+                                     for one in ast.walk(functions[-1])):
                 return Fault('the subscriber wants the function itself: %s, without the brackets, which call '
-                             'it at once.'
-                             % given.func.id, at(given))
+                             'it at once.' % given.func.id, at(given))
     return None
 
 

@@ -110,8 +110,9 @@ def near(raised, frame):
         wanted = words[1]
     elif isinstance(raised, ModuleNotFoundError):
         wanted = (raised.name or '').split('.')[0]
-        names = list(getattr(sys, 'stdlib_module_names', ())) + [
-            'cv2', 'numpy', 'rospy', 'cv_bridge', 'sensor_msgs', 'message_filters', 'rospkg']
+        names = ['cv2', 'numpy', 'rospy', 'cv_bridge', 'sensor_msgs', 'message_filters', 'rospkg']
+        if not difflib.get_close_matches(wanted, names, 1, 0.7):
+            names = list(getattr(sys, 'stdlib_module_names', ()))
     elif isinstance(raised, ImportError) and len(words) >= 4:
         wanted = words[1]
         names = dir(sys.modules.get(words[3], ()))

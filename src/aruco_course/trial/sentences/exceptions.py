@@ -9,7 +9,7 @@ from aruco_course.check import Fault
 
 from .gone import of_gone
 from .opencv import of_opencv
-from .shapes import Values
+from .shapes import Values, arrays_of, fit_of
 
 # Such as "module 'cv2.aruco' has no attribute 'Dictionary_get'".
 ATTRIBUTE = re.compile(r"(?:module|type object)? ?'([^']+)' (?:object )?has no attribute '([^']+)'")
@@ -249,6 +249,9 @@ def of_type(error: Error) -> str:
 def of_value(error: Error) -> str:
     message = error.message
     if 'could not be broadcast' in message or 'could not broadcast' in message:
+        fit = fit_of(error.values)
+        if fit:
+            return 'these arrays do not have the same shape: %s' % fit
         return ('these arrays do not have the same shape: %s. For images: the same height and width, and the '
                 'same number of channels?' % one_line(message).rstrip('.'))
     if 'truth value of an array' in message:
@@ -286,7 +289,8 @@ def of_index(error: Error) -> str:
             return ('there is no [%s] here, only %s of them. argmin and argmax count through '
                     'all numbers of an array, row by row: is there one number for each point? '
                     'np.diff(points, axis=1) and points.sum(axis=1) have one.' % (index, size))
-        if int(size) > 100:
+        shapes = [what['shape'] for what in arrays_of(error.values).values()]
+        if any(len(shape) > 1 and min(shape[:2]) > 16 for shape in shapes):  # an image, no list of points
             return ('there is no place %s along axis %s, which has %s. An image is indexed image[y, x]: are x '
                     'and y exchanged?' % (index, axis, size))
         return ('there is no [%s] here, only %s of them, and counting begins with 0. Were as many tags found '
