@@ -7,11 +7,11 @@ from typing import Iterator, Sequence
 
 import cv2
 import numpy as np
-from aruco_ar.base.arrays import Booleans, Floats, Image, Integers, Numbers
+from aruco_ar.base.arrays import Booleans, Floats, Image, Numbers
 
 from aruco_course.check import Shown
 
-from .drawing import Drawing, drawing_of
+from .drawing import Drawing, brightest, drawing_of
 from .views import area_of, centers_of
 
 RIM_PX = 4            # an area may be that much smaller or larger: centers are rounded, and taken as means
@@ -214,18 +214,6 @@ def changed(image: Image, frame: Image) -> Booleans:
 def outside_of(image: Image, low: Image, high: Image, slack: int) -> Booleans:
     """(h, w): where an image is not between two others, (h, w, 3) all, by more than ``slack`` gray levels."""
     return brightest(cv2.max(cv2.subtract(low, image), cv2.subtract(image, high))) > slack
-
-
-def brightest(image: Image) -> Integers:
-    """(h, w) uint8: of each pixel of an image, (h, w, 3), the greatest of blue, green and red."""
-    blue, green, red = cv2.split(image)
-    return np.asarray(cv2.max(cv2.max(blue, green), red))
-
-
-def darkest(image: Image) -> Integers:
-    """The same for the least."""
-    blue, green, red = cv2.split(image)
-    return np.asarray(cv2.min(cv2.min(blue, green), red))
 
 
 def _box(points: Floats) -> Floats:

@@ -8,7 +8,7 @@ from aruco_ar.walls.wall import WallTag
 
 from aruco_course.check import Fault, Shown, View
 
-from .polygon_judge import cycles
+from .polygon_judge import cycles, judge_order
 from .polygons import outlined
 from .scene import Scene
 from .views import NOISE, Stand, look, square_wall
@@ -85,3 +85,8 @@ def judge_five(shown: Sequence[Shown]) -> Fault | None:
         return scene.polygon_fault('with five tags, what is drawn is no polygon through the four that are '
                                    'farthest outside. You may also leave such a frame as it is.', outer)
     return None
+
+
+def judge_twice(shown: Sequence[Shown]) -> Fault | None:
+    """Nothing shows which of two tags with one id is meant: it is as right to leave the frame as it is."""
+    return judge_order([one for one in shown if not Scene(one).empty])

@@ -10,7 +10,7 @@ from typing import Callable, Iterator, Sequence
 
 import cv2
 import numpy as np
-from aruco_ar.base.arrays import Booleans, Floats, Image, Numbers
+from aruco_ar.base.arrays import Booleans, Floats, Image, Integers, Numbers
 
 from aruco_course.check import Fault, Shown
 
@@ -133,10 +133,9 @@ def _closest(image: Image, bases: Iterator[Image]) -> tuple[Image, float]:
     return best, float(np.mean(_difference(image, best) <= SAME))
 
 
-def _difference(image: Image, other: Image) -> Image:
+def _difference(image: Image, other: Image) -> Integers:
     """(h, w) uint8: by how many levels the pixels differ, in the channel in which they differ most."""
-    blue, green, red = cv2.split(cv2.absdiff(image, other))
-    return cv2.max(cv2.max(blue, green), red)
+    return brightest(cv2.absdiff(image, other))
 
 
 def _size_fault(shown: Shown, scale: Floats) -> Fault | None:
@@ -157,7 +156,7 @@ def _frame_fault(shown: Shown, image: Image) -> Fault:
     if np.all(image == image[0, 0]):
         what = ('Your image is %s, and nothing of the frame is left.'
                 % ('of one color only' if image[0, 0].any() else 'black all over'))
-    elif np.mean(image.max(axis=2) <= SAME) > 0.5:
+    elif np.mean(brightest(image) <= SAME) > 0.5:
         what = 'What you drew is on a black image. Draw it on the frame.'
     else:
         for sentence, change in LOOKS:
@@ -165,3 +164,15 @@ def _frame_fault(shown: Shown, image: Image) -> Fault:
                 what = sentence
                 break
     return Fault(what, place_of(shown), shown, base, _difference(image, base) > SAME)
+
+
+def brightest(image: Image) -> Integers:
+    """(h, w) uint8: of each pixel of an image, (h, w, 3), the greatest of blue, green and red."""
+    blue, green, red = cv2.split(image)
+    return np.asarray(cv2.max(cv2.max(blue, green), red))
+
+
+def darkest(image: Image) -> Integers:
+    """The same for the least."""
+    blue, green, red = cv2.split(image)
+    return np.asarray(cv2.min(cv2.min(blue, green), red))

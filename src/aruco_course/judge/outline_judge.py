@@ -15,7 +15,7 @@ from aruco_ar.walls.wall import WallTag
 
 from aruco_course.check import Fault, Shown, View
 
-from .drawing import as_bgr
+from .drawing import as_bgr, brightest
 from .polygon_judge import MOST_FRAMES, SHRUNK, nothing_drawn
 from .polygons import LEAST_DRAWN, area_mask, line_at, outlined
 from .scene import GREEN, Mistake, Scene, apart, tags, wide, words
@@ -295,7 +295,7 @@ def _written(first: Scene, other: Scene) -> Booleans:
     if first.changed.shape != other.changed.shape:
         return np.zeros_like(first.changed)
     one, two = first.drawing.image, other.drawing.image
-    agree = cv2.absdiff(first.drawing.frame, other.drawing.frame).max(axis=2) <= 2
+    agree = brightest(cv2.absdiff(first.drawing.frame, other.drawing.frame)) <= 2
     # Where the tags' own cells differ, what is drawn on one alone tells as much.
     only_one, only_two = first.changed & ~other.changed, other.changed & ~first.changed
     return (agree | only_one) & _new(one, two) | (agree | only_two) & _new(two, one)
@@ -308,7 +308,7 @@ def _new(one: Image, two: Image) -> Booleans:
     least = np.full((height, width), 255, np.uint8)
     for y in range(3):
         for x in range(3):
-            least = np.minimum(least, cv2.absdiff(one, padded[y:y + height, x:x + width]).max(axis=2))
+            least = np.minimum(least, brightest(cv2.absdiff(one, padded[y:y + height, x:x + width])))
     return least > LEVELS
 
 

@@ -16,7 +16,6 @@ from .areas import (
     NOISE,
     RIM_PX,
     Sight,
-    brightest,
     changed,
     crossing_orders,
     fill,
@@ -25,7 +24,7 @@ from .areas import (
     outside_of,
     where,
 )
-from .drawing import place_of
+from .drawing import brightest, darkest, place_of
 
 SIZES = (240, 320), (300, 300), (400, 230)  # width and height of the pictures, which are not those of the areas
 PICTURE_SLACK = 20    # gray levels that a pixel of the picture may be beyond all those around its place
@@ -153,7 +152,7 @@ class Explanation(NamedTuple):
 def _canvas_of(sight: Sight) -> Canvas:
     picture = sight.shown.view.picture
     assert picture is not None, 'The view has a picture.'
-    if np.all(np.ptp(sight.drawing.image, axis=2) == 0):
+    if np.array_equal(brightest(sight.drawing.image), darkest(sight.drawing.image)):
         picture = cv2.cvtColor(cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY), cv2.COLOR_GRAY2BGR)
     height, width = picture.shape[:2]
     return Canvas(sight.drawing.frame, picture, sight.area, (width, height))

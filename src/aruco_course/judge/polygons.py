@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image, Numbers
-from aruco_ar.geometry.lines import cross
 
 NEAR_PX = 4.0          # a line or a rim may be that far from where it should be
 REACH_PX = 24          # half the width of the widest line
@@ -149,22 +148,3 @@ def area_mask(shape: tuple[int, ...], polygon: Numbers, convex: bool = False) ->
     else:
         cv2.fillPoly(mask, [points], (255,))
     return mask
-
-
-def lines_mask(shape: tuple[int, ...], polygon: Numbers, width: int, closed: bool = True) -> Image:
-    """(h, w) uint8: a polygon's lines, white on black. ``width``: of the lines, pixels."""
-    mask: Image = np.zeros(shape[:2], np.uint8)
-    points = np.round(np.clip(polygon, -1e4, 1e4)).astype(np.int32)
-    cv2.polylines(mask, [points], closed, (255,), width)
-    return mask
-
-
-def crosses_itself(polygon: Numbers) -> bool:
-    """Whether two sides of a polygon with four corners cross."""
-    a, b, c, d = np.asarray(polygon, np.float64)
-    return _cross(a, b, c, d) or _cross(b, c, d, a)
-
-
-def _cross(a: Floats, b: Floats, c: Floats, d: Floats) -> bool:
-    """Whether the lines from a to b and from c to d cross."""
-    return bool(cross(b - a, c - a) * cross(b - a, d - a) < 0 and cross(d - c, a - c) * cross(d - c, b - c) < 0)

@@ -1,20 +1,13 @@
 """How exercise 5.3 is presented and judged."""
 from aruco_course.check import Challenge, Check
-from aruco_course.judge.challenges import (
-    five_views,
-    judge_five,
-    judge_no_polygon,
-    no_tag_views,
-    three_views,
-    twice_views,
-)
+from aruco_course.judge.challenges import judge_no_polygon, no_tag_views, twice_views
 from aruco_course.judge.polygon_judge import judge_centers
 from aruco_course.judge.views import area_views
 
 TASK = '''\
 Find the centers of the four tags, and draw the polygon through them. Its corners may come as the tags were
-found. The ids and the places of the tags differ from frame to frame. If there are not four tags, leave the
-frame as it is.'''
+found. The ids and the places of the tags differ from frame to frame. Without four tags, draw what you like,
+or nothing.'''
 
 HINTS = (
     ('The center of a tag is the mean of its four corners: the mean of their x, and the mean of their y. '
@@ -30,14 +23,6 @@ CHALLENGES = (
               'Without a tag, the ids are None. "for i in range(len(ids))", as in the course, then ends with '
               'an exception, and the node shows nothing until it sees a tag again.',
               no_tag_views, judge_no_polygon),
-    Challenge('three tags',
-              'The course draws a polygon through however many centers there are. With three tags it is a '
-              'triangle, which is not the area.',
-              three_views, judge_no_polygon),
-    Challenge('five tags',
-              'The course draws a polygon through however many centers there are. With five tags it has five '
-              'corners. Leave such a frame as it is, or take the four that are farthest outside.',
-              five_views, judge_five),
     Challenge('one id twice',
               'Two tags may have the same id, such as two prints of one page. Code that keeps the centers by '
               'id, in a dict, loses one of them.',

@@ -4,6 +4,7 @@ from aruco_course.judge.challenges import (
     five_views,
     judge_five,
     judge_no_polygon,
+    judge_twice,
     no_tag_views,
     rolled_views,
     three_views,
@@ -42,7 +43,7 @@ CHALLENGES = (
     Challenge('one id twice',
               'Two tags may have the same id, such as two prints of one page. Code that keeps the centers by '
               'id, in a dict, loses one of them.',
-              twice_views, judge_order),
+              twice_views, judge_twice),
     Challenge('a camera that rolls',
               'If the area stands on a corner, two centers have nearly the same x + y, and two nearly the same '
               "y - x. The course's rule then chooses one center twice and another never. The angle of each "

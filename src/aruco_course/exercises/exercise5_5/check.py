@@ -12,9 +12,7 @@ from aruco_course.check import Check, Fault, Shown
 from aruco_course.judge.area_challenges import area_challenges, untouched
 from aruco_course.judge.areas import (
     Sight,
-    brightest,
     changed,
-    darkest,
     fill,
     is_outline,
     likeness,
@@ -22,7 +20,7 @@ from aruco_course.judge.areas import (
     where,
     why_not,
 )
-from aruco_course.judge.drawing import as_bgr, place_of
+from aruco_course.judge.drawing import as_bgr, brightest, darkest, place_of
 from aruco_course.judge.views import area_views
 
 WHITE, BLACK = 250, 5  # gray levels from which on, and up to which, a pixel is
