@@ -70,11 +70,13 @@ class Written:
 
     ``folder``: that of the learner's package. ``paths``: the files, in the order in which they were written.
     ``refused``: the paths for which ``cv2.imwrite`` returned False, which nobody notices.
+    ``elsewhere``: those that it wrote outside of this folder, and of that from which it was started.
     """
 
     folder: Path
     paths: tuple[Path, ...]
     refused: tuple[Path, ...] = ()
+    elsewhere: tuple[Path, ...] = ()
 
 
 Judge = Callable[[Sequence[Shown]], 'Fault | None']

@@ -12,13 +12,14 @@ from aruco_ar.base.files import write_whole
 
 from . import say
 from .black_box.verdict import NodeVerdict, command_for_node
-from .check import Exercise
+from .check import Exercise, Fault
 from .course import Course
 from .exercises import CHECKS
 from .learner import package as learner
 from .learner.page import page
 from .learner.report import report
 from .terminal import Screen
+from .trial import is_node_only
 from .verdict import judge_recording, try_challenges
 from .watch import watch
 
@@ -80,6 +81,10 @@ def _parser(called: str) -> argparse.ArgumentParser:
     check = command('check', _check, 'say once whether an exercise is right', one + '; all: every one')
     check.add_argument('--node', action='store_true',
                        help='also start it as a ROS node, and judge what it publishes')
+    check.add_argument('--image', metavar='TOPIC', default='',
+                       help='with --node: the topic of its images (default: such as /my_exercise5_4/image)')
+    check.add_argument('--mask', metavar='TOPIC', default='',
+                       help="with --node: the topic of 5.5's masks (default: mask beside the images)")
     check.add_argument('--on', metavar='FILE', default='',
                        help='also judge it by what a camera recorded of four tags: a video, a picture, a '
                             'folder of pictures, or, with --node, a bag')
@@ -155,6 +160,12 @@ def _check(options: argparse.Namespace, screen: Screen) -> int:
 
 
 def _check_one(course: Course, check: Exercise, options: argparse.Namespace, screen: Screen) -> int:
+    is_bag = options.on.endswith('.bag')
+    if is_bag and not options.node:
+        raise InputError('Only a node is judged by a bag: add --node.')
+    if options.node and learner.has_node(check) and is_node_only(course.package.source(check), check):
+        screen.text('There is no function %s in it, so the node alone is judged.' % check.function)
+        return _check_node(course, check, options, screen)
     judged = course.judge(check)
     if course.is_untouched(check):
         say.task(screen, check)
@@ -167,9 +178,6 @@ def _check_one(course: Course, check: Exercise, options: argparse.Namespace, scr
             say.challenges_begin(screen)
         say.challenge(screen, tried, fault)
         course.note_challenge(check, tried, fault)
-    is_bag = options.on.endswith('.bag')
-    if is_bag and not options.node:
-        raise InputError('Only a node is judged by a bag: add --node.')
     if options.on and not is_bag:
         screen.text()
         recorded = judge_recording(check, course.package.folder, options.on)
@@ -180,16 +188,16 @@ def _check_one(course: Course, check: Exercise, options: argparse.Namespace, scr
             return WRONG
         screen.right('On your recording it is right, too.')
     if options.node and learner.has_node(check):
-        return _check_node(course, check, options.on if is_bag else '', screen)
+        return _check_node(course, check, options, screen)
     return RIGHT
 
 
-def _check_node(course: Course, check: Exercise, bag: str, screen: Screen) -> int:
-    """Start the node in a ROS of its own, and say what is wrong with what it publishes. ``bag``: its frames."""
+def _check_node(course: Course, check: Exercise, options: argparse.Namespace, screen: Screen) -> int:
+    """Start the node in a ROS of its own, and say what is wrong with what it publishes."""
     screen.text()
     try:
-        command = command_for_node(check.number, course.package.source(check),
-                                   bag=os.path.abspath(bag) if bag else '',
+        command = command_for_node(check.number, course.package.source(check), options.image, options.mask,
+                                   bag=os.path.abspath(options.on) if options.on.endswith('.bag') else '',
                                    verdict=course.package.picture(check))
     except ImportError:
         raise InputError('A node needs ROS, which this Python does not find. Source its setup.bash.') from None
@@ -198,11 +206,11 @@ def _check_node(course: Course, check: Exercise, bag: str, screen: Screen) -> in
     if judged is None:
         raise InputError((done.stderr.strip() or 'The node cannot be checked.').splitlines()[-1])
     if judged.passed:
-        screen.right('The node is right, too.')
+        screen.right('The node is right.')
         course.note_node(check)
     else:
         screen.wrong('The node is not right yet.')
-        screen.text('%s: %s' % (judged.place, judged.fault) if judged.place else judged.fault)
+        screen.text(str(Fault(judged.fault, judged.place)))
     for remark in judged.remarks:
         screen.text(remark)
     return RIGHT if judged.passed else WRONG

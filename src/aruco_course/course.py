@@ -80,9 +80,11 @@ class Course:
             progress.of(check.number).challenges[challenge.name] = fault is None
 
     def note_node(self, check: Exercise) -> None:
-        """Note that the node passed."""
+        """Note that the node passed. It may do without the function that is judged otherwise."""
+        digest = self._digest(check)
         with changed(self.package) as progress:
             done = progress.of(check.number)
+            done.attempt(digest, None)
             done.node_passed = done.node_passed or now()
 
     def hint(self, check: Exercise) -> list[str]:

@@ -37,7 +37,8 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
     if judged.fault is not None:
         screen.text(str(judged.fault), indent=0 if screen.is_plain else 2)
     if judged.printed.strip():
-        lines = judged.printed.rstrip().splitlines()
+        # What is printed for each frame is shown once.
+        lines = list(dict.fromkeys(judged.printed.rstrip().splitlines()))
         screen.text('Your code printed:', 'dim')
         screen.lines('\n'.join(lines[:PRINTED_LINES]))
         if len(lines) > PRINTED_LINES:
@@ -51,7 +52,7 @@ def verdict(screen: Screen, course: Course, judged: Verdict, when: str = '') -> 
 def challenges_begin(screen: Screen) -> None:
     """What comes next: the results of the challenges."""
     screen.text()
-    screen.text('Challenges. Nobody asks for them, but a robot will:')
+    screen.text('Challenges. It is right without them, but a robot will meet them:')
 
 
 def challenge(screen: Screen, tried: Challenge, fault: Fault | None) -> None:

@@ -9,7 +9,7 @@ from typing import Iterable, Sequence, TextIO
 from .check import Exercise
 from .learner.progress import Progress
 
-NARROWEST, WIDEST = 40, 200  # columns
+NARROWEST, WIDEST = 24, 200  # columns
 READABLE = 100               # columns: longer lines of text are hard to read, so only code may have them
 CLEAR = '\x1b[2J\x1b[H'
 STYLES = {'bold': '1', 'dim': '2', 'red': '1;31', 'green': '1;32', 'yellow': '1;33', 'cyan': '36',
@@ -54,10 +54,9 @@ class Screen:
             start = ' ' * indent
 
     def lines(self, text: str, style: str = '', indent: int = 2) -> None:
-        """Text with its own lines, such as code or what was printed."""
+        """Text with its own lines, such as code. The terminal wraps them, so that they can be copied."""
         for line in clean(text).splitlines():
-            for part in _cut(line, self.width - indent):
-                self._write(' ' * indent + self._styled(part, style) + '\n')
+            self._write(' ' * indent + self._styled(line, style) + '\n')
 
     def title(self, text: str) -> None:
         """A heading."""
@@ -140,7 +139,3 @@ def _can_encode(stream: TextIO, text: str) -> bool:
     except UnicodeEncodeError:
         return False
     return True
-
-
-def _cut(line: str, width: int) -> list[str]:
-    return [line[start:start + width] for start in range(0, len(line), width)] or ['']

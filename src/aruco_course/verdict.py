@@ -126,7 +126,9 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
         written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
         # If nothing calls main, this says more than that nothing was written.
         fault = trial.fault or fault_of_plumbing(str(path), check) \
-            or check.judge(Written(folder, tuple(written), tuple(map(Path, trial.refused))))
+            or check.judge(Written(folder, tuple(written), tuple(map(Path, trial.refused)),
+                                   tuple(path for path in map(Path, trial.written) if path.parent != elsewhere
+                                         and folder not in path.parents)))
         picture = _side_by_side(written)
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
 

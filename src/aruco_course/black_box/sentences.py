@@ -18,6 +18,7 @@ from .running import Program
 SHOWN = 6  # so many topics are named at most
 NEAR = re.compile(r"\. Did you mean: '([^']+)'\?$")  # Python 3.10 and later
 MODULE = re.compile(r"^No module named '([^']+)'")
+ANONYMOUS = re.compile(r'_\d+_\d{10,}')  # the end of a name that is another one each time
 FILE = re.compile(r"^\[Errno 2\] [^:]*: '([^']+)'")
 VERSION = re.compile(r'^OpenCV\(([\d.]+)')
 # What cv_bridge says, and what helps.
@@ -120,8 +121,16 @@ def no_topic(topic: str, name: str, kind: str, others: Sequence[str]) -> Fault:
         return Fault('the node publishes %s as %s, but it must be sensor_msgs/Image.' % (topic, kind))
     others = [each for each in others if each != topic]
     if others:
-        return Fault('the node publishes nothing on %s. It publishes on %s; give %s:=%s.'
-                     % (topic, _listed(others), name, others[0]))
+        # Of two images, the one with another name is not meant.
+        meant = next((each for each in others if each.endswith('/' + name)), '')
+        if not meant and name == 'image':
+            meant = next((each for each in others if not each.endswith('/mask')), '')
+        what = 'the node publishes nothing on %s, but on %s.' % (topic, _listed(others))
+        if topic.startswith('/my_exercise'):
+            what += " The node's name is part of that: is it %s, without anonymous=True?" % topic.split('/')[1]
+        if meant and not ANONYMOUS.search(meant):
+            what += ' If the topic is right, give %s:=%s (learn.py: --%s %s).' % (name, meant, name, meant)
+        return Fault(what)
     return Fault('the node publishes no images. Make a rospy.Publisher of %s in main(), and publish in the '
                  'callback.' % topic)
 

@@ -59,7 +59,8 @@ def area_challenges(judge: Judge, judge_none: Judge, judge_turned: Judge,
                   views(twice_views), either),
         Challenge('a camera that rolls', 'If the wall is turned by about 45 degrees, one center may have the '
                   'least x + y and the greatest y - x. The course then takes it '
-                  'twice.', views(_rolled), judge_turned),
+                  'twice. The angle of each center around their middle, np.arctan2, gives an order that always '
+                  'goes around.', views(_rolled), judge_turned),
         Challenge('a noisy frame', 'In the dark, pixels are noisy. The course finds fewer tags then, and its '
                   'code only works with four.', views(_dark), either),
     )

@@ -136,8 +136,11 @@ def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
             return _expected_fault('the tags with ids from 50 on are not outlined: %s. Does the dictionary '
                                    'have them, as DICT_6X6_250 does?' % words(lost), scene)
         if all(sum(outlines(some)) == 1 for some in faulty):
-            return _expected_fault('only one tag is outlined, not %s. Draw in a loop over all of them.'
+            return _expected_fault('only one tag is outlined, not %s. Draw in a loop over all of them, and '
+                                   'return behind it.'
                                    % words(lost), scene)
+        if all(any(_sides(scene, scene.corners[scene.ids.index(tag_id)])) for tag_id in lost):
+            return _expected_fault('the outline of %s is not on its edges everywhere.' % tags(lost), scene)
         return _expected_fault('%s %s not outlined.' % (tags(lost), 'is' if len(lost) == 1 else 'are'), scene)
     faulty = faulty[:MOST_FRAMES]
     best, most = None, 0
@@ -225,12 +228,15 @@ def _what_is_missing(scene: Scene) -> str:
     near = cv2.dilate(_tags_mask(scene), np.ones((41, 41), np.uint8)) > 0
     if not scene.changed[near].any():
         return 'something is drawn, but nowhere near a tag.'
-    sides = [line_at(scene.changed, quad[i], quad[i - 1], NEAR_PX).drawn
-             for quad in scene.corners for i in range(4)]
-    if not any(sides):
+    if not any(any(_sides(scene, quad)) for quad in scene.corners):
         return ('the tags are not outlined, though something is drawn there. Draw lines from each corner of a '
                 'tag to the next.')
     return 'the outlines are not on the edges of the tags.'
+
+
+def _sides(scene: Scene, quad: Floats) -> list[bool]:
+    """For each side of a tag, whether a line is drawn there."""
+    return [line_at(scene.changed, quad[i], quad[i - 1], NEAR_PX).drawn for i in range(4)]
 
 
 def _tags_mask(scene: Scene) -> Image:

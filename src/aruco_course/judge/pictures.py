@@ -25,6 +25,7 @@ from .areas import (
     where,
 )
 from .drawing import brightest, darkest, place_of
+from .views import course_detect
 
 SIZES = (240, 320), (300, 300), (400, 230)  # width and height of the pictures, which are not those of the areas
 PICTURE_SLACK = 20    # gray levels that a pixel of the picture may be beyond all those around its place
@@ -232,13 +233,19 @@ TURNS = {
 
 def _orders(sight: Sight) -> Iterator[tuple[str, tuple[int, ...]]]:
     """All wrong orders of the area's corners, and what to say of them."""
+    _, ids, _ = course_detect(sight.drawing.frame)
+    found = ids, ids[:2] + ids[:1:-1]  # the picture's corners may be listed around, or row by row
     for order in permutations(range(4)):
-        if order in TURNS:
-            yield TURNS[order], order
-        elif order != (0, 1, 2, 3):
-            yield ("Your picture is twisted: its corners go to the tags %s, in the order top left, top right, "
-                   "bottom right, bottom left. List the picture's corners and the centers in the same "
-                   "order." % ids_text([sight.ids[corner] for corner in order]), order)
+        if order == (0, 1, 2, 3):
+            continue
+        goals = [sight.ids[corner] for corner in order]
+        what = TURNS[order] if order in TURNS else (
+            'Your picture is twisted: its corners go to the tags %s, in the order top left, top right, bottom '
+            "right, bottom left. List the picture's corners and the centers in the same "
+            'order.' % ids_text(goals))
+        if goals in found:
+            what += ' That is also the order in which the tags were found: are the centers in order?'
+        yield what, order
 
 
 def _arrangements(canvas: Canvas, sight: Sight) -> Iterator[Explanation]:
@@ -304,7 +311,8 @@ def _compositions(canvas: Canvas) -> Iterator[Explanation]:
         yield Explanation(what, replace(canvas, picture=picture).painted())
     yield Explanation('The area is black, and there is no picture in it. Is the warped picture added? And do '
                       'its corners go to the centers in the same order?', canvas.black)
-    yield Explanation('Your image is the frame as it came, and there is no picture in it.', canvas.frame)
+    yield Explanation('Your image is the frame as it came, and there is no picture in it. Is it the result '
+                      'that you return?', canvas.frame)
     yield Explanation('The area is white, and there is no picture in it.', cv2.add(canvas.frame, canvas.mask))
     yield Explanation('Your image is black all over.', np.zeros_like(canvas.frame))
 
@@ -326,6 +334,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     exchanged = ("Your picture is stretched: its width and height are exchanged. An array's shape is (height, "
                  'width), and a corner is (x, y), so the bottom right one is (width, height).')
     yield from within(exchanged, canvas.to_area(height, width))
+    for _, image in _blended(canvas, canvas.warped(canvas.to_area(height, width))):
+        yield Explanation(exchanged, image)
     sizes = ('Your picture does not fill the area, or goes beyond it: take its own width and height for its '
              'corners, not those of the frame.')
     yield from within(sizes, canvas.to_area(frame_width, frame_height))
@@ -341,6 +351,8 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
     whole: Floats = homography @ to_small  # from the true picture's pixels
     scaled = np.asarray(np.linalg.inv(whole) @ np.linalg.inv(to_small), np.float64)
     yield from within(backward, scaled)
+    for _, image in _blended(canvas, canvas.warped(scaled)):
+        yield Explanation(backward, image)
     left, top = canvas.area.min(axis=0)
     right, bottom = canvas.area.max(axis=0)
     box = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])

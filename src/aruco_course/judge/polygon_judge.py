@@ -303,18 +303,24 @@ def _what_is_missing(scene: Scene) -> str:
     if sum(drawn.values()) == 0 and all(on_tags):
         return 'you draw the tags, but no polygon through their four centers.'
     if scene.changed.sum() > 0.3 * reach:
-        return ('your polygon does not reach the center of %s.' % tags(lost) if lost
-                else 'your polygon does not go through the four centers.')
+        return _lost(lost) or 'your polygon does not go through the four centers.'
     if sum(drawn.values()) == 0 and not lost and scene.changed.sum() < 60 * len(scene.tags) * CIRCLE_PX:
-        return ('there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-                'list of polygons ([points]), and on the image that you return?')
+        return ('there are only points at the centers, and no polygon. Is one drawn, as a list of polygons '
+                '([points]), and on the image that you return? Are all four centers in it: is append in the '
+                'loop, or behind it?')
     missing = [pair for pair in ((0, 1), (1, 2), (2, 3), (0, 3)) if not drawn[pair]]
     if 0 < len(missing) < 4 and sum(drawn.values()):
         first, second = (scene.ids[index] for index in missing[0])
         return 'no line goes from the center of tag %d to that of tag %d.' % (first, second)
-    if lost:
-        return 'your polygon does not reach the center of %s.' % tags(lost)
-    return 'your polygon does not go through the four centers.'
+    return _lost(lost) or 'your polygon does not go through the four centers.'
+
+
+def _lost(ids: Sequence[int]) -> str:
+    """The sentence for centers that a polygon does not reach; nothing if there are none."""
+    if not ids:
+        return ''
+    why = ' Is only one center kept: is append in the loop, or behind it?' if len(ids) > 2 else ''
+    return 'your polygon does not reach the center of %s.%s' % (tags(ids), why)
 
 
 def _near(scene: Scene, point: Floats) -> bool:

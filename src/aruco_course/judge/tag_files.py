@@ -76,8 +76,10 @@ def _nothing(written: Written) -> str:
                if path.parts[0] == '~' else
                'It begins at the folder from which the program is started, while TAGS begins at the file.'
                if not path.is_absolute() and path.parent.name else
-               'There is no folder %s. Make it with os.makedirs(folder, exist_ok=True), or mend the path.'
-               % path.parent
+               'There is no folder %s. The folder for it is TAGS: os.path.join(TAGS, %r).'
+               % (path.parent, path.name)
+               if path.parent != written.folder / FOLDER and not path.parent.is_dir() else
+               'There is no folder %s. Make it first: os.makedirs(TAGS, exist_ok=True).' % path.parent
                if not path.parent.is_dir() else
                'Its name has no ending, such as .jpg.' if not path.suffix else
                'OpenCV writes no files that end in %s.' % path.suffix if path.suffix.lower() not in ENDINGS else
@@ -89,6 +91,9 @@ def _nothing(written: Written) -> str:
             else 'the folder that it is started from, which may be any'
         return ('Your program writes %s into %s. Write the files into the folder Tags of your package, '
                 'which is %s.' % (path.name, to, written.folder / FOLDER))
+    if written.elsewhere:
+        return ('Your program writes %s. Write the files into the folder Tags of your package: '
+                'os.path.join(TAGS, %r).' % (written.elsewhere[0], written.elsewhere[0].name))
     old = image_files(written.folder / FOLDER)
     return ('Your program writes no image%s. Does it call cv2.imwrite, and is main() called?'
             % ('; those in the folder Tags are older' if old else ' into the folder Tags'))

@@ -31,7 +31,8 @@ def verdict_picture(fault: Fault | None, shown: Shown | None) -> Image | None:
         return _row([_titled(_marked(yours, fault.marked), 'yours')])
     expected = _bgr(fault.expected)
     return _row([_titled(_marked(expected, fault.marked), 'expected'),
-                 _titled(_marked(yours, fault.marked), 'yours')])
+                 _titled(_marked(yours, fault.marked), 'yours, wrong where it is outlined'
+                         if fault.marked is not None else 'yours')])
 
 
 def _marked(image: Image, marked: Booleans | None) -> Image:

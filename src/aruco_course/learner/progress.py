@@ -24,10 +24,11 @@ MAX_TEXT = 1000     # characters of a sentence
 class Done:
     """What was done of one exercise. Times are texts such as 2026-11-25T14:03:00+01:00, or nothing.
 
-    ``attempts``: how many versions of the file were judged. ``seconds``: from the first of them to the pass, as
-    the clock on the wall shows. ``faults``: how often each sentence was given, in the order of their first
-    time. ``challenges``: for the name of each, whether the code survived it. ``last``: what the last verdict
-    said; nothing if it was right. ``judged``: a digest of the version that was judged last.
+    ``attempts``: how many versions of the file were judged until it was right. ``seconds``: from the first of
+    them to the pass, as the clock on the wall shows. ``faults``: how often each sentence was given until then,
+    in the order of their first time. ``challenges``: for the name of each, whether the code survived it.
+    ``last``: what the last verdict said; nothing if it was right. ``judged``: a digest of the version that was
+    judged last.
     """
 
     began: str = ''
@@ -47,11 +48,13 @@ class Done:
         fault = None if fault is None else fault[:MAX_TEXT]
         if digest == self.judged and (fault or '') == self.last:
             return
-        if digest != self.judged:
+        if digest != self.judged and not self.passed:
             self.attempts += 1
         self.judged = digest
         self.began = self.began or now()
         self.last = fault or ''
+        if self.passed:
+            return  # what is tried later is not needed for it
         if fault is None:
             self.passed = self.passed or now()
         elif fault in self.faults or len(self.faults) < MAX_FAULTS:

@@ -5,9 +5,9 @@
 """
 from .limits import Limits
 from .plumbing import fault_of_plumbing
-from .source import fault_of_source
+from .source import fault_of_source, is_node_only
 from .speed import fault_of_speed
 from .trial import Trial, run_function, run_program
 
-__all__ = ['Limits', 'Trial', 'fault_of_plumbing', 'fault_of_source', 'fault_of_speed', 'run_function',
-           'run_program']
+__all__ = ['Limits', 'Trial', 'fault_of_plumbing', 'fault_of_source', 'fault_of_speed', 'is_node_only',
+           'run_function', 'run_program']

@@ -68,7 +68,8 @@ def of_given(given: Sequence[ast.Call], outputs: Sequence[str], images: Sequence
             encoding = encoding_of(call)
             if image.ndim == 2 and encoding in COLORED:
                 return Fault('your %s is gray, height x width, but it is published as "%s", and cv_bridge '
-                             'refuses that: "mono8".' % (name, encoding), at(call))
+                             'refuses that. Draw on the colored image, or publish it as "mono8".'
+                             % (name, encoding), at(call))
             if image.ndim == 3 and encoding == 'mono8':
                 return Fault('your %s has three channels, but it is published as "mono8", and cv_bridge '
                              'refuses that: "bgr8".' % name, at(call))

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ast
+import builtins
 from typing import Iterator, Union
 
 Function = Union[ast.FunctionDef, ast.AsyncFunctionDef]
@@ -44,6 +45,21 @@ def other_names(tree: ast.Module) -> set[str]:
         elif isinstance(statement, (ast.Assign, ast.AnnAssign)):
             names |= {node.id for node in ast.walk(statement)
                       if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    return names
+
+
+def bound(tree: ast.Module) -> set[str]:
+    """All names that have a value anywhere in the file, and Python's own."""
+    names = {'__file__', '__class__', *vars(builtins)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            names.add(node.id)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, ast.alias):
+            names.add((node.asname or node.name).split('.')[0])
+        elif isinstance(getattr(node, 'name', None), str):  # functions, classes, and what "as" gives
+            names.add(vars(node)['name'])
     return names
 
 

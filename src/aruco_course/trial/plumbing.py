@@ -12,7 +12,7 @@ from aruco_ar.base.arrays import Image
 from aruco_course.check import Check, Exercise, Fault
 
 from .encodings import fault_of_encodings
-from .names import Function, called, imported, read_tree, text_of, top_functions, top_statements
+from .names import Function, bound, called, imported, read_tree, text_of, top_functions, top_statements
 from .source import is_program
 
 SHEBANG = '#!/usr/bin/env python3'
@@ -58,7 +58,8 @@ def fault_of_plumbing(path: str, check: Exercise, images: Sequence[Image] = ()) 
     finders: tuple[Callable[[Node], Fault | None], ...] = (of_main,)
     if not is_program(check):
         finders = (of_no_node, of_main, of_executable, of_first_line, of_init, of_listening, of_publishing,
-                   of_callback, of_unused_function, of_encodings, of_window, of_spin)
+                   of_outputs, of_unknown_name, of_callback, of_unused_function, of_encodings, of_window,
+                   of_spin)
     for find in finders:
         fault = find(node)
         if fault:
@@ -175,6 +176,29 @@ def of_publishing(node: Node) -> Fault | None:
         return None
     return Fault('nothing is published, so nobody sees what the function makes: publisher.publish(…) at the '
                  'end of the callback.')
+
+
+def of_outputs(node: Node) -> Fault | None:
+    """A node that publishes one of two images."""
+    outputs = node.check.outputs if isinstance(node.check, Check) else ()
+    publishers = node.calls_of('Publisher')
+    if len(outputs) > 1 and len(publishers) == 1 and publishers[0].args and text_of(publishers[0].args[0]):
+        return Fault('there is one publisher, but %s are published, each by its own: %s.' % (
+            ' and '.join(outputs), ' and '.join("'~%s'" % name for name in outputs)), at(publishers[0]))
+    return None
+
+
+def of_unknown_name(node: Node) -> Fault | None:
+    """A name that nothing in the file makes. Only the callback would tell, while the node runs."""
+    known = bound(node.tree)
+    if any(alias.name == '*' for one in ast.walk(node.tree) if isinstance(one, ast.ImportFrom)
+           for alias in one.names):
+        return None
+    for one in ast.walk(node.tree):
+        if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Load) and one.id not in known:
+            return Fault('%s is not known. Where is it made? A publisher, for example, is made once, in '
+                         'main(): "publisher = rospy.Publisher(…)".' % one.id, at(one))
+    return None
 
 
 def of_callback(node: Node) -> Fault | None:

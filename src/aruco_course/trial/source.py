@@ -9,7 +9,7 @@ import warnings
 
 from aruco_course.check import Exercise, Fault
 
-from .names import Function, imported, other_names, read_tree, top_functions
+from .names import Function, called, imported, other_names, read_tree, top_functions
 
 LARGEST = 1 << 20  # bytes
 NO_FUNCTIONS = 'cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg'  # of which many import *
@@ -29,7 +29,15 @@ def fault_of_source(path: str, check: Exercise) -> Fault | None:
             return None
         return fault_of_missing(path, check.function, check.number)
     wanted = wanted_arguments(check)
-    return fault_of_arguments(function, wanted) if wanted else None
+    return (fault_of_arguments(function, wanted) or fault_of_reading(function)) if wanted else None
+
+
+def is_node_only(path: str, check: Exercise) -> bool:
+    """Whether the file is Python without the exercise's function, such as a node that is one class."""
+    if fault_of_syntax(path):
+        return False
+    tree = read_tree(path)
+    return check.function not in {*top_functions(tree), *other_names(tree)} and not has_star(tree)
 
 
 def fault_of_syntax(path: str) -> Fault | None:
@@ -67,9 +75,8 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     lines = source.decode('utf-8', 'replace').splitlines()
     line = lines[error.lineno - 1] if error.lineno and error.lineno <= len(lines) else ''
     if re.search('codec|encoding|Non-UTF-8', message) or isinstance(error.__cause__, UnicodeError):
-        before = source[:len(source)]
         try:
-            before.decode('utf-8')
+            source.decode('utf-8')
         except UnicodeDecodeError as bad:
             place = 'Line %d' % (source[:bad.start].count(b'\n') + 1)
         return Fault('this is no UTF-8, so Python cannot read it. Save the file as UTF-8 in your '
@@ -93,7 +100,9 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     if message == 'invalid syntax':
         return Fault('this is no Python (invalid syntax). Look at the end of the line before it as well: is a '
                      'bracket, a comma or a colon missing?', place)
-    return Fault('this is no Python: %s.' % message, place)
+    if 'Perhaps you forgot a comma' in message:
+        return Fault('this is no Python. Is a comma missing here, or is a bracket not closed?', place)
+    return Fault('this is no Python: %s' % message + ('' if message.endswith('?') else '.'), place)
 
 
 def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
@@ -148,13 +157,34 @@ def fault_of_arguments(function: Function, wanted: list[str]) -> Fault | None:
     return None
 
 
+def fault_of_reading(function: Function) -> Fault | None:
+    """A function that reads an image from a file, and not the one that it is given, or None."""
+    given = [one.arg for one in function.args.args]
+    names = [one for one in ast.walk(function) if isinstance(one, ast.Name)]
+    used = {one.id for one in names if isinstance(one.ctx, ast.Load)}
+    for statement in ast.walk(function):
+        if not (isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Call)
+                and called(statement.value) == 'imread'):
+            continue
+        place = 'Line %d' % statement.lineno
+        made = {one.id for target in statement.targets for one in ast.walk(target) if isinstance(one, ast.Name)}
+        for name in given:
+            if name in made:
+                return Fault('%s is given to the function, and this line puts an image of a file in its place. '
+                             'Leave the line out.' % name, place)
+            if name not in used:
+                return Fault('an image is read from a file here, but %s, which is given to the function, is '
+                             'not used. Take that, and leave this line out.' % name, place)
+    return None
+
+
 def count(number: int) -> str:
     """Such as '2 arguments'."""
     return 'no argument' if not number else '1 argument' if number == 1 else '%d arguments' % number
 
 
 def wanted_arguments(check: Exercise) -> list[str]:
-    """The names of the arguments that the function gets: those of its solution's. None without a solution."""
+    """The names of the arguments that the function gets: those of its solution's; none without a solution."""
     function = top_functions(read_tree(solution(check))).get(check.function)
     return [one.arg for one in function.args.args] if function else []
 

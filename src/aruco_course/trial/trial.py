@@ -24,8 +24,8 @@ class Trial:
 
     ``images``: for each call that was done, what it returned. ``seconds``: how long each took. ``fault``: why
     it ended early. ``printed``: what it printed. ``baseline_seconds``: how long OpenCV takes to find the tags
-    in such a frame, in the same process; 0 if that is not known. ``refused``: the paths for which a program's
-    cv2.imwrite returned False.
+    in such a frame, in the same process; 0 if that is not known. ``written``: the paths of the images that a
+    program wrote; ``refused``: those for which cv2.imwrite returned False.
     """
 
     images: list[tuple[Image, ...]] = field(default_factory=list)
@@ -33,6 +33,7 @@ class Trial:
     fault: Fault | None = None
     printed: str = ''
     baseline_seconds: float = 0.0
+    written: list[str] = field(default_factory=list)
     refused: list[str] = field(default_factory=list)
 
     @property
@@ -120,6 +121,7 @@ def _run(path: str, job: dict[str, Any], arrays: list[Image], limits: Limits, cw
             return limits.call
         elif say == 'end':
             trial.baseline_seconds = float(record['baseline'])
+            trial.written = [str(one) for one in record.get('written', ())]
             trial.refused = [str(one) for one in record.get('refused', ())]
         return None
 

@@ -46,9 +46,9 @@ WRONG = [
           edits=[("FOLDER + '/image_'", "'image_'")],
           place=''),
     Wrong(what="The path is that of the course's own machine, where there is no such folder.",
-          says='/home/user/catkin_ws/src/unit5/Tags/image_1.jpg was not written: cv2.imwrite only returns '
-               'False then. There is no folder /home/user/catkin_ws/src/unit5/Tags. Make it with '
-               'os.makedirs(folder, exist_ok=True), or mend the path.',
+          says="/home/user/catkin_ws/src/unit5/Tags/image_1.jpg was not written: cv2.imwrite only "
+               "returns False then. There is no folder /home/user/catkin_ws/src/unit5/Tags. The "
+               "folder for it is TAGS: os.path.join(TAGS, 'image_1.jpg').",
           edits=[("FOLDER + '/image_'", "'/home/user/catkin_ws/src/unit5/Tags/image_'")],
           place=''),
     Wrong(what='A path with ~, which only a shell knows.',
@@ -86,8 +86,8 @@ WRONG = [
           edits=[('aruco_dict, tag_id, size)', 'aruco_dict, size, tag_id)')],
           place='Line'),
     Wrong(what='It is shown in a window, and waits for a key.',
-          says='cv2.imshow needs a window on a screen, which a robot does not have, nor the OpenCV that '
-               'comes with pip. Leave it out.',
+          says='cv2.imshow needs a window on a screen, which a robot does not have, nor the OpenCV '
+               'that comes with pip. Leave it out. The same goes for waitKey in line ….',
           edits=[("'.jpg', img)", "'.jpg', img)\n        cv2.imshow('artag', img)\n        cv2.waitKey(0)")],
           place='Line'),
     Wrong(what='The program is never started.',

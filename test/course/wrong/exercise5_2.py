@@ -76,10 +76,12 @@ WRONG = [
                'lists.',
           edits=[(DRAW, 'frame_markers = aruco.drawDetectedMarkers(image.copy(), corners, ids[::-1].copy())')]),
     Wrong(what='Only the first tag is drawn.',
-          says='only one tag is outlined, not …. Draw in a loop over all of them.',
+          says='only one tag is outlined, not …. Draw in a loop over all of them, and return behind '
+               'it.',
           edits=[(DRAW, 'frame_markers = aruco.drawDetectedMarkers(image.copy(), corners[:1], ids[:1])')]),
     Wrong(what='return stands in the loop, so it ends with the first tag.',
-          says='only one tag is outlined, not …. Draw in a loop over all of them.',
+          says='only one tag is outlined, not …. Draw in a loop over all of them, and return behind '
+               'it.',
           edits=[(DRAW, '''for i in range(len(ids)):
         frame_markers = image
         cv2.polylines(image, [corners[i].astype(int)], True, 255, 2)
@@ -143,12 +145,14 @@ WRONG = [
                'candidates, in this order; draw the first.',
           edits=[(DRAW, 'frame_markers = aruco.drawDetectedMarkers(image.copy(), rejected)')]),
     Wrong(what='Nothing is returned.',
-          says='detect_tags returns nothing: it lacks the line "return image" at its end.',
+          says='detect_tags returns nothing: it lacks the line "return image" at its end, with the '
+               'names that the result has in your code.',
           edits=[('    return frame_markers\n', '')],
           place='Line'),
     Wrong(what='It is shown in a window, as in the course, and nothing is returned.',
-          says='cv2.imshow needs a window on a screen, which a robot does not have, nor the OpenCV that '
-               'comes with pip. Leave it out, and return the image.',
+          says='cv2.imshow needs a window on a screen, which a robot does not have, nor the OpenCV '
+               'that comes with pip. Leave it out, and return the image. The same goes for waitKey in'
+               ' line ….',
           edits=[('return frame_markers', "cv2.imshow('markers', frame_markers)\n    cv2.waitKey(1)")],
           place='Line'),
     Wrong(what='The gray image is turned to gray again.',
@@ -168,4 +172,18 @@ WRONG = [
           says='the function is right, but rosrun does not find the file, since it is not executable: '
                '"chmod +x exercise5_2.py".',
           executable=False, place=''),
+    Wrong(what='The frame is read from a file of the course, instead of the one that comes.',
+          says='image is given to the function, and this line puts an image of a file in its place. Leave the '
+               'line out.',
+          edits=[(SHRINK, "    image = cv2.imread('/home/user/catkin_ws/src/unit5/image.png')\n" + SHRINK)],
+          place='Line'),
+    Wrong(what='The id as a number, where a text is to be written.',
+          says='cv2.putText writes a text, and a number is none: str(number) makes one of it.',
+          edits=[(DRAW, 'frame_markers = cv2.putText(image, ids[0], (9, 30), 0, 1, (0, 255, 0))')],
+          place='Line'),
+    Wrong(what='The parameters come first, and the dictionary second.',
+          says='OpenCV wants the dictionary first. Are arguments exchanged? It is '
+               'generateImageMarker(dictionary, id, size), and ArucoDetector(dictionary, parameters).',
+          edits=[('ArucoDetector(aruco_dict, parameters)', 'ArucoDetector(parameters, aruco_dict)')],
+          place='Line'),
 ]

@@ -19,7 +19,8 @@ WRONG = [
                'is their sum divided by 4.',
           edits=[(APPEND, 'params.append((int(c[:, 0].sum() / 2), int(c[:, 1].sum() / 2)))')]),
     Wrong(what='The same tag in each turn of the loop.',
-          says='your polygon does not reach the center of the tags ….',
+          says='your polygon does not reach the center of the tags …. Is only one center kept: is '
+               'append in the loop, or behind it?',
           edits=[('c = corners[i][0]', 'c = corners[0][0]')]),
     Wrong(what='x is used for y as well.',
           says='x is taken for y, too: of a point, [0] is x, and [1] is y.',
@@ -29,12 +30,14 @@ WRONG = [
                ' y, first.',
           edits=[(APPEND, 'params.append((int(c[:, 1].mean()), int(c[:, 0].mean())))')]),
     Wrong(what='append stands behind the loop, so only the last center is kept.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[('        ' + APPEND, '    ' + APPEND)]),
     Wrong(what='The list is emptied in each turn of the loop.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[('        c = corners[i][0]', '        params = []\n        c = corners[i][0]')]),
     Wrong(what='Three of four tags: range(3).',
           says='your polygon has only three corners, so one center is missing, or another is taken twice.',
@@ -51,12 +54,14 @@ WRONG = [
           edits=[(DRAW, DRAW.replace('[params]', 'params'))],
           place='Line'),
     Wrong(what='Circles only, no polygon.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[('    %s\n' % DRAW, '')]),
     Wrong(what='The polygon goes to a copy, and the frame is returned.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[(DRAW, DRAW.replace('image', 'image.copy()'))]),
     Wrong(what='Found in the small frame, drawn on the whole one.',
           says='your polygon is too near to the top left: the centers were found in a frame that was '
@@ -68,8 +73,9 @@ WRONG = [
           edits=[(SHRINK, ''),
                  ('    params = []\n', '    params = []\n' + SHRINK)]),
     Wrong(what='The mean of all centers: a single point.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[('params = np.array(params)', 'params = np.array(params).mean(axis=0).astype(int)[None]')]),
     Wrong(what='An upright rectangle around the centers.',
           says='you draw an upright rectangle. Its corners should be the four centers.',
@@ -87,7 +93,8 @@ WRONG = [
           says='you draw the tags, but no polygon through their four centers.',
           edits=[(DRAW, DRAW.replace('[params]', '[c[0].astype(int) for c in corners]'))]),
     Wrong(what='return stands in the loop, so it ends with the first tag.',
-          says='your polygon does not reach the center of the tags ….',
+          says='your polygon does not reach the center of the tags …. Is only one center kept: is '
+               'append in the loop, or behind it?',
           edits=[('    params = np.array(params)\n', '        return image\n    params = np.array(params)\n')]),
     Wrong(what='The coordinates are returned instead of the image.',
           says='extract_centers returned an array of the shape (4, 2), which looks like points or a '
@@ -120,4 +127,16 @@ WRONG = [
                'lets it wait for frames.',
           edits=[('    rospy.spin()\n', '')],
           place=''),
+    Wrong(what='The parameters are given to detectMarkers where corners would go, as the course writes it.',
+          says='the third argument of cv2.aruco.detectMarkers is not the parameters. Name them: '
+               'parameters=parameters.',
+          edits=[('aruco.ArucoDetector(aruco_dict, parameters).detectMarkers(gray)',
+                  'aruco.detectMarkers(gray, aruco_dict, parameters)')],
+          place='Line'),
+    Wrong(what='The mean over the wrong axis, so that a center has four numbers.',
+          says='each of params has the shape (4,), but a point has (2,): its x and its y. quad[0].mean(axis=0) '
+               'is the center of a tag, if quad is one of the corners that detectMarkers gives.',
+          edits=[(APPEND, 'params.append(c.mean(axis=1))'),
+                 ('    params = np.array(params)\n', ''), (DRAW, DRAW.replace('params', 'np.int32(params)'))],
+          place='Line'),
 ]

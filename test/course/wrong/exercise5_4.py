@@ -27,8 +27,9 @@ WRONG = [
                'order in which they were found.',
           edits=[('len(params) >= 4', 'len(params) > 4')]),
     Wrong(what='The polygon is drawn only if there are more than four.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[ALONE, (SECOND, ''), ('len(params) >= 4', 'len(params) > 4'),
                  (ORDER, ORDER + '\n        cv2.drawContours(image, [params], -1, (255, 0, 150), -1)')]),
     Wrong(what='They are ordered by x alone.',
@@ -111,12 +112,14 @@ WRONG = [
                'not like an image.',
           edits=[('    return image', '    return params')]),
     Wrong(what='The polygon is not drawn.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[ALONE, (SECOND, '')]),
     Wrong(what='The polygon goes to a copy, and the frame is returned.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[ALONE, (SECOND, SECOND.replace('image,', 'image.copy(),'))]),
     Wrong(what='Each tag has its place by its id, and the ids are those of the wall at hand.',
           says='there is no 2 in this dictionary. Is it an id? A tag may have any, so count on none.',
@@ -124,8 +127,9 @@ WRONG = [
         params = np.array([places[1], places[2], places[3], places[4]])''')],
           place='Line'),
     Wrong(what='A try with a bare except hides that a name is misspelled.',
-          says='there are only points at the centers, and no polygon. Is one drawn through all four, as a '
-               'list of polygons ([points]), and on the image that you return?',
+          says='there are only points at the centers, and no polygon. Is one drawn, as a list of '
+               'polygons ([points]), and on the image that you return? Are all four centers in it: is'
+               ' append in the loop, or behind it?',
           edits=[ALONE, (SECOND, '''    try:
         cv2.drawContours(image, [parms], -1, (255, 0, 150), -1)
     except:
@@ -159,5 +163,23 @@ WRONG = [
           says='order_centers did not come to its end within 5 seconds. Does a loop here never end, or '
                'does something wait? A function of one frame must not wait.',
           edits=[('    return image', '    while not rospy.is_shutdown():\n        pass\n    return image')],
+          place='Line'),
+    Wrong(what='The places that argmin gives are drawn, not the centers at these places.',
+          says='places has 4 numbers in it, and no points. If they are places in the list of centers, as '
+               'argmin gives them, take the centers there: centers[places].',
+          edits=[('        params = order_coordinates(params)\n',
+                  ('        s = params.sum(axis=1)\n        d = np.diff(params, axis=1)\n'
+                  '        places = [np.argmin(s), np.argmin(d), np.argmax(s), np.argmax(d)]\n'
+                  '        cv2.drawContours(image, [np.int32(places)], -1, (255, 0, 150), -1)\n'))],
+          place='Line'),
+    Wrong(what='One center alone is drawn: argmin where argsort is meant.',
+          says='params is one point alone. A polygon is an array of all four, of shape (4, 2).',
+          edits=[('        params = order_coordinates(params)\n',
+                  '        params = np.float32(params)[np.argmin(params.sum(axis=1))]\n')],
+          place='Line'),
+    Wrong(what='Points are sorted as if they were numbers.',
+          says='points cannot be compared, only numbers. Name the number that counts: key=lambda point: '
+               'point[0], for example.',
+          edits=[('params = order_coordinates(params)', 'params = sorted(params)')],
           place='Line'),
 ]

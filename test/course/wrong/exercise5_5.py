@@ -71,8 +71,8 @@ WRONG = [
           edits=[(MASK, MASK.replace(', dtype=np.uint8', ''))],
           place='Line'),
     Wrong(what='The mask has no channels, the image has three.',
-          says='the two images do not fit together: image is 448 x 336 pixels, 3 channels, and mask is 448'
-               ' x 336 pixels, gray. cv2.merge([gray, gray, gray]) makes three channels of a gray image.',
+          says='the two images do not fit together: image is 448 x 336 pixels, 3 channels, and mask '
+               'is 448 x 336 pixels, gray. cv2.merge([mask, mask, mask]) has three channels.',
           edits=[(MASK, MASK.replace(', 3]', ']')), ('(255, 255, 255)', '255')],
           place='Line'),
     Wrong(what='Height and width of the mask are exchanged.',
@@ -142,5 +142,16 @@ WRONG = [
     Wrong(what='A space more in front of a line.',
           says='this line is not indented as those around it: unexpected indent.',
           edits=[('    ' + SUBTRACT, '     ' + SUBTRACT)],
+          place='Line'),
+    Wrong(what='The callback publishes with a publisher that nobody has made.',
+          says='mask_publisher is not known. Where is it made? A publisher, for example, is made once, in '
+               'main(): "publisher = rospy.Publisher(…)".',
+          edits=[('(self.mask_publisher, mask)', '(mask_publisher, mask)')],
+          place='Line'),
+    Wrong(what='The image has a publisher, and the mask has none.',
+          says="there is one publisher, but mask and image are published, each by its own: '~mask' and "
+               "'~image'.",
+          edits=[("        self.mask_publisher = rospy.Publisher('~mask', Image, queue_size=1)\n", ''),
+                 ('(self.mask_publisher, mask)', '(self.publisher, mask)')],
           place='Line'),
 ]

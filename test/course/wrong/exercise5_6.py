@@ -11,12 +11,14 @@ ADD = 'addition = cv2.add(warped_image, subtraction)'
 
 WRONG = [
     Wrong(what="The picture's corners go around, the centers row by row.",
-          says='Your picture is twisted: its corners go to the tags …, in the order top left, top right, '
-               "bottom right, bottom left. List the picture's corners and the centers in the same order.",
+          says="Your picture is twisted: its corners go to the tags …, in the order top left, top "
+               "right, bottom right, bottom left. List the picture's corners and the centers in the "
+               "same order…",
           edits=[(CORNERS, '[[0, 0], [width, 0], [width, height], [0, height]]')]),
     Wrong(what="The picture's corners are row by row, the centers around.",
-          says='Your picture is twisted: its corners go to the tags …, in the order top left, top right, '
-               "bottom right, bottom left. List the picture's corners and the centers in the same order.",
+          says="Your picture is twisted: its corners go to the tags …, in the order top left, top "
+               "right, bottom right, bottom left. List the picture's corners and the centers in the "
+               "same order…",
           edits=[(HOMOGRAPHY, HOMOGRAPHY.replace('params_2', 'params'))]),
     Wrong(what='The picture is mirrored.',
           says='Your picture is mirrored: its left and its right are exchanged.',
@@ -71,7 +73,8 @@ WRONG = [
                'corners go to the centers in the same order?',
           edits=[('return addition', 'return subtraction')]),
     Wrong(what='The frame is returned.',
-          says='Your image is the frame as it came, and there is no picture in it.',
+          says='Your image is the frame as it came, and there is no picture in it. Is it the result '
+               'that you return?',
           edits=[('return addition', 'return image')]),
     Wrong(what='Picture and frame are mixed half and half.',
           says='The picture is half transparent: the wall shines through. Make the area black first, as in'
@@ -96,8 +99,8 @@ WRONG = [
           edits=[('return addition', 'return cv2.cvtColor(addition, cv2.COLOR_BGR2RGB)')]),
     Wrong(what='The picture is gray, the frame has colors.',
           says='the two images do not fit together: warped_image is 448 x 336 pixels, gray, and '
-               'subtraction is 448 x 336 pixels, 3 channels. cv2.merge([gray, gray, gray]) makes three '
-               'channels of a gray image.',
+               'subtraction is 448 x 336 pixels, 3 channels. cv2.merge([warped_image, warped_image, '
+               'warped_image]) has three channels.',
           edits=[('paint = picture', 'paint = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY)')],
           place='Line'),
     Wrong(what='The picture is painted gray.',
@@ -129,20 +132,14 @@ WRONG = [
           edits=[('hom, status =', 'hom =')],
           place='Line'),
     Wrong(what='getPerspectiveTransform with whole numbers.',
-          says='cv2.getPerspectiveTransform needs as many points on both sides, at least four each: arrays'
-               ' of 4 x 2 numbers, np.float32(points).',
+          says='cv2.getPerspectiveTransform needs as many points on both sides, four each, as arrays '
+               'of 4 x 2 numbers of float32: np.float32(points).',
           edits=[(HOMOGRAPHY, 'hom = cv2.getPerspectiveTransform(coordinates, params_2)')],
           place='Line'),
     Wrong(what="The picture is read from a path of the course's own machine.",
-          says='cv2.imread found no image at /home/user/catkin_ws/src/unit5/earth.jpg (line 56), and gave '
-               'None instead. Is the path right? Make it from that of your file: '
-               'os.path.join(os.path.dirname(os.path.abspath(__file__)), …).',
+          says='an image is read from a file here, but picture, which is given to the function, is '
+               'not used. Take that, and leave this line out.',
           edits=[('paint = picture', "paint = cv2.imread('/home/user/catkin_ws/src/unit5/earth.jpg')")],
-          place='Line'),
-    Wrong(what='The picture is read from a path with ~, which only a shell knows.',
-          says='cv2.imread found no image at ~/catkin_ws/src/my_unit5/images/earth.jpg, and gave None '
-               'instead: only a shell knows what ~ is. os.path.expanduser(path) replaces it.',
-          edits=[('paint = picture', "paint = cv2.imread('~/catkin_ws/src/my_unit5/images/earth.jpg')")],
           place='Line'),
     Wrong(what='The area is found in the small frame, and painted in the whole one.',
           says='Your picture is not in the right area. Its rim is 0.7 times as far from the top left of '
@@ -166,4 +163,14 @@ WRONG = [
           says='there is no module opencv: it is "import cv2".',
           edits=[('import cv2\n', 'import opencv as cv2\n')],
           place='Line'),
+    Wrong(what='The centers are taken as they were found.',
+          says='Your picture is …. That is also the order in which the tags were found: are the '
+               'centers in order?',
+          edits=[('        params_2 = order_coordinates(params, True)\n', ''),
+                 ('    params = np.array(params)\n', '    params = params_2 = np.array(params)\n')]),
+    Wrong(what='Width and height are exchanged, and nothing is subtracted yet.',
+          says="Your picture is stretched: its width and height are exchanged. An array's shape is (height, "
+               'width), and a corner is (x, y), so the bottom right one is (width, height).',
+          edits=[('height, width = paint.shape[:2]', 'width, height = paint.shape[:2]'),
+                 ('cv2.add(warped_image, subtraction)', 'cv2.add(warped_image, image)')]),
 ]

@@ -43,7 +43,7 @@ MISTAKES = [
     (['np.argmin(np.zeros((0, 2)))'], 'no tag was found'),
     (['open("earth.txt")'], 'earth.txt'),
     # a homography
-    (['cv2.findHomography(np.zeros((3, 2)), np.zeros((3, 2)))'], 'at least four'),
+    (['cv2.findHomography(np.zeros((3, 2)), np.zeros((3, 2)))'], 'four each'),
     (['points = np.int32([[0, 0], [9, 0], [9, 9], [0, 9]])', 'cv2.getPerspectiveTransform(points, points)'],
      'float32'),
     (['points = np.float32([[0, 0], [9, 0], [9, 9], [0, 9]])', 'hom = cv2.findHomography(points, points)',

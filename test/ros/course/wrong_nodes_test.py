@@ -53,7 +53,7 @@ class WrongNodes(unittest.TestCase):
                           ('/camera/rgb/image_raw', '/usb_cam/image_raw'))
 
     def test_it_publishes_on_another_topic(self):
-        self.assert_wrong('It publishes on /polygon; give image:=/polygon', ("'~image'", "'/polygon'"))
+        self.assert_wrong('but on /polygon', ("'~image'", "'/polygon'"))
 
     def test_it_publishes_nothing(self):
         self.assert_wrong('nothing comes on /my_exercise5_4/image', (PUBLISH, ''))

@@ -33,8 +33,7 @@ CHALLENGES = (
               'an exception, and the node shows nothing until it sees a tag again.',
               no_tag_views, judge_no_polygon),
     Challenge('three tags',
-              'The course draws the polygon once before it looks whether there are four centers. With three '
-              'tags that is a triangle, which is not the area.',
+              'The course draws the polygon once before it looks whether there are four centers.',
               three_views, judge_no_polygon),
     Challenge('five tags',
               'The course takes all centers before it sorts them. What is drawn with five is a polygon of five '

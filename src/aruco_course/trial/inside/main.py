@@ -139,7 +139,8 @@ class Child:
             return self._tell_error(error, 'load')
         faulthandler.cancel_dump_traceback_later()
         if self._job['function'] is None:
-            self._wire.send({'say': 'end', 'baseline': 0.0, 'refused': self._stand_ins.refused})
+            self._wire.send({'say': 'end', 'baseline': 0.0, 'written': self._stand_ins.written,
+                             'refused': self._stand_ins.refused})
             return None
         function = getattr(module, self._job['function'], None)
         if not callable(function):
@@ -147,7 +148,6 @@ class Child:
                 name for name, value in vars(module).items()
                 if callable(value) and getattr(value, '__module__', None) == module.__name__][:50]})
             return None
-        self._stand_ins.is_loaded = True
         return self._call(function)
 
     def _call(self, function):

@@ -25,10 +25,11 @@ STARS = {'sensor_msgs.msg': ['CameraInfo', 'CompressedImage', 'Image', 'RegionOf
 WINDOWS = ('imshow', 'namedWindow', 'waitKey', 'waitKeyEx', 'pollKey', 'moveWindow', 'resizeWindow',
            'destroyWindow', 'destroyAllWindows', 'startWindowThread', 'setMouseCallback', 'setWindowTitle',
            'selectROI')
+MOST_PATHS = 20
 
 unread: list[object] = []   # [path, line] of the image that was last asked for and is not there
-refused: list[str] = []     # the paths of images that could not be written
-is_loaded = False
+written: list[str] = []     # the paths of images that were written
+refused: list[str] = []     # those of images that could not be
 
 
 class NodeNeededError(BaseException):
@@ -196,8 +197,9 @@ def put_in(path):
 
     def writing(filename, *args, **named):
         is_written = imwrite(filename, *args, **named)
-        if not is_written and len(refused) < 20:
-            refused.append(str(filename)[:500])
+        paths = written if is_written else refused
+        if len(paths) < MOST_PATHS:
+            paths.append(os.path.abspath(filename)[:500] if is_written else str(filename)[:500])
         return is_written
 
     cv2.imread, cv2.imwrite = reading, writing

@@ -5,9 +5,11 @@ import linecache
 import re
 from typing import Any
 
+import cv2
+
 from aruco_course.check import Fault
 
-from .gone import of_gone
+from .gone import TODAY, of_gone
 from .opencv import of_opencv
 from .shapes import Values, arrays_of, fit_of
 
@@ -37,7 +39,7 @@ class Error:
         self.opencv = str(record['opencv'])
         self.stage = str(record['stage'])
         self.call = int(record['call'])
-        self.function = function
+        self.path, self.function = path, function
         self.values: Values = {str(name): dict(what) for name, what in record.get('values', {}).items()}
         unread = record.get('unread')
         self.unread = (str(unread[0]), int(unread[1])) if unread else None
@@ -147,6 +149,13 @@ def of_import(error: Error) -> str:
     return '%s has no %s.%s' % (module, name, meant(error))
 
 
+def others_gone(error: Error) -> str:
+    """What else of the file is gone, so that it need not be found one by one."""
+    others = [(number, name) for number, name in others_of(error, r'\baruco\.(\w+)\(')
+              if name in TODAY and not hasattr(cv2.aruco, name)]
+    return ''.join(' In line %d, %s is %s now.' % (number, name, TODAY[name]) for number, name in others[:3])
+
+
 def meant(error: Error) -> str:
     """A question that goes behind a sentence about a name."""
     return ' Is %s meant?' % error.near if error.near else ''
@@ -162,7 +171,7 @@ def of_attribute(error: Error) -> str:
     if holder.startswith('cv2'):
         gone = of_gone(name, error.opencv)
         if gone:
-            return gone
+            return gone + others_gone(error)
     if holder == 'NoneType':
         return of_none(error, 'it has no %s' % name)
     if holder in ('tuple', 'list') and name in ('shape', 'astype', 'reshape', 'sum', 'mean', 'copy', 'dtype'):
@@ -230,6 +239,8 @@ def of_type(error: Error) -> str:
     if match and error.function and match.group(1) == error.function and not error.line \
             and not error.source.startswith('def '):
         return '%s cannot be called with the arguments that it gets: %s.' % (error.function, one_line(message))
+    if message.startswith('Expected cv::'):
+        return of_opencv(message, error.source, error.values)
     if 'only integer scalar arrays' in message or 'indices must be integers' in message:
         return 'an index must be a whole number (%s): int(…), or .astype(int) for an array.' % one_line(message)
     if 'can only concatenate str' in message:
@@ -254,6 +265,9 @@ def of_value(error: Error) -> str:
             return 'these arrays do not have the same shape: %s' % fit
         return ('these arrays do not have the same shape: %s. For images: the same height and width, and the '
                 'same number of channels?' % one_line(message).rstrip('.'))
+    if 'truth value of an array' in message and re.search(r'\b(sorted|min|max|sort)\(', error.source):
+        return ('points cannot be compared, only numbers. Name the number that counts: key=lambda point: '
+                'point[0], for example.')
     if 'truth value of an array' in message:
         return ('an array of several values is neither true nor false. Is "if ids is None", "ids is not None", '
                 'or .any(), .all() meant?')
@@ -365,9 +379,22 @@ def of_assertion(error: Error) -> str:
 
 
 def of_screen(error: Error) -> str:
-    return ('cv2.%s needs a window on a screen, which a robot does not have, nor the '
-            'OpenCV that comes with pip. Leave it out%s.'
-            % (error.message, ', and return the image' if error.function else ''))
+    others = others_of(error, r'\bcv2\.(imshow|waitKey|namedWindow|destroyAllWindows|destroyWindow)\(')
+    return ('cv2.%s needs a window on a screen, which a robot does not have, nor the OpenCV that comes with '
+            'pip. Leave it out%s.%s' % (
+                error.message, ', and return the image' if error.function else '',
+                ' The same goes for %s.' % ' and '.join('%s in line %d' % (name, number)
+                                                        for number, name in others) if others else ''))
+
+
+def others_of(error: Error, pattern: str) -> list[tuple[int, str]]:
+    """The other lines of the file in which a pattern is found, each with its number and what is found."""
+    found = []
+    for number, line in enumerate(linecache.getlines(error.path), start=1):
+        match = re.search(pattern, line.partition('#')[0])
+        if match and number != error.line:
+            found.append((number, match.group(1)))
+    return found
 
 
 def of_file_there(error: Error) -> str:

@@ -3,10 +3,11 @@ from __future__ import annotations
 
 import re
 
-from .shapes import Values, arrays_of, fit_of
+from .shapes import Values, fit_of
 
 UNEQUAL = (r'Sizes of input arguments do not match|StsUnmatchedSizes|neither .array op array|'
            r'have different types|src1\.size|size\(\) == ')
+NUMBERS = 'int', 'float', 'int32', 'int64', 'float32', 'float64'
 DRAWN = 'drawContours', 'fillPoly', 'polylines', 'fillConvexPoly'
 IN = re.compile(r"in function '?([\w:]+)'?")
 
@@ -32,15 +33,7 @@ def of_values(function: str, text: str, source: str, values: Values) -> str:
         fit = fit_of(values)
         return 'the two images do not fit together: %s' % fit if fit else ''
     if function in DRAWN:
-        points = {name: what for name, what in arrays_of(values).items() if what['shape'][-1:] == [2]}
-        for name, what in points.items():
-            if what['dtype'] in ('int32', 'int64'):
-                if 'float' in source or '[%s' % name in source:
-                    break
-                return ('cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].'
-                        % (function, name))
-            return ('cv2.%s wants whole numbers, of int32, and %s is of %s: [np.int32(%s)].' % (
-                function, name, what['dtype'], name))
+        return of_points(function, source, values)
     for name, what in values.items():
         if function in ('warpPerspective', 'warpAffine', 'perspectiveTransform') and what['type'] == 'tuple' \
                 and what['length'] == 2 and what['items'][0].get('shape') == [3, 3]:
@@ -49,6 +42,38 @@ def of_values(function: str, text: str, source: str, values: Values) -> str:
         if function == 'drawDetectedMarkers' and name == 'ids' and what['type'] in ('tuple', 'list'):
             return ('what is called ids here is a list of corners. detectMarkers returns three things, in '
                     'the order corners, ids, rejected.')
+    return ''
+
+
+def of_points(function: str, source: str, values: Values) -> str:
+    """What is wrong with the points that are drawn, or ''."""
+    for name, what in values.items():
+        shape, items = what.get('shape', []), what.get('items', [])
+        shapes = [item['shape'] for item in items if 'shape' in item]
+        as_points = re.search(r'np\.\w+\(\[?%s\b' % name, source) is not None
+        if (len(shape) == 1 and shape != [2]) or (items and all(item['type'] in NUMBERS for item in items)):
+            return ('%s has %d numbers in it, and no points. If they are places in the list of centers, as '
+                    'argmin gives them, take the centers there: centers[%s].'
+                    % (name, shape[0] if shape else what['length'], name))
+        if shape == [2]:
+            return '%s is one point alone. A polygon is an array of all four, of shape (4, 2).' % name
+        if as_points and shapes and shapes[0] not in ([2], [1, 2]):
+            return ('each of %s has the shape %s, but a point has (2,): its x and its y. quad[0].mean(axis=0) '
+                    'is the center of a tag, if quad is one of the corners that detectMarkers gives.'
+                    % (name, tuple(shapes[0])))
+        if shape[-1:] == [2]:
+            if 'float' in source:
+                continue
+            if 'int32' in source or 'int)' in source or what['dtype'] in ('int32', 'int64'):
+                if '[%s' % name in source or '[np.' in source:
+                    continue
+                return ('cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].'
+                        % (function, name))
+            return ('cv2.%s wants whole numbers, of int32, and %s is of %s: [np.int32(%s)].' % (
+                function, name, what['dtype'], name))
+        if as_points and shapes and '[np.' not in source:
+            return ('cv2.%s wants a list of polygons, with brackets around each: [np.int32(%s)].'
+                    % (function, name))
     return ''
 
 
@@ -61,10 +86,10 @@ def short(text: str) -> str:
     text = re.sub(r': \{anonymous\}.*', '', text)
     parts = []
     for said in re.split(r' > - ', ' ' + text):  # the same is said of each overload
-        part = said.strip(' >-')
+        part = said.strip(' >-:')
         if part and part not in parts:
             parts.append(part)
-    return '; '.join(parts[:2])[:200].rstrip(' .')
+    return '; '.join(parts[:2])[:200].rstrip(' .:')
 
 
 SENTENCES = (
@@ -107,10 +132,18 @@ SENTENCES = (
     ((r'(findHomography|getPerspectiveTransform).*(npoints|checkVector|count|total|src|Input)|'
       r'at least 4|calibration.*>= 4|The input arrays should be 2D or 3D point sets|'
       r'src\.checkVector\(2, CV_32F\) == 4'),
-     ('%(name)s needs as many points on both sides, at least four each: arrays of 4 x 2 numbers, '
+     ('%(name)s needs as many points on both sides, four each, as arrays of 4 x 2 numbers of float32: '
       'np.float32(points).')),
     (r'warpPerspective.*(M0|matrix|rows == 3)|\(M0\.type|M0\.rows',
-     'cv2.warpPerspective needs a matrix of 3 x 3. findHomography returns two values: matrix, status.'),
+     ('cv2.warpPerspective needs a matrix of 3 x 3, as findHomography returns it first, and status second. '
+      'getAffineTransform makes one of 2 x 3, which cannot show a slanted wall.')),
+    (r"detectMarkers.*'(corners|ids)'",
+     ('the third argument of cv2.aruco.detectMarkers is not the parameters. Name them: '
+      'parameters=parameters.')),
+    (r'Expected cv::aruco::Dictionary',
+     ('%(name)s wants the dictionary first. Are arguments exchanged? It is generateImageMarker(dictionary, id, '
+      'size), and ArucoDetector(dictionary, parameters).')),
+    (r"putText.*'text'", '%(name)s writes a text, and a number is none: str(number) makes one of it.'),
     (r'_in\.channels\(\)|in\.channels\(\) == 1|detectMarkers.*channel',
      'the search for tags needs a gray or a colored image of uint8.'),
     (r'drawDetectedMarkers.*(ids|corners) is not ',

@@ -30,7 +30,8 @@ def fit_of(values: Values) -> str:
             one, first['dtype'], other, second['dtype'])
     what = '%s is %s, and %s is %s.' % (one, size_of(a), other, size_of(b))
     if a[:2] == b[:2]:
-        return what + ' cv2.merge([gray, gray, gray]) makes three channels of a gray image.'
+        gray = one if len(a) == 2 else other
+        return what + ' cv2.merge([%s, %s, %s]) has three channels.' % (gray, gray, gray)
     if a[:2] == b[1::-1]:
         return what + (' Height and width are exchanged: arrays take the height first, (h, w), but '
                        'cv2.resize and cv2.warpPerspective take (w, h).')

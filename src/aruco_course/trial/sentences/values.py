@@ -21,8 +21,8 @@ def fault_of_value(what: dict[str, Any], names: Sequence[str], number: int, path
     if kind == 'NoneType':
         definition = top_functions(read_tree(path)).get(function)
         if definition and not any(isinstance(node, ast.Return) and node.value for node in ast.walk(definition)):
-            return Fault('%s returns nothing: it lacks the line "%s" at its end.' % (function, wanted),
-                         'Line %d' % definition.lineno)
+            return Fault('%s returns nothing: it lacks the line "%s" at its end, with the names that the '
+                         'result has in your code.' % (function, wanted), 'Line %d' % definition.lineno)
         return Fault('%s returned None here. Each way through the function must end with '
                      '"%s".' % (function, wanted),
                      place)
