@@ -1,10 +1,14 @@
 """The check of a node as its users start it: check.test, and check_node.py, which needs no roscore."""
+import json
 import os
 import subprocess
 from xml.etree import ElementTree
 
 import pytest
 from aruco_course.black_box.verdict import NodeVerdict, command_for_node
+from aruco_course.exercises import CHECKS
+from aruco_course.learner.package import start
+from course.corpus import FOLDER
 from rig.nodes.learners import learners_node
 from rig.processes.started import WAIT_S
 
@@ -36,6 +40,20 @@ def test_a_verdict_needs_no_roscore(tmp_path):
     assert done.returncode == 1 and 'give image:=/polygon' in verdict.fault, done
     right = run(*command_for_node('5.4', node, image='/polygon'))
     assert right.returncode == 0 and NodeVerdict.of_output(right.stdout).passed, right
+
+
+def test_a_node_without_the_function_is_judged_alone(tmp_path):
+    package = start(str(tmp_path / 'my_unit5'), CHECKS).package
+    with open(os.path.join(FOLDER, 'right', 'course5_4.py')) as file:
+        code = file.read().replace('order_centers', 'my_own_way')
+    with open(package.path('src', 'exercise5_4.py'), 'w') as file:
+        file.write(code)
+    learn = 'rosrun', 'unit5', 'learn.py', '--package', package.folder, 'check', '5.4'
+    alone = run(*learn)
+    assert alone.returncode == 1 and 'no function order_centers' in alone.stdout, alone
+    done = run(*learn, '--node')
+    assert done.returncode == 0 and 'The node is right.' in done.stdout, done
+    assert json.loads(run(*learn[:-2], 'report').stdout)['done'] == 1
 
 
 @pytest.mark.parametrize('arguments, words', [
