@@ -67,13 +67,11 @@ def with_pictures(views: Sequence[View]) -> tuple[View, ...]:
 
 def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
     """Why a View's picture is not painted into its area, or None. ``before``: the Sights before it."""
-    shown, canvas = sight.shown, _canvas_of(sight)
-    wrong = _wrong(canvas, sight)
-    touched = changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags
-    fault = sight.drawing.fault
-    inside_wrong = np.mean(wrong[sight.inside]) > WRONG
-    if not inside_wrong and np.mean(touched) <= TOUCHED:
+    if is_painted(sight):
         return None
+    shown, canvas, fault = sight.shown, _canvas_of(sight), sight.drawing.fault
+    wrong, touched = _wrong(canvas, sight), _touched(sight)
+    inside_wrong = np.mean(wrong[sight.inside]) > WRONG
     if fault is not None and 'wide' in fault.what:
         return fault
     expected = canvas.painted()
@@ -93,6 +91,17 @@ def picture_fault(sight: Sight, before: Sequence[Sight]) -> Fault | None:
                 'is.'
                 % where(touched, sight))
     return Fault(what, place_of(shown), shown, expected, marked)
+
+
+def is_painted(sight: Sight) -> bool:
+    """Whether a View's picture is in its area, and nothing else is changed."""
+    wrong = _wrong(_canvas_of(sight), sight)
+    return bool(np.mean(wrong[sight.inside]) <= WRONG and np.mean(_touched(sight)) <= TOUCHED)
+
+
+def _touched(sight: Sight) -> Booleans:
+    """(h, w): where the frame is changed outside of the area, and not at the tags."""
+    return np.asarray(changed(sight.drawing.image, sight.drawing.frame) & sight.outside & ~sight.near_tags)
 
 
 @dataclass(frozen=True, eq=False)

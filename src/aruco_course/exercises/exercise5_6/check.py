@@ -7,7 +7,7 @@ from typing import Sequence
 from aruco_course.check import Check, Fault, Shown, View
 from aruco_course.judge.area_challenges import area_challenges, untouched
 from aruco_course.judge.areas import Sight, sight_of, turned_sight
-from aruco_course.judge.pictures import own_picture, picture_fault, with_pictures
+from aruco_course.judge.pictures import is_painted, own_picture, picture_fault, with_pictures
 from aruco_course.judge.views import area_views
 
 TASK = (
@@ -42,9 +42,9 @@ def judge(shown: Sequence[Shown]) -> Fault | None:
 def judge_turned(shown: Sequence[Shown]) -> Fault | None:
     """The same for frames that are turned so much that either of two corners is the area's top left one."""
     for one in shown:
-        faults = [picture_fault(turned_sight(sight_of(one), turned), ()) for turned in (0, 1, 3)]
-        if all(faults):
-            return faults[0]
+        sight = sight_of(one)
+        if not any(is_painted(turned_sight(sight, turned)) for turned in (0, 1, 3)):
+            return picture_fault(sight, ())
     return None
 
 
