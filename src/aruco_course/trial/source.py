@@ -13,6 +13,8 @@ from .names import Function, called, imported, other_names, read_tree, top_funct
 
 LARGEST = 1 << 20  # bytes
 NO_FUNCTIONS = 'cv2', 'numpy', 'sensor_msgs.msg', 'std_msgs.msg'  # of which many import *
+# What Python before 3.10 calls invalid syntax.
+NO_COLON = re.compile(r'\s*(def|class|if|elif|else|for|while|try|with)\b[^:]*$')
 EXERCISES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), 'exercises')
 
 
@@ -93,7 +95,7 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
     if 'was never closed' in message or 'unexpected EOF' in message:
         return Fault('a bracket that begins here, or before, is never closed (Python says: '
                      '%s).' % message, place)
-    if "expected ':'" in message:
+    if "expected ':'" in message or (message == 'invalid syntax' and NO_COLON.match(line)):
         return Fault('a colon (:) is missing at the end of this line.', place)
     if line.strip().startswith('return') and 'outside function' in message:
         return Fault('this return is outside of the function. Is the line indented as the others in it?', place)

@@ -182,7 +182,7 @@ WRONG = [
           edits=[(DRAW, 'frame_markers = cv2.putText(image, ids[0], (9, 30), 0, 1, (0, 255, 0))')],
           place='Line'),
     Wrong(what='The parameters come first, and the dictionary second.',
-          says='OpenCV wants the dictionary first. Are arguments exchanged? It is '
+          says='… wants the dictionary first. Are arguments exchanged? It is '
                'generateImageMarker(dictionary, id, size), and ArucoDetector(dictionary, parameters).',
           edits=[('ArucoDetector(aruco_dict, parameters)', 'ArucoDetector(parameters, aruco_dict)')],
           place='Line'),

@@ -21,20 +21,20 @@ WRONG = [
                "same order…",
           edits=[(HOMOGRAPHY, HOMOGRAPHY.replace('params_2', 'params'))]),
     Wrong(what='The picture is mirrored.',
-          says='Your picture is mirrored: its left and its right are exchanged.',
+          says='Your picture is mirrored: its left and its right are exchanged…',
           edits=[(CORNERS, '[[width, 0], [0, 0], [width, height], [0, height]]')]),
     Wrong(what='The picture is upside down and mirrored: its bottom corners come first.',
-          says='Your picture is upside down and mirrored: its top and its bottom are exchanged.',
+          says='Your picture is upside down and mirrored: its top and its bottom are exchanged…',
           edits=[(CORNERS, '[[0, height], [width, height], [0, 0], [width, 0]]')]),
     Wrong(what='The picture is upside down: its corners come in the opposite order.',
-          says='Your picture is upside down: it is turned by 180 degrees.',
+          says='Your picture is upside down: it is turned by 180 degrees…',
           edits=[(CORNERS, '[[width, height], [0, height], [width, 0], [0, 0]]')]),
     Wrong(what='The picture is turned by a quarter.',
           says='Your picture is turned by a quarter, counterclockwise: its top left corner is at the '
-               'bottom left.',
+               'bottom left…',
           edits=[(CORNERS, '[[width, 0], [width, height], [0, 0], [0, height]]')]),
     Wrong(what="x and y of the picture's corners are exchanged.",
-          says='Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?',
+          says='Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?…',
           edits=[(CORNERS, '[[0, 0], [0, height], [width, 0], [width, height]]')]),
     Wrong(what='Width and height of the picture are exchanged.',
           says="Your picture is stretched: its width and height are exchanged. An array's shape is "
@@ -118,8 +118,9 @@ WRONG = [
           edits=[(HOMOGRAPHY, 'hom = cv2.getAffineTransform(*np.float32([coordinates[:3], params_2[:3]]))'),
                  (WARP, WARP.replace('warpPerspective', 'warpAffine'))]),
     Wrong(what='The centers are not in order.',
-          says='Your picture is twisted: its corners go to the tags …, in the order top left, top right, '
-               "bottom right, bottom left. List the picture's corners and the centers in the same order.",
+          says="Your picture is twisted: its corners go to the tags …, in the order top left, top "
+               "right, bottom right, bottom left. List the picture's corners and the centers in the "
+               "same order…",
           edits=[('params_2 = order_coordinates(params, True)', 'params_2 = params'),
                  ('params = order_coordinates(params, False)', 'pass')]),
     Wrong(what='The first corners of the tags instead of their centers.',
