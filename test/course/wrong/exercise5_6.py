@@ -34,7 +34,7 @@ WRONG = [
                'bottom left…',
           edits=[(CORNERS, '[[width, 0], [width, height], [0, 0], [0, height]]')]),
     Wrong(what="x and y of the picture's corners are exchanged.",
-          says='Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?…',
+          says='Your picture is mirrored and turned: its rows are columns. Are x and y exchanged…',
           edits=[(CORNERS, '[[0, 0], [0, height], [width, 0], [width, height]]')]),
     Wrong(what='Width and height of the picture are exchanged.',
           says="Your picture is stretched: its width and height are exchanged. An array's shape is "
