@@ -61,7 +61,11 @@ class Fault:
     marked: Booleans | None = None
 
     def __str__(self) -> str:
-        return '%s: %s' % (self.place, self.what) if self.place else self.what[:1].upper() + self.what[1:]
+        if not self.place:
+            return self.what[:1].upper() + self.what[1:]
+        first = self.what.split(' ', 1)[0]
+        is_name = any(letter.isupper() for letter in first[1:])  # such as OpenCV
+        return '%s: %s' % (self.place, self.what if is_name else self.what[:1].lower() + self.what[1:])
 
 
 @dataclass(frozen=True)

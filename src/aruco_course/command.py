@@ -176,7 +176,7 @@ def _check_one(course: Course, check: Exercise, options: argparse.Namespace, scr
     for number, (tried, fault) in enumerate(try_challenges(check, course.package.folder)):
         if not number:
             say.challenges_begin(screen)
-        say.challenge(screen, tried, fault)
+        say.challenge(screen, course, check, tried, fault)
         course.note_challenge(check, tried, fault)
     if options.on and not is_bag:
         screen.text()

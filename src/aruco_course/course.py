@@ -8,9 +8,11 @@ from typing import Sequence
 
 import cv2
 from aruco_ar import InputError
+from aruco_ar.base.arrays import Image
 from aruco_ar.base.files import read_whole, write_whole
 
 from .check import Challenge, Exercise, Fault
+from .judge.verdict_picture import verdict_picture
 from .learner import package as learner
 from .learner.package import MAX_SOURCE_BYTES, Package
 from .learner.progress import Progress, changed, now, read
@@ -70,12 +72,15 @@ class Course:
         """Write the picture of the newest verdict, if there is one. Returns it as a PNG."""
         if verdict.picture is None:
             return None
-        data: bytes = cv2.imencode('.png', verdict.picture)[1].tobytes()
+        data = _png(verdict.picture)
         write_whole(self.package.picture(check), data)
         return data
 
     def note_challenge(self, check: Exercise, challenge: Challenge, fault: Fault | None) -> None:
-        """Note whether the code survives a challenge."""
+        """Note whether the code survives a challenge, and write a picture of it if not."""
+        picture = None if fault is None else verdict_picture(fault, None)
+        if picture is not None:
+            write_whole(self.package.challenge_picture(check, challenge), _png(picture))
         with changed(self.package) as progress:
             progress.of(check.number).challenges[challenge.name] = fault is None
 
@@ -123,3 +128,8 @@ class Course:
             return hashlib.sha256(read_whole(self.package.source(check), MAX_SOURCE_BYTES)).hexdigest()
         except InputError:
             return ''
+
+
+def _png(image: Image) -> bytes:
+    data: bytes = cv2.imencode('.png', image)[1].tobytes()
+    return data

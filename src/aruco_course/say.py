@@ -55,13 +55,16 @@ def challenges_begin(screen: Screen) -> None:
     screen.text('Challenges. It is right without them, but a robot will meet them:')
 
 
-def challenge(screen: Screen, tried: Challenge, fault: Fault | None) -> None:
+def challenge(screen: Screen, course: Course, check: Exercise, tried: Challenge, fault: Fault | None) -> None:
     """Whether the code survives a challenge, and if not, why."""
     if fault is None:
         screen.right('%s: yours survives it.' % _upper(tried.name))
         return
     screen.open('%s: yours does not survive it.' % _upper(tried.name))
     screen.text('%s %s' % (fault, tried.why), indent=0 if screen.is_plain else 2)
+    if fault.shown is not None:
+        path = shortest(course.package.challenge_picture(check, tried))
+        screen.text('Its picture: %s' % path, 'dim', indent=0 if screen.is_plain else 2)
 
 
 def passed(screen: Screen, course: Course, check: Exercise) -> None:

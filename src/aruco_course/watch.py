@@ -131,7 +131,7 @@ class Watch:
             for tried, fault in try_challenges(check, course.package.folder):
                 if not self._challenges:
                     say.challenges_begin(screen)
-                say.challenge(screen, tried, fault)
+                say.challenge(screen, course, check, tried, fault)
                 self._challenges.append((tried, fault))
                 course.note_challenge(check, tried, fault)
                 if self._is_over():
@@ -156,7 +156,7 @@ class Watch:
             for number, (tried, fault) in enumerate(self._challenges):
                 if not number:
                     say.challenges_begin(screen)
-                say.challenge(screen, tried, fault)
+                say.challenge(screen, course, check, tried, fault)
             self._show_end()
 
     def _show_end(self) -> None:

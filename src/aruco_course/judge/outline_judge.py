@@ -135,6 +135,10 @@ def _outline_fault(faulty: Sequence[Scene], scenes: Sequence[Scene]) -> Fault:
         if all(right == (tag_id < 50) for tag_id, right in done):
             return _expected_fault('the tags with ids from 50 on are not outlined: %s. Does the dictionary '
                                    'have them, as DICT_6X6_250 does?' % words(lost), scene)
+        if all(_most([outlined(some.changed, quad, True, NEAR_PX) for quad in _wrapped(some)])
+               for some in faulty):
+            return _expected_fault('the outlines of tags on the right, or below, are elsewhere: their corners '
+                                   'are numbers beyond 255, where uint8 ends. Use int32.', scene)
         if all(sum(outlines(some)) == 1 for some in faulty):
             return _expected_fault('only one tag is outlined, not %s. Draw in a loop over all of them, and '
                                    'return behind it.'
@@ -168,6 +172,13 @@ def _scaled(factor: float) -> Callable[[Scene], Iterator[Floats]]:
             if np.all(quad < scene.changed.shape[1::-1]):
                 yield quad
     return quads
+
+
+def _wrapped(scene: Scene) -> Iterator[Floats]:
+    """The corners of tags beyond 255, as uint8 has them."""
+    for quad in scene.corners:
+        if quad.max() >= 256:
+            yield np.trunc(quad) % 256
 
 
 def _upright(scene: Scene) -> Iterator[Floats]:
@@ -230,7 +241,7 @@ def _what_is_missing(scene: Scene) -> str:
         return 'something is drawn, but nowhere near a tag.'
     if not any(any(_sides(scene, quad)) for quad in scene.corners):
         return ('the tags are not outlined, though something is drawn there. Draw lines from each corner of a '
-                'tag to the next.')
+                'tag to the next. The corners are the first of what detectMarkers returns.')
     return 'the outlines are not on the edges of the tags.'
 
 
@@ -258,7 +269,7 @@ def ids_fault(scenes: Sequence[Scene]) -> Fault | None:
         written = _written(first, scene)
         if written.sum() < LEAST_WRITTEN:
             pair = first.ids[place], scene.ids[place]
-            what = 'the id of tag %d is not written.' % pair[1]
+            what = 'the id of tag %d is not written at it, or beside it.' % pair[1]
             if _something_written(scene, place):
                 what = ('the same is written for the ids %d and %d. Write the id of each tag at it, not its '
                         'position in the list, nor the id of another.' % pair)
@@ -282,6 +293,9 @@ def _places_fault(first: Scene, others: Sequence[Scene], places: Sequence[Intege
         nearest = np.bincount(distances.argmin(axis=1), minlength=len(first.centers))
         if np.median(distances.min(axis=1)) > BESIDE[0] * first.side + BESIDE[1]:
             return _written_fault('the ids are written, but not beside their tags.', scene, place)
+        if np.count_nonzero(nearest > 0.5 * nearest.max()) > 2:
+            return _written_fault('all ids are written at each tag, or several of them. At each belongs its '
+                                  'own alone: str(ids[i][0]).', scene, place)
         if nearest.argmax() != place:
             return _written_fault(
                 'the id %d is written at tag %d. Take the corners and the id from the same position of their '

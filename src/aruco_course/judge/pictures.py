@@ -234,7 +234,8 @@ TURNS = {
                   'left.',
     (1, 0, 3, 2): 'Your picture is mirrored: its left and its right are exchanged.',
     (3, 2, 1, 0): 'Your picture is upside down and mirrored: its top and its bottom are exchanged.',
-    (0, 3, 2, 1): 'Your picture is mirrored and turned: its rows are columns. Are x and y exchanged?',
+    (0, 3, 2, 1): 'Your picture is mirrored and turned: its rows are columns. Are x and y exchanged, '
+                  "or do the picture's corners go the other way around?",
     (2, 1, 0, 3): 'Your picture is mirrored and turned: its top left corner is at the bottom right, and the '
                   'other two have stayed.',
 }
@@ -354,7 +355,7 @@ def _others(canvas: Canvas) -> Iterator[Explanation]:
                           'large.'
                           % factor, canvas.to_area(factor * width, factor * height))
     homography = canvas.to_area()
-    backward = ('The homography goes the wrong way, from the area to the picture. cv2.findHomography takes the '
+    backward = ('The homography goes the wrong way, from the area to the picture. Take the '
                 "picture's corners first, then the centers.")
     to_small = np.diag([canvas.picture.shape[1] / width, canvas.picture.shape[0] / height, 1.0])
     whole: Floats = homography @ to_small  # from the true picture's pixels

@@ -139,14 +139,17 @@ def _by(key: Callable[[Scene], Floats]) -> Callable[[Scene], list[int]]:
 RULES: Sequence[tuple[str, Callable[[Scene], list[int]]]] = (
     ('That is the order in which they were found.', lambda scene: scene.found),
     ('That is sorted by id, which says nothing of where a tag is.', _by(lambda scene: np.array(scene.ids))),
-    (('That is column by column, as if sorted by x or by x + y alone: it takes a '
-      'second number to tell the corners apart.'), _by(lambda scene: scene.centers[:, 0])),
+    (('That is column by column, as if sorted by x or by x + y alone. Four corners need two numbers, such as '
+      'x + y and y - x, or the angle around their middle, np.arctan2.'),
+     _by(lambda scene: scene.centers[:, 0])),
     ('That is row by row, as if sorted by y alone: after the top right comes the bottom right.',
      _by(lambda scene: scene.centers[:, 1])),
     ('That is sorted by x + y alone: it takes a second number to tell the corners apart.',
      _by(lambda scene: scene.centers.sum(axis=1))),
     ('That is sorted by y - x alone: it takes a second number to tell the corners apart.',
      _by(lambda scene: scene.centers[:, 1] - scene.centers[:, 0])),
+    ('That is sorted by the angle around (0, 0). Take it around their middle, the mean of the four.',
+     _by(lambda scene: np.arctan2(scene.centers[:, 1], scene.centers[:, 0]))),
     ('That is row by row: after the top right comes the bottom right.',
      lambda scene: [int(index) for index in _around(scene)[[0, 1, 3, 2]]]),
 )

@@ -9,7 +9,7 @@ from typing import Iterable, NamedTuple
 from aruco_ar import InputError
 from aruco_ar.base.files import package_folder, read_whole, write_whole
 
-from aruco_course.check import Exercise
+from aruco_course.check import Challenge, Exercise
 
 BEGIN, END = '### BEGIN SOLUTION', '### END SOLUTION'
 TO_DO = '# Your code comes here.'
@@ -61,6 +61,11 @@ class Package:
     def picture(self, check: Exercise) -> str:
         """The full path of the newest picture of an exercise's verdict."""
         return self.path(HIDDEN, 'pictures', check.number.replace('.', '_') + '.png')
+
+    def challenge_picture(self, check: Exercise, challenge: Challenge) -> str:
+        """The full path of the picture of a challenge that the code does not survive."""
+        return self.path(HIDDEN, 'pictures', '%s_%s.png' % (check.number.replace('.', '_'),
+                                                           challenge.name.replace(' ', '_')))
 
     def passed_picture(self, check: Exercise) -> str:
         """The full path of the picture of when the exercise was right."""

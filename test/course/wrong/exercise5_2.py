@@ -38,14 +38,14 @@ WRONG = [
           says='the tags are outlined, but their ids are not written.',
           edits=[(DRAW, 'frame_markers = aruco.drawDetectedMarkers(image.copy(), corners)')]),
     Wrong(what='Ids without outlines.',
-          says='the tags are not outlined, though something is drawn there. Draw lines from each corner of'
-               ' a tag to the next.',
+          says='the tags are not outlined, though something is drawn there. Draw lines from each '
+               'corner of a tag to the next. The corners are the first of what detectMarkers returns.',
           edits=[NUMPY, (DRAW, '''frame_markers = image
     for c, number in zip(corners, ids.ravel()):
         cv2.putText(image, str(number), np.int32(c[0].mean(axis=0)).tolist(), 0, 0.6, 255, 2)''')]),
     Wrong(what='A dot in the center of each tag, and no outline.',
-          says='the tags are not outlined, though something is drawn there. Draw lines from each corner of'
-               ' a tag to the next.',
+          says='the tags are not outlined, though something is drawn there. Draw lines from each '
+               'corner of a tag to the next. The corners are the first of what detectMarkers returns.',
           edits=[NUMPY, (DRAW, '''frame_markers = image
     for c in corners:
         cv2.circle(image, np.int32(c[0].mean(axis=0)).tolist(), 5, (0, 0, 255), -1)''')]),
@@ -186,4 +186,19 @@ WRONG = [
                'generateImageMarker(dictionary, id, size), and ArucoDetector(dictionary, parameters).',
           edits=[('ArucoDetector(aruco_dict, parameters)', 'ArucoDetector(parameters, aruco_dict)')],
           place='Line'),
+    Wrong(what='All ids are written at each tag.',
+          says='all ids are written at each tag, or several of them. At each belongs its own alone: '
+               'str(ids[i][0]).',
+          edits=[(DRAW, '''frame_markers = image.copy()
+    for quad in corners:
+        points = quad[0].astype(int)
+        cv2.polylines(frame_markers, [points], True, (0, 255, 0), 2)
+        cv2.putText(frame_markers, str(ids.ravel()), tuple(points[0].tolist()), 0, 0.5, (0, 0, 255), 2)''')]),
+    Wrong(what='Corners as uint8, which ends at 255.',
+          says='the outlines of tags on the right, or below, are elsewhere: their corners are numbers beyond '
+               '255, where uint8 ends. Use int32.',
+          edits=[(DRAW, '''frame_markers = image.copy()
+    for quad in corners:
+        points = quad[0].astype(int).astype('uint8').astype(int)
+        cv2.polylines(frame_markers, [points], True, (0, 255, 0), 2)''')]),
 ]

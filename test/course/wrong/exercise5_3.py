@@ -139,4 +139,8 @@ WRONG = [
           edits=[(APPEND, 'params.append(c.mean(axis=1))'),
                  ('    params = np.array(params)\n', ''), (DRAW, DRAW.replace('params', 'np.int32(params)'))],
           place='Line'),
+    Wrong(what='An array is the key of a dict.',
+          says='an array cannot be a key. Take the number in it, such as int(ids[i][0]).',
+          edits=[('        c = corners[i][0]\n', '        c = corners[i][0]\n        {}[ids[i]] = c\n')],
+          place='Line'),
 ]

@@ -33,14 +33,14 @@ WRONG = [
           edits=[ALONE, (SECOND, ''), ('len(params) >= 4', 'len(params) > 4'),
                  (ORDER, ORDER + '\n        cv2.drawContours(image, [params], -1, (255, 0, 150), -1)')]),
     Wrong(what='They are ordered by x alone.',
-          says='your polygon crosses itself. Its corners come in the order of the tags …. That is column '
-               'by column, as if sorted by x or by x + y alone: it takes a second number to tell the '
-               'corners apart.',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is '
+               'column by column, as if sorted by x or by x + y alone. Four corners need two numbers,'
+               ' such as x + y and y - x, or the angle around their middle, np.arctan2.',
           edits=[ALONE, (ORDER, 'params = params[np.argsort(params[:, 0])]')]),
     Wrong(what='They are ordered by their distance to the top left corner of the image.',
-          says='your polygon crosses itself. Its corners come in the order of the tags …. That is column '
-               'by column, as if sorted by x or by x + y alone: it takes a second number to tell the '
-               'corners apart.',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is '
+               'column by column, as if sorted by x or by x + y alone. Four corners need two numbers,'
+               ' such as x + y and y - x, or the angle around their middle, np.arctan2.',
           edits=[ALONE, (ORDER, 'params = np.array(sorted(params, key=np.linalg.norm))')]),
     Wrong(what='Row by row: top left, top right, bottom left, bottom right.',
           says='your polygon crosses itself. Its corners come in the order of the tags …. That is row by '
@@ -122,7 +122,7 @@ WRONG = [
                ' append in the loop, or behind it?',
           edits=[ALONE, (SECOND, SECOND.replace('image,', 'image.copy(),'))]),
     Wrong(what='Each tag has its place by its id, and the ids are those of the wall at hand.',
-          says='there is no 2 in this dictionary. Is it an id? A tag may have any, so count on none.',
+          says='this dict has no key 2. Is it an id? A tag may have any, so count on none.',
           edits=[ALONE, (ORDER, '''places = dict(zip(ids.ravel().tolist(), params))
         params = np.array([places[1], places[2], places[3], places[4]])''')],
           place='Line'),
@@ -182,4 +182,11 @@ WRONG = [
                'point[0], for example.',
           edits=[('params = order_coordinates(params)', 'params = sorted(params)')],
           place='Line'),
+    Wrong(what='They are ordered by the angle around the corner of the image, not around their middle.',
+          says='your polygon crosses itself. Its corners come in the order of the tags …. That is sorted by '
+               'the angle around (0, 0). Take it around their middle, the mean of the four.',
+          base='solution',
+          edits=[(('ordered = centers[[np.argmin(total), np.argmin(difference), np.argmax(total), '
+                  'np.argmax(difference)]]'),
+                  'ordered = centers[np.argsort(np.arctan2(centers[:, 1], centers[:, 0]))]')]),
 ]

@@ -41,8 +41,8 @@ WRONG = [
                '(height, width), and a corner is (x, y), so the bottom right one is (width, height).',
           edits=[('height, width = paint.shape[:2]', 'width, height = paint.shape[:2]')]),
     Wrong(what='The homography goes the other way.',
-          says='The homography goes the wrong way, from the area to the picture. cv2.findHomography takes '
-               "the picture's corners first, then the centers.",
+          says="The homography goes the wrong way, from the area to the picture. Take the picture's "
+               "corners first, then the centers.",
           edits=[(HOMOGRAPHY, 'hom, status = cv2.findHomography(params_2, coordinates)')]),
     Wrong(what='The size for warpPerspective is height, width.',
           says='the two images do not fit together: warped_image is 336 x 448 pixels, 3 channels, and '

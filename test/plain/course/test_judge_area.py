@@ -114,7 +114,7 @@ def outlined(image):
     (of_mask(lambda mask, image: mask // 255), 'White is 255'),
     (of_mask(lambda mask, image: mask // 2), 'the color (127, 127, 127)'),
     (of_mask(lambda mask, image: masked(image, ordered(image), (255, 0, 150))), 'the color (255, 0, 150)'),
-    (of_mask(lambda mask, image: outlined(image)), 'Only the outline'),
+    (of_mask(lambda mask, image: outlined(image)), 'only the outline'),
     (of_mask(cv2.add), "shows the camera's image"),
 ])
 def test_wrong_mask_is_named(function, says):
@@ -128,8 +128,8 @@ def test_wrong_mask_is_named(function, says):
     (lambda image, mask: image - mask, "NumPy's minus"),
     (cv2.add, 'the mask was added'),
     (cv2.absdiff, 'negative'),
-    (lambda image, mask: cv2.subtract(mask, image), 'You subtract the image from the mask'),
-    (cv2.bitwise_and, 'Only the area is left'),
+    (lambda image, mask: cv2.subtract(mask, image), 'you subtract the image from the mask'),
+    (cv2.bitwise_and, 'only the area is left'),
     (lambda image, mask: np.zeros_like(image), 'black all over'),
     (lambda image, mask: np.where(mask > 0, np.uint8((200, 0, 150)), image), 'has a color'),
     (lambda image, mask: cv2.addWeighted(image, 1, mask, -0.3, 0), 'only darker'),
@@ -145,7 +145,7 @@ def test_wrong_image_is_named(make, says):
 
 
 def test_exchanged_outputs_are_named():
-    assert 'You return the image first' in said(lambda image: solve(image)[::-1])
+    assert 'you return the image first' in said(lambda image: solve(image)[::-1])
 
 
 def test_outputs_of_different_size_are_named():

@@ -56,7 +56,7 @@ def test_more_tags_and_a_sheet_of_all_pass(judge):
     (lambda tag_id: draw(tag_id, dictionary='DICT_4X4_50'), 'a tag of DICT_4X4, but'),
     (lambda tag_id: draw(tag_id, dictionary='DICT_5X5_100'), 'a tag of DICT_5X5, but'),
     (lambda tag_id: draw(tag_id, dictionary='DICT_APRILTAG_36h11'), 'a tag of DICT_APRILTAG_36H11, but'),
-    (lambda tag_id: cv2.bitwise_not(draw(tag_id)), 'Black and white are exchanged'),
+    (lambda tag_id: cv2.bitwise_not(draw(tag_id)), 'black and white are exchanged'),
     (lambda tag_id: cv2.flip(draw(tag_id), 1), 'mirrored'),
     (lambda tag_id: draw(tag_id, 800)[100:700, 100:700], 'black border around the tag is missing'),
     (lambda tag_id: draw(tag_id, border=2), '2 cells wide'),
@@ -75,7 +75,7 @@ def test_mistake_in_a_file_is_named_with_the_file(judge, change, says):
 @pytest.mark.parametrize('ids, says', [
     ((0, 1, 2, 3), 'range(4) begins at 0'), ((1, 2, 3), 'Tag 4 is missing: range(1, 4)'),
     ((1, 1, 1, 1), 'All files show tag 1'), ((10, 20, 30, 40), 'The files show the tags 10, 20, 30, 40'),
-    ((1, 2, 4, 3), 'Tags/image_3.jpg: It shows tag 4'), ((1, 2, 4), 'Tag 3 is missing'),
+    ((1, 2, 4, 3), 'Tags/image_3.jpg: it shows tag 4'), ((1, 2, 4), 'Tag 3 is missing'),
 ])
 def test_wrong_ids_are_named(judge, ids, says):
     assert says in judge(four(ids=ids))
@@ -95,7 +95,7 @@ def test_older_files_are_told_from_new_ones(judge, tmp_path):
 def test_file_that_is_no_image_is_named(judge, tmp_path):
     judge(four())
     (tmp_path / 'Tags' / 'image_2.jpg').write_bytes(b'')
-    assert judge({}) == 'Tags/image_2.jpg: It is no image that can be read.'
+    assert judge({}) == 'Tags/image_2.jpg: it is no image that can be read.'
 
 
 def test_what_imwrite_refused_is_said(tmp_path):

@@ -59,7 +59,7 @@ MISTAKES = [
     (['corners, ids = 1, 2, 3'], 'more values'),
     (['a, b = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(0)).detectMarkers(image)'],
      'three values'),
-    (['{1: 2}[3]'], 'no 3 in this dictionary'),
+    (['{1: 2}[3]'], 'no key 3'),
     (['os.path'], '"import os" is missing'),
     (['math.pi'], '"import math" is missing'),
     (['if False:', '    center = 1', 'center'], 'center has no value here yet'),

@@ -131,7 +131,8 @@ def _mask_fault(shown: Shown, sight: Sight, before: Sequence[Sight]) -> Fault | 
         return fault('The area in your mask has the color (%d, %d, %d). White is (255, 255, 255): only what is '
                      'subtracted of all three makes black.' % tuple(color))
     if np.mean(lit) < 0.01:
-        return fault('Hardly anything of your mask is white: fill the whole polygon through the four centers.')
+        return fault('Hardly anything of your mask is white: fill the whole polygon through the four centers. '
+                     'cv2.fillPoly and cv2.drawContours take a list of polygons: [points].')
     if np.count_nonzero(not_black) > np.count_nonzero(not_white):
         return fault('Your mask is also white outside of the area, %s of it.' % where(not_black, sight))
     return fault('Your mask is not white in all of the area: something is missing '

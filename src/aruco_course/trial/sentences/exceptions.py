@@ -247,6 +247,15 @@ def of_type(error: Error) -> str:
         return 'a text and a number cannot be added. str(…) makes a text of a number.'
     if "'float' object cannot be interpreted as an integer" in message:
         return 'this must be a whole number: int(…), or // instead of /.'
+    if 'unhashable' in message and 'ndarray' in message:
+        return 'an array cannot be a key. Take the number in it, such as int(ids[i][0]).'
+    if 'return arrays must be of ArrayType' in message:
+        return 'this function of NumPy takes one argument. np.arctan2(y, x) takes two.'
+    if re.search('only (size-1|length-1) arrays', message):
+        return ('there is an array of several numbers where one is needed. corners[i][0] has all four corners '
+                'of a tag, corners[i][0][0] the first of them, and corners[i][0][0][0] its x.')
+    if 'not callable' in message and 'key=' in error.source:
+        return 'key= wants a function, which is called for each thing to be sorted: key=lambda point: ….'
     if "'tuple' object is not callable" in message or 'object is not callable' in message:
         return ('something that is no function is called here, with (…): %s. Are [ ] meant, or is a comma '
                 'missing?' % one_line(message))
@@ -323,8 +332,8 @@ def of_index(error: Error) -> str:
 def of_key(error: Error) -> str:
     key = one_line(error.message)[:100]
     if key.isdigit():
-        return 'there is no %s in this dictionary. Is it an id? A tag may have any, so count on none.' % key
-    return 'there is no %s in this dictionary.' % key
+        return 'this dict has no key %s. Is it an id? A tag may have any, so count on none.' % key
+    return 'this dict has no key %s.' % key
 
 
 def of_name(error: Error) -> str:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import re
 
-from .shapes import Values, fit_of
+from .shapes import Values, arrays_of, fit_of
 
 UNEQUAL = (r'Sizes of input arguments do not match|StsUnmatchedSizes|neither .array op array|'
            r'have different types|src1\.size|size\(\) == ')
@@ -32,6 +32,11 @@ def of_values(function: str, text: str, source: str, values: Values) -> str:
     if re.search(UNEQUAL, text):
         fit = fit_of(values)
         return 'the two images do not fit together: %s' % fit if fit else ''
+    if re.search("'(center|pt1|pt2|org)'", text):
+        for name, what in arrays_of(values).items():
+            if what['shape'][-2:] == [4, 2]:
+                return ('%s has four points, and here one is needed, as two whole numbers: (int(x), int(y)).'
+                        % name)
     if function in DRAWN:
         return of_points(function, source, values)
     for name, what in values.items():
@@ -54,7 +59,7 @@ def of_points(function: str, source: str, values: Values) -> str:
         if (len(shape) == 1 and shape != [2]) or (items and all(item['type'] in NUMBERS for item in items)):
             return ('%s has %d numbers in it, and no points. If they are places in the list of centers, as '
                     'argmin gives them, take the centers there: centers[%s].'
-                    % (name, shape[0] if shape else what['length'], name))
+                    % (name, shape[0] if shape else what['length'], 'places' if name == 'centers' else name))
         if shape == [2]:
             return '%s is one point alone. A polygon is an array of all four, of shape (4, 2).' % name
         if as_points and shapes and shapes[0] not in ([2], [1, 2]):
