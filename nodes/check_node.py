@@ -8,6 +8,7 @@ It returns 0 if the node is right, 1 if it is not, and 2 if that cannot be told.
 """
 import argparse
 import os
+import signal
 import sys
 from contextlib import ExitStack
 from xml.etree import ElementTree
@@ -47,6 +48,8 @@ def main(argv):
     args = parse([arg for arg in rospy.myargv(argv) if not arg.startswith('__')])
     options = Options(args.exercise, args.node, args.image, args.mask, args.picture, args.camera, args.bag,
                       args.verdict)
+    for name in signal.SIGTERM, signal.SIGHUP:  # the node ends with the check, also if its terminal is closed
+        signal.signal(name, lambda number, _: sys.exit(128 + number))
     with ExitStack() as stack:
         if not args.gtest_output:
             stack.enter_context(own_master())

@@ -27,8 +27,9 @@ def parse(argv):
 
 def newest_picture(package):
     """The newest picture of a verdict, (h, w, 3) BGR uint8, or None if there is none that can be read."""
+    names = os.path.join(escape(package), '.learn', 'pictures', '[0-9]_[0-9].png')
     try:
-        path = max(glob(os.path.join(escape(package), '.learn', 'pictures', '*.png')), key=os.path.getmtime)
+        path = max(glob(names), key=os.path.getmtime)
         return load_picture(path)[..., :3]
     except (ValueError, OSError, InputError):  # there is none, or it is just being replaced
         return None

@@ -1,6 +1,7 @@
 """What the check of an exercise consists of. Each exercise's check.py makes one."""
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Callable, Sequence
@@ -61,11 +62,12 @@ class Fault:
     marked: Booleans | None = None
 
     def __str__(self) -> str:
-        if not self.place:
-            return self.what[:1].upper() + self.what[1:]
         first = self.what.split(' ', 1)[0]
-        is_name = any(letter.isupper() for letter in first[1:])  # such as OpenCV
-        return '%s: %s' % (self.place, self.what if is_name else self.what[:1].lower() + self.what[1:])
+        if re.search('.[A-Z]|[_.]', first):  # a name, such as OpenCV, cv2.imread and detect_tags
+            what = self.what
+        else:
+            what = (self.what[:1].lower() if self.place else self.what[:1].upper()) + self.what[1:]
+        return '%s: %s' % (self.place, what) if self.place else what
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,10 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import os
+import shlex
+import signal
 import subprocess
 import sys
 from typing import Callable, Sequence
@@ -12,7 +15,7 @@ from aruco_ar.base.files import write_whole
 
 from . import say
 from .black_box.verdict import NodeVerdict, command_for_node
-from .check import Exercise, Fault
+from .check import Check, Exercise, Fault
 from .course import Course
 from .exercises import CHECKS
 from .learner import package as learner
@@ -43,6 +46,9 @@ def main(arguments: Sequence[str] | None = None, called: str = CALLED) -> int:
 
     ``called``: how this program is started, for what it says of itself.
     """
+    for name in 'SIGTERM', 'SIGHUP':  # such as when the terminal is closed: what was started is ended, too
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), lambda number, _: sys.exit(128 + number))
     options = _parser(called).parse_args(arguments)
     screen = Screen(sys.stdout, options.plain)
     try:
@@ -54,6 +60,9 @@ def main(arguments: Sequence[str] | None = None, called: str = CALLED) -> int:
         return RIGHT if options.run is _watch else 130
     except BrokenPipeError:  # such as: learn.py solution | head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return USAGE
+    except OSError as error:  # such as: the folder in which one is, is gone
+        Screen(sys.stderr, options.plain).text('The system refuses this: %s.' % error)
         return USAGE
 
 
@@ -139,7 +148,7 @@ def _start(options: argparse.Namespace, screen: Screen) -> int:
             screen.text('Left as they were: %s.' % ', '.join(started.kept))
     screen.text()
     screen.text('Open src/%s.py in an editor, and keep this open in a terminal:' % CHECKS[0].name)
-    screen.lines('cd %s' % say.shortest(package.folder))
+    screen.lines('cd %s' % shlex.quote(say.shortest(package.folder)))
     screen.lines(options.called)
     return RIGHT
 
@@ -178,7 +187,7 @@ def _check_one(course: Course, check: Exercise, options: argparse.Namespace, scr
             say.challenges_begin(screen)
         say.challenge(screen, course, check, tried, fault)
         course.note_challenge(check, tried, fault)
-    if options.on and not is_bag:
+    if options.on and not is_bag and (isinstance(check, Check) or options.exercise != 'all'):
         screen.text()
         recorded = judge_recording(check, course.package.folder, options.on)
         if recorded.fault is not None:
@@ -196,6 +205,8 @@ def _check_node(course: Course, check: Exercise, options: argparse.Namespace, sc
     """Start the node in a ROS of its own, and say what is wrong with what it publishes."""
     screen.text()
     try:
+        if importlib.util.find_spec('rospy') is None:
+            raise ImportError
         command = command_for_node(check.number, course.package.source(check), options.image, options.mask,
                                    bag=os.path.abspath(options.on) if options.on.endswith('.bag') else '',
                                    verdict=course.package.picture(check))

@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import difflib
 import hashlib
+import os
 import re
+from contextlib import suppress
 from typing import Sequence
 
 import cv2
@@ -34,7 +36,7 @@ class Course:
 
     def exercise(self, text: str) -> Exercise:
         """The exercise of a text such as "5.4", "4" or "src/exercise5_4.py". Raises InputError."""
-        found = NUMBER.search(text)
+        found = NUMBER.search(os.path.basename(text))
         for check in self.checks:
             if check.number == ('%s.%s' % found.groups() if found else '5.' + text):
                 return check
@@ -71,6 +73,8 @@ class Course:
     def keep_picture(self, check: Exercise, verdict: Verdict) -> bytes | None:
         """Write the picture of the newest verdict, if there is one. Returns it as a PNG."""
         if verdict.picture is None:
+            with suppress(OSError):
+                os.remove(self.package.picture(check))  # it shows an older version
             return None
         data = _png(verdict.picture)
         write_whole(self.package.picture(check), data)

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import tempfile
 import time
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Iterator, Sequence
@@ -15,13 +14,12 @@ from aruco_ar.base.arrays import Image
 
 from .check import Challenge, Check, Exercise, Fault, ProgramCheck, Shown, View, Written
 from .judge.recordings import recorded_views
+from .judge.tag_files import image_files
 from .judge.verdict_picture import verdict_picture
-from .learner.package import HIDDEN
 from .trial import Trial, fault_of_plumbing, fault_of_source, fault_of_speed, run_function, run_program
 
 MAX_PRINTED = 2000  # characters
 MOST_FILES, FILE_PX, GAP_PX, WHITE = 4, 240, 20, (255, 255, 255)  # of a picture of files
-ENDINGS = '.jpg', '.jpeg', '.png', '.bmp', '.gif', '.tif', '.tiff', '.webp', '.ppm', '.pgm'
 
 
 @dataclass
@@ -119,9 +117,9 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
     folder = path.parent.parent
     with tempfile.TemporaryDirectory() as name:
         elsewhere = Path(name)
-        before = _image_files(folder)
+        before = image_files(folder)
         trial = run_program(str(path), cwd=name)
-        after = {**_image_files(folder), **_image_files(elsewhere)}
+        after = {**image_files(folder), **image_files(elsewhere)}
         # Older files are not taken for what it writes: one of the same content has another time.
         written = sorted((each for each in after if after[each] != before.get(each)), key=after.__getitem__)
         # If nothing calls main, this says more than that nothing was written.
@@ -131,17 +129,6 @@ def _judge_program(check: ProgramCheck, path: Path) -> Verdict:
                                          and folder not in path.parents)))
         picture = _side_by_side(written)
     return Verdict(check, fault, picture, trial.printed[:MAX_PRINTED])
-
-
-def _image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
-    """The image files in a folder and those below it, with what changes when they are written."""
-    found = {}
-    for path in folder.rglob('*'):
-        if path.suffix.lower() in ENDINGS and HIDDEN not in path.parts:
-            with suppress(OSError):  # it is gone
-                status = path.stat()
-                found[path] = status.st_mtime_ns, status.st_ctime_ns, status.st_ino
-    return found
 
 
 def _run(check: Check, path: Path, views: Sequence[View]) -> Trial:

@@ -98,6 +98,7 @@ class Watch:
         self._verdict: Verdict | None = None
         self._challenges: list[tuple[Challenge, Fault | None]] = []
         self._keys_told = False
+        self._notice: Callable[[], None] | None = None  # what is said again below the next verdict
         self._when = ''
 
     def run(self, happened: Iterable[Event]) -> int:
@@ -167,6 +168,10 @@ class Watch:
             if after is not None and not self._can_type:  # nobody can ask for it
                 screen.text()
                 say.task(screen, after)
+        if self._notice and not screen.is_plain:
+            screen.text()
+            self._notice()
+        self._notice = None
         if self._can_type and not (screen.is_plain and self._keys_told):
             screen.text()
             screen.text(KEYS, 'dim')
@@ -188,7 +193,10 @@ class Watch:
         elif word in ('s', 'solution'):
             say.solution(screen, course, check, course.solution(check))
         elif word in ('r', 'reset'):
-            say.was_reset(screen, course, check, course.reset(check))
+            kept = course.reset(check)
+            say.was_reset(screen, course, check, kept)
+            # The file is another one now, so there is a verdict, on an empty screen.
+            self._notice = lambda: say.was_reset(screen, course, check, kept)
         elif word in ('n', 'next') or (not word and self._passed):
             self._shown = check if rest.strip() else course.after(check) or check
             prepare(course, self._shown)

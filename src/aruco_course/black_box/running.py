@@ -50,8 +50,10 @@ class Program:
                                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                          stderr=subprocess.STDOUT)
         self._busy = _Busy(self._process.pid)
-        for work in self._read, self._wait:
-            threading.Thread(target=work, daemon=True).start()
+        self._code: int | None = None
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        threading.Thread(target=self._wait, daemon=True).start()
 
     def _read(self) -> None:
         assert self._process.stdout is not None
@@ -67,8 +69,10 @@ class Program:
                     self._changed.notify_all()
 
     def _wait(self) -> None:
-        self._process.wait()
+        code = self._process.wait()
+        self._reader.join(1.0)  # what it printed last says why it ended; others that it started may print on
         with self._changed:
+            self._code = code
             self._changed.notify_all()
 
     @property
@@ -79,7 +83,7 @@ class Program:
     @property
     def code(self) -> int | None:
         """What it returned, negative for a signal, or None while it runs."""
-        return self._process.returncode
+        return self._code
 
     @property
     def printed(self) -> str:

@@ -80,7 +80,7 @@ def judge_five(shown: Sequence[Shown]) -> Fault | None:
         outer = scene.centers[:4]
         if scene.empty or any(scene.shows(polygon) for polygon in cycles(outer)):
             continue
-        if all(any(outlined(scene.changed, quad) for quad in [corners]) for corners in scene.corners):
+        if all(outlined(scene.changed, corners) for corners in scene.corners):
             continue
         return scene.polygon_fault('with five tags, what is drawn is no polygon through the four that are '
                                    'farthest outside. You may also leave such a frame as it is.', outer)

@@ -28,9 +28,9 @@ def recorded_views(path: str, count: int = 4) -> list[View]:
     """
     if os.path.isdir(path):
         names = sorted(name for name in os.listdir(path) if name.lower().endswith(PICTURES))
-        frames: Iterable[Image] = (load_picture(os.path.join(path, name)) for name in names)
+        frames: Iterable[Image] = (_picture(os.path.join(path, name)) for name in names)
     elif path.lower().endswith(PICTURES):
-        frames = [load_picture(path)]
+        frames = [_picture(path)]
     else:
         frames = _frames_of_video(path)
     return agreed_views(frames, path, count)
@@ -41,15 +41,26 @@ def agreed_views(frames: Iterable[Image], name: str, count: int = 4) -> list[Vie
 
     ``name``: of the file that they are from. Raises InputError if there are none.
     """
-    detector, found = Detector(DICTIONARY), []
+    detector = Detector(DICTIONARY)
+    found: list[View] = []
+    number, stride = -1, 1
     for frame in frames:
         tags = tuple(detector.detect(frame))
         if len(tags) == count and _are_found_by_opencv(tags, frame):
-            found.append(View(frame, tags))
+            number += 1
+            if number % stride == 0:
+                found.append(View(frame, tags))
+            if len(found) > 2 * MOST:  # a long recording does not fit into memory
+                found, stride = found[::2], 2 * stride
     if not found:
         raise InputError('In no frame of "%s" are %d tags of %s that OpenCV finds as well.'
                          % (name, count, DICTIONARY))
     return [found[place] for place in np.linspace(0, len(found) - 1, min(MOST, len(found))).astype(int)]
+
+
+def _picture(path: str) -> Image:
+    """A picture without its transparency."""
+    return np.ascontiguousarray(load_picture(path)[..., :3])
 
 
 def _are_found_by_opencv(tags: Sequence[Tag], frame: Image) -> bool:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Iterator, Sequence
@@ -27,19 +28,17 @@ BLURRED = 'The tag is blurred. Draw it in the size that you want; if you enlarge
 CLEAR_PX = 256        # files are looked at in at most about this size
 
 
-def image_files(folder: Path) -> dict[Path, tuple[int, int]]:
-    """{path: (time, size)}: the image files in a folder and below, without hidden folders.
-
-    Compared with what it was before, it tells which files were written.
-    """
+def image_files(folder: Path) -> dict[Path, tuple[int, int, int]]:
+    """The image files in a folder and below, not in hidden ones, with what changes when they are written."""
     found = {}
     for parent, folders, names in os.walk(folder):
         folders[:] = [name for name in folders if not name.startswith('.')]
         for name in names:
             if name.lower().endswith(ENDINGS):
                 path = Path(parent, name)
-                status = path.stat()
-                found[path] = status.st_mtime_ns, status.st_size
+                with suppress(OSError):  # it is gone, or a link to what is
+                    status = path.stat()
+                    found[path] = status.st_mtime_ns, status.st_ctime_ns, status.st_ino
     return found
 
 

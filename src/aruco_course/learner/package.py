@@ -188,7 +188,7 @@ def without_solution(source: str) -> str:
 
 def find(folder: str) -> Package | None:
     """The learner's package that a folder is in or is; None if there is none."""
-    folder = os.path.abspath(folder)
+    folder = os.path.abspath(os.path.expanduser(folder))
     while True:
         if os.path.isdir(os.path.join(folder, HIDDEN)) and os.path.isdir(os.path.join(folder, 'src')):
             return Package(folder)

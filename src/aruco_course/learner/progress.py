@@ -24,11 +24,11 @@ MAX_TEXT = 1000     # characters of a sentence
 class Done:
     """What was done of one exercise. Times are texts such as 2026-11-25T14:03:00+01:00, or nothing.
 
-    ``attempts``: how many versions of the file were judged until it was right. ``seconds``: from the first of
-    them to the pass, as the clock on the wall shows. ``faults``: how often each sentence was given until then,
-    in the order of their first time. ``challenges``: for the name of each, whether the code survived it.
-    ``last``: what the last verdict said; nothing if it was right. ``judged``: a digest of the version that was
-    judged last.
+    ``attempts``: how many versions of the file were judged until it was right. ``hints``: how many were seen.
+    ``solution_asked``: how often; ``solution_seen``: when first. ``faults``: how often each sentence was given
+    until it was right, in the order of their first time. ``challenges``: for the name of each, whether the code
+    survived it. ``last``: what the last verdict said; nothing if it was right. ``judged``: a digest of the
+    version that was judged last.
     """
 
     began: str = ''

@@ -42,4 +42,4 @@ def report(package: Package, checks: Sequence[Exercise],
         'done': sum(entry['passed'] is not None for entry in exercises),
         'exercises': exercises,
     }
-    return json.dumps(whole, indent=2, ensure_ascii=False) + '\n'
+    return json.dumps(whole, indent=2) + '\n'

@@ -81,7 +81,8 @@ def of_no_node(node: Node) -> Fault | None:
         if root in ('rospy', '') or os.path.exists(beside) or os.path.exists(beside + '.py'):
             return None
     return Fault('the function is right, but there is no node around it: nothing imports rospy. "learn.py '
-                 'reset" brings back the file as it was, with its main(), and keeps yours.')
+                 'reset %s" brings back the file as it was, with its main(), and keeps yours.'
+                 % node.check.number)
 
 
 def of_main(node: Node) -> Fault | None:

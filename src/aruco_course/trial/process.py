@@ -22,7 +22,9 @@ MAIN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'inside', 'main.
 # What would change how the learner's code runs.
 UNSET = ('PYTHONDEVMODE', 'PYTHONWARNINGS', 'PYTHONINSPECT', 'PYTHONSTARTUP', 'PYTHONMALLOC',
          'PYTHONPROFILEIMPORTTIME')
-SET = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1', 'PYTHONUNBUFFERED': '1',
+# Threads of OpenCV, and arenas of malloc, take memory of what the learner's code may have.
+SET = {'OPENCV_FOR_THREADS_NUM': '1', 'MALLOC_ARENA_MAX': '2', 'OPENBLAS_NUM_THREADS': '1',
+       'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1', 'PYTHONUNBUFFERED': '1',
        'PYTHONIOENCODING': 'utf-8:backslashreplace', 'MPLBACKEND': 'Agg', 'OPENCV_LOG_LEVEL': 'ERROR'}
 LARGEST = 1 << 24  # bytes of an image
 GRACE = 2.0        # seconds that the process has to end itself after its time is over
@@ -225,7 +227,7 @@ def read_record(pipe: IO[bytes]) -> tuple[dict[str, Any], list[Image]]:
     if not line.endswith(b'\n'):
         raise EOFError
     record = json.loads(line)
-    if not isinstance(record.get('say'), str):
+    if not isinstance(record, dict) or not isinstance(record.get('say'), str):
         raise ValueError('no record')
     images: list[Image] = []
     for kind, shape in record['arrays']:

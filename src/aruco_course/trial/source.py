@@ -45,18 +45,19 @@ def is_node_only(path: str, check: Exercise) -> bool:
 def fault_of_syntax(path: str) -> Fault | None:
     """A file that is gone, is empty, is no text, or is no Python, or None."""
     name = os.path.basename(path)
+    reset = '"learn.py reset %s" brings it back as it was at the beginning.' % '.'.join(
+        re.findall(r'\d+', name))
     try:
         with open(path, 'rb') as file:
             source = file.read(LARGEST + 1)
     except FileNotFoundError:
-        return Fault('%s is not there. "learn.py reset" brings it back as it was at the beginning.' % name)
+        return Fault('%s is not there. %s' % (name, reset))
     except OSError as error:
         return Fault('%s cannot be read: %s.' % (name, error.strerror))
     if len(source) > LARGEST:
         return Fault('%s is larger than 1 MB. Is it the right file?' % name)
     if not source.strip():
-        return Fault('%s is empty. Was it saved? "learn.py reset" brings it back as it was at the '
-                     'beginning.' % name)
+        return Fault('%s is empty. Was it saved? %s' % (name, reset))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter('ignore')

@@ -1,4 +1,6 @@
 """Shows frames to a running node, one after the other, and collects what it publishes."""
+from __future__ import annotations
+
 import os
 import tempfile
 import threading

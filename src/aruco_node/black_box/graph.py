@@ -9,7 +9,6 @@ import rospy
 from aruco_node.ros_internals.master import ImpatientTransport, ask
 
 IMAGE, COMPRESSED = 'sensor_msgs/Image', 'sensor_msgs/CompressedImage'
-OF_ROS = '/rosout', '/rosout_agg'
 
 
 class Graph:

@@ -25,6 +25,9 @@ def fault_of_ending(ending: Ending, left: dict[str, Any], now: dict[str, Any], p
     what = 'the program' if function is None else 'the file'
     if now['stage'] == 'call' and function:
         what = function
+    if now['stage'] == 'start' and ending.how == 'slow':
+        return Fault('Python did not start with NumPy and OpenCV within %g seconds. Is the computer very busy?'
+                     % limits.load)
     if now['stage'] == 'start':
         return Fault('Python could not start with NumPy and OpenCV: %s'
                      % (last_line(ending.printed) or 'it ended.'))

@@ -79,6 +79,8 @@ def one_line(text: str) -> str:
 
 def of_node(error: Error) -> str:
     name = error.message
+    if error.function is None:
+        return 'rospy.%s is called, but this program needs no ROS. Leave it out.' % name
     where = 'while the file is imported' if error.stage == 'load' else 'in %s' % error.function
     if name == 'get_param':
         return ('rospy.get_param is called %s, where there is no ROS to ask. Call it in main(), or give it a '
@@ -90,6 +92,8 @@ def of_node(error: Error) -> str:
 
 
 def of_exit(error: Error) -> str:
+    if error.function is None:
+        return 'the program ends with an exit code that says that something failed (exit). Leave that out.'
     if error.stage == 'load':
         return 'the file ends Python while it is imported (exit). Leave that out, or move it into main().'
     return '%s ends the whole program (exit). To leave the function alone, use return.' % error.function
