@@ -86,7 +86,10 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
                      'editor.', place)
     if isinstance(error, TabError) or 'inconsistent use of tabs' in message:
         return Fault('tabs and spaces are mixed here. Indent with spaces alone, four for each step.', place)
-    if isinstance(error, IndentationError):
+    code = [one.partition('#')[0].strip() for one in lines]
+    if 'unexpected EOF' in message and next(filter(None, reversed(code)), '').endswith(':'):
+        message = 'expected an indented block'  # as Python says from 3.9 on
+    if isinstance(error, IndentationError) or 'expected an indented block' in message:
         if 'expected an indented block' in message:
             return Fault('something must be indented here, below the line that ends with a colon. A comment '
                          'alone is not enough: "pass" does nothing.', place)
