@@ -68,7 +68,7 @@ class FrameNode:
         self._silent_since = time.monotonic()  # when the last frame arrived, or the silence was last explained
         self._silence = None  # (why no frames arrive, whether that is all right), None while they arrive
         self._frame_problem = None  # why the last frame could not be used
-        self._may_end = False  # whether the next frame may be an END_OF_VIDEO, since there was one before it
+        self._may_end = True  # whether the next frame may be an END_OF_VIDEO: not after another one
         self._wake = threading.Event()  # ends the main loop's sleep
         self.are_heard = []  # functions that tell whether anybody listens to what is published besides images
         self.inputs = []     # what has an update_subscription: see CameraLens

@@ -78,6 +78,8 @@ class NodeTest(unittest.TestCase):
         nodes = {name: self.start(name + '.py', *['_port:=%d' % port] * (name == 'page')) for name in names}
         for name in names:
             rospy.wait_for_service('/%s/set_parameters' % name, WAIT_S)
+        if 'page' in nodes:
+            nodes['page'].wait_for('The page is at')
         return nodes
 
     def camera(self, topic=CAMERA, kind=Image):

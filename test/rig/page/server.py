@@ -1,8 +1,10 @@
 """The base of the rostests of the page's server: it starts the server on a free port, and sends requests."""
+import random
 import socket
 import unittest
 import urllib.error
 import urllib.request
+from contextlib import suppress
 
 import numpy as np
 
@@ -14,10 +16,15 @@ PICTURE[100:200, 400:500] = np.random.RandomState(1).randint(0, 255, (100, 100, 
 
 
 def free_port():
-    """A port of this machine that is free."""
-    with socket.socket() as probe:
-        probe.bind(('127.0.0.1', 0))
-        return probe.getsockname()[1]
+    """A port of this machine that is free, and most likely stays so until the caller uses it.
+
+    The system gives ports above these to whoever asks for any, such as each node and each connection.
+    """
+    while True:
+        port = random.randrange(15000, 30000)
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(('127.0.0.1', port))
+            return port
 
 
 def ask(port, path, data=None, **headers):
