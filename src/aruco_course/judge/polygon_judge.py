@@ -16,6 +16,7 @@ from .scene import Mistake, Scene, tags, words
 # The three ways around four points that are given in order: the first does not cross itself.
 CYCLES = (0, 1, 2, 3), (0, 1, 3, 2), (0, 2, 1, 3)
 CIRCLE_PX = 3         # a center is marked if something is drawn that near
+TINY_PX = 10          # a polygon whose points are 0 to 3 is no larger
 MOST_FRAMES = 4       # so many frames are looked at to name a mistake
 SHRUNK = 0.7          # by how much the course shrinks the frame
 
@@ -58,6 +59,11 @@ def _judge(shown: Sequence[Shown], right: Callable[[Scene], bool], expected: Cal
             faulty.append(scene)
     if not faulty:
         return None
+    if all(_is_tiny(scene) for scene in faulty):
+        return faulty[0].polygon_fault(
+            'a polygon of a few pixels is drawn at the top left of the frame. Its points seem to be places in '
+            'the list of centers, as argmin gives them: take the centers there, centers[np.argmin(…)].',
+            expected(faulty[0]))
     empty = [scene for scene in faulty if scene.empty]
     if empty and len(empty) in (len(faulty), total):
         return empty[0].polygon_fault(nothing_drawn(empty, total, 'polygon'), expected(empty[0]))
@@ -323,7 +329,19 @@ def _lost(ids: Sequence[int]) -> str:
     if not ids:
         return ''
     why = ' Is only one center kept: is append in the loop, or behind it?' if len(ids) > 2 else ''
-    return 'your polygon does not reach the center of %s.%s' % (tags(ids), why)
+    return 'your polygon does not reach the center%s of %s.%s' % ('s' if len(ids) > 1 else '', tags(ids), why)
+
+
+def _is_tiny(scene: Scene) -> bool:
+    """Whether something is drawn at the top left of the frame, and elsewhere at most at the centers."""
+    if not scene.changed[:TINY_PX, :TINY_PX].any():
+        return False
+    rest = scene.changed.copy()
+    rest[:TINY_PX, :TINY_PX] = False
+    for x, y in np.round(scene.centers).astype(int):
+        half = int(scene.side / 2)
+        rest[max(y - half, 0):y + half + 1, max(x - half, 0):x + half + 1] = False
+    return not rest.any()
 
 
 def _near(scene: Scene, point: Floats) -> bool:

@@ -73,9 +73,9 @@ def _nothing(written: Written) -> str:
         path = written.refused[0]
         why = ('Only a shell knows what ~ is: os.path.expanduser(path) replaces it.'
                if path.parts[0] == '~' else
-               'Such a path begins at the folder from which the program is started. os.path.join(TAGS, %r) '
-               'does not.'
-               % path.name
+               'Such a path begins at the folder from which the program is started. One that is made of that '
+               "of your file does not: TAGS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath("
+               "__file__))), 'Tags')."
                if not path.is_absolute() and path.parent.name else
                'There is no folder %s. The folder for it is TAGS: os.path.join(TAGS, %r).'
                % (path.parent, path.name)

@@ -31,7 +31,8 @@ def fault_of_source(path: str, check: Exercise) -> Fault | None:
             return None
         return fault_of_missing(path, check.function, check.number)
     wanted = wanted_arguments(check)
-    return (fault_of_arguments(function, wanted) or fault_of_reading(function)) if wanted else None
+    return (fault_of_arguments(function, wanted) or fault_of_reading(function)
+            or fault_of_margin(tree, function)) if wanted else None
 
 
 def is_node_only(path: str, check: Exercise) -> bool:
@@ -94,6 +95,9 @@ def of_syntax_error(error: SyntaxError, source: bytes) -> Fault:
             return Fault('something must be indented here, below the line that ends with a colon. A comment '
                          'alone is not enough: "pass" does nothing.', place)
         return Fault('this line is not indented as those around it: %s.' % message, place)
+    if 'unterminated string literal' in message or 'EOL while scanning' in message:
+        return Fault('a text begins here, and does not end in this line: the quotation mark at its end is '
+                     'missing, and perhaps a bracket behind it.', place)
     if "Missing parentheses in call to 'print'" in message or line.strip().startswith('print '):
         return Fault('this is Python 2. In Python 3, print takes brackets: print(…).', place)
     if 'was never closed' in message or 'unexpected EOF' in message:
@@ -116,6 +120,7 @@ def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
     tree = read_tree(path)
     functions = top_functions(tree)
     node = ' "learn.py check%s --node" judges the node as it is.' % (' ' + number if number else '')
+    reset = ' "learn.py reset %s" brings back the file of the beginning.' % number if number else ''
     for holder in ast.walk(tree):
         if isinstance(holder, (ast.ClassDef, ast.FunctionDef)):
             for inner in holder.body:
@@ -141,8 +146,8 @@ def fault_of_missing(path: str, name: str, number: str = '') -> Fault:
                      'image and return one, and call it from there.%s' % (name, what, name, node))
     if there:
         names = ' and '.join([', '.join(there[:-1]), there[-1]]) if len(there) > 1 else there[0]
-        return Fault('there is no function %s. There %s %s; which of them is it? It is judged by its name.'
-                     % (name, 'are' if len(there) > 1 else 'is', names))
+        return Fault('there is no function %s, only %s. It is judged by its name: put the lines that work on '
+                     'an image into "def %s(…):".%s' % (name, names, name, reset))
     return Fault('there is no function %s. It is judged by its name: "def %s(…):" at the left margin.%s' % (
         name, name, node))
 
@@ -180,7 +185,24 @@ def fault_of_reading(function: Function) -> Fault | None:
                              'Leave the line out.' % name, place)
             if name not in used:
                 return Fault('an image is read from a file here, but %s, which is given to the function, is '
-                             'not used. Take that, and leave this line out.' % name, place)
+                             'not used. Leave this line out, and write %s below wherever this image is meant.'
+                             % (name, name), place)
+    return None
+
+
+def fault_of_margin(tree: ast.Module, function: Function) -> Fault | None:
+    """Lines of the function that are not indented, so that they do not belong to it, or None."""
+    if not function.args.args or any(isinstance(one, ast.Call) for one in ast.walk(function)):
+        return None
+    given = function.args.args[0].arg
+    for statement in tree.body[tree.body.index(function) + 1:] if function in tree.body else []:
+        if not isinstance(statement, ast.Assign):
+            continue
+        made = [one.id for target in statement.targets for one in ast.walk(target) if isinstance(one, ast.Name)]
+        if given in made:
+            return Fault('this line does not belong to %s, since it is not indented. Indent all lines of the '
+                         'function by four spaces. %s is given to it, so it needs no value.'
+                         % (function.name, given), 'Line %d' % statement.lineno)
     return None
 
 

@@ -111,7 +111,7 @@ def _run(path: str, job: dict[str, Any], arrays: list[Image], limits: Limits, cw
                 return None
             return limits.call
         if say == 'error':
-            trial.fault = fault_of_error(record, path, function)
+            trial.fault = fault_of_error(record, path, function, names)
         elif say == 'value':
             trial.fault = fault_of_value(record['what'], names, number, path, function)
         elif say == 'missing':

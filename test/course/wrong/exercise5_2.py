@@ -151,8 +151,8 @@ WRONG = [
           place='Line'),
     Wrong(what='It is shown in a window, as in the course, and nothing is returned.',
           says='cv2.imshow needs a window on a screen, which a robot does not have, nor the OpenCV '
-               'that comes with pip. Leave it out, and return the image. The same goes for waitKey in'
-               ' line ….',
+               'that comes with pip. Leave it out, and return frame_markers. The same goes for waitKey '
+               'in line ….',
           edits=[('return frame_markers', "cv2.imshow('markers', frame_markers)\n    cv2.waitKey(1)")],
           place='Line'),
     Wrong(what='The gray image is turned to gray again.',
@@ -201,4 +201,15 @@ WRONG = [
     for quad in corners:
         points = quad[0].astype(int).astype('uint8').astype(int)
         cv2.polylines(frame_markers, [points], True, (0, 255, 0), 2)''')]),
+    Wrong(what='The lines are pasted at the left margin, below the function.',
+          says='this line does not belong to detect_tags, since it is not indented. Indent all lines of the '
+               'function by four spaces. image is given to it, so it needs no value.',
+          body='''
+def detect_tags(image):
+    return image
+
+
+image = cv2.resize(image, None, fx=0.7, fy=0.7)
+gray = cv2.cvtColor(image, cv2.COLOR_BGR2GRAY)''',
+          place='Line'),
 ]

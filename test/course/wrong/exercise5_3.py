@@ -3,6 +3,7 @@ from course.corpus import Wrong
 from course.wrong import DRAWN_ON_WHOLE, HULL, SHRINK
 
 APPEND = 'params.append((int(c[:, 0].mean()), int(c[:, 1].mean())))'
+CIRCLE = '        cv2.circle(image, (int(c[:, 0].mean()), int(c[:, 1].mean())), 3, (255, 255, 0), -1)\n'
 DRAW = 'cv2.drawContours(image, [params], -1, (255, 0, 150), -1)'
 
 WRONG = [
@@ -19,7 +20,7 @@ WRONG = [
                'is their sum divided by 4.',
           edits=[(APPEND, 'params.append((int(c[:, 0].sum() / 2), int(c[:, 1].sum() / 2)))')]),
     Wrong(what='The same tag in each turn of the loop.',
-          says='your polygon does not reach the center of the tags …. Is only one center kept: is '
+          says='your polygon does not reach the centers of the tags …. Is only one center kept: is '
                'append in the loop, or behind it?',
           edits=[('c = corners[i][0]', 'c = corners[0][0]')]),
     Wrong(what='x is used for y as well.',
@@ -93,7 +94,7 @@ WRONG = [
           says='you draw the tags, but no polygon through their four centers.',
           edits=[(DRAW, DRAW.replace('[params]', '[c[0].astype(int) for c in corners]'))]),
     Wrong(what='return stands in the loop, so it ends with the first tag.',
-          says='your polygon does not reach the center of the tags …. Is only one center kept: is '
+          says='your polygon does not reach the centers of the tags …. Is only one center kept: is '
                'append in the loop, or behind it?',
           edits=[('    params = np.array(params)\n', '        return image\n    params = np.array(params)\n')]),
     Wrong(what='The coordinates are returned instead of the image.',
@@ -142,5 +143,15 @@ WRONG = [
     Wrong(what='An array is the key of a dict.',
           says='an array cannot be a key. Take the number in it, such as int(ids[i][0]).',
           edits=[('        c = corners[i][0]\n', '        c = corners[i][0]\n        {}[ids[i]] = c\n')],
+          place='Line'),
+    Wrong(what='The mean over the wrong axis, in an array of such points.',
+          says='params has the shape (…, 4), but points have (…, 2): each its x and its y. Were means taken '
+               'along the wrong axis? quad.mean(axis=0) is the center, if quad has the shape (4, 2).',
+          edits=[(APPEND, 'params.append(c.mean(axis=1))'), (DRAW, DRAW.replace('params', 'np.int32(params)'))],
+          place='Line'),
+    Wrong(what='A line stands above the one that its value comes from.',
+          says='c has no value here yet. It gets its first one further below, in line …: exchange the two.',
+          edits=[('        c = corners[i][0]\n', ''), (APPEND, APPEND + '\n        c = corners[i][0]'),
+                 (CIRCLE, '')],
           place='Line'),
 ]

@@ -189,4 +189,11 @@ WRONG = [
           edits=[(('ordered = centers[[np.argmin(total), np.argmin(difference), np.argmax(total), '
                   'np.argmax(difference)]]'),
                   'ordered = centers[np.argsort(np.arctan2(centers[:, 1], centers[:, 0]))]')]),
+    Wrong(what='The places that argmin gives are made into points.',
+          says='a polygon of a few pixels is drawn at the top left of the frame. Its points seem to be places '
+               'in the list of centers, as argmin gives them: take the centers there, centers[np.argmin(…)].',
+          edits=[('    cv2.drawContours(image, [params], -1, (255, 0, 150), -1)\n\n    if', '    if'),
+                 ('        params = order_coordinates(params)\n',
+                  ('        s = params.sum(axis=1)\n        d = np.diff(params, axis=1).ravel()\n'
+                   '        params = np.array([[s.argmin(), d.argmin()], [s.argmax(), d.argmax()]])\n'))]),
 ]

@@ -154,4 +154,9 @@ WRONG = [
           edits=[("        self.mask_publisher = rospy.Publisher('~mask', Image, queue_size=1)\n", ''),
                  ('(self.mask_publisher, mask)', '(self.publisher, mask)')],
           place='Line'),
+    Wrong(what='The mask is made before the image is shrunk.',
+          says='your mask and image differ in size: … pixels and … pixels. If the image is resized, make the '
+               'other one after that, such as np.zeros_like(image).',
+          edits=[(MASK, 'mask = np.zeros([h, w, 3], dtype=np.uint8)'),
+                 (SUBTRACT, 'subtraction = cv2.subtract(image, cv2.resize(mask, image.shape[1::-1]))')]),
 ]

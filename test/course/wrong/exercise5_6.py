@@ -139,7 +139,7 @@ WRONG = [
           place='Line'),
     Wrong(what="The picture is read from a path of the course's own machine.",
           says='an image is read from a file here, but picture, which is given to the function, is '
-               'not used. Take that, and leave this line out.',
+               'not used. Leave this line out, and write picture below wherever this image is meant.',
           edits=[('paint = picture', "paint = cv2.imread('/home/user/catkin_ws/src/unit5/earth.jpg')")],
           place='Line'),
     Wrong(what='The area is found in the small frame, and painted in the whole one.',

@@ -39,6 +39,7 @@ MISTAKES = [
     (['ids = None', 'for one in ids: pass'], 'ids is None'),
     (['picture = cv2.imread("earth.jpg")', 'picture.shape'], 'no image at earth.jpg (line 4)'),
     (['picture = cv2.imread("earth.jpg")', 'cv2.resize(picture, (5, 5))'], 'no image at earth.jpg (line 4)'),
+    (['picture = cv2.imread("earth.jpg")', 'picture.shape'], 'Leave it out'),
     (['corners = []', 'corners[0]'], 'as many tags'),
     (['np.argmin(np.zeros((0, 2)))'], 'no tag was found'),
     (['open("earth.txt")'], 'earth.txt'),
@@ -62,6 +63,7 @@ MISTAKES = [
     (['os.path'], '"import os" is missing'),
     (['math.pi'], '"import math" is missing'),
     (['if False:', '    center = 1', 'center'], 'center has no value here yet'),
+    (['print(TAGS)'], 'TAGS = os.path.join('),
     (['import opencv'], '"import cv2"'),
     (['import aruco'], 'from cv2 import aruco'),
     (['import rospy', 'rospy.get_param("~path")'], 'get_param'),
@@ -79,3 +81,15 @@ def test_the_sentence_helps(tmp_path, lines, said):
     fault = run_function(str(path), 'draw', [(FRAME,)]).fault
     assert said in fault.what
     assert fault.place == 'Line %d' % (3 + len(lines))
+
+
+@pytest.mark.parametrize('below, said', [
+    ('import numpy as np', 'Imports belong to the top of the file'),
+    ('np = 1', 'exchange the two')])
+def test_a_name_whose_value_comes_further_below_is_told(tmp_path, below, said):
+    path = tmp_path / 'exercise.py'
+    path.write_text('import numpy as np\ndef draw(image):\n    np.zeros(3)\n    %s\n' % below)
+    fault = run_function(str(path), 'draw', [(FRAME,)]).fault
+    assert fault.place == 'Line 3'
+    assert 'further below, in line 4' in fault.what
+    assert said in fault.what

@@ -44,6 +44,7 @@ def test_nothing_is_wrong_with_our_solutions(tmp_path, number):
     ('print "x"\n', 'Line 1', 'Python 2'),
     ('x = 1\nreturn x\n', 'Line 2', 'outside'),
     ('x = "\udcff"\n', 'Line 1', 'UTF-8'),
+    ('x = 1\ny = "a\n', 'Line 2', 'quotation mark'),
     ('x = 1\0\n', '', ''),
     ('x = ' + 2000 * '(' + ')' * 2000 + '\n', '', ''),
 ])
@@ -60,7 +61,7 @@ def test_a_file_that_is_gone_is_told(tmp_path):
 @pytest.mark.parametrize('edit, place, said', [
     ((FUNCTION, 'def order_center(image):'), 'Line', 'called order_center, but it is judged by its name'),
     ((FUNCTION, 'def orderCenters(image):'), 'Line', 'called orderCenters'),
-    ((FUNCTION, 'def polygon(image):'), '', 'There is polygon; which of them'),
+    ((FUNCTION, 'def polygon(image):'), '', 'only polygon. It is judged by its name'),
     ((FUNCTION, 'def order_centers(image, corners):'), 'Line', 'takes 2 arguments, but it is called with 1'),
     ((FUNCTION, 'def order_centers():'), 'Line', 'takes no argument'),
     ((FUNCTION, 'def order_centers(self, image):'), 'Line', 'in no class'),
@@ -85,6 +86,14 @@ def test_without_the_function_a_node_can_be_judged_as_it_is(fault_of, text):
     'def order_centers(frame, /):\n    image = frame', 'if True:\n  def order_centers(image):'])
 def test_other_functions_that_take_an_image_are_fine(fault_of, definition):
     assert fault_of(fault_of_source, (FUNCTION, definition)) is None
+
+
+def test_lines_below_the_function_are_only_its_own_if_it_does_nothing(fault_of):
+    paste = '    return image\n\n\nimage = cv2.imread("frame.png")\n'
+    fault = fault_of(fault_of_source, text=FUNCTION + '\n' + paste)
+    assert (fault.place, 'not indented' in fault.what) == ('Line 5', True)
+    circle = '    cv2.circle(image, (9, 9), 3, 255)\n'
+    assert fault_of(fault_of_source, text=FUNCTION + '\n' + circle + paste) is None
 
 
 def test_a_function_from_elsewhere_is_fine(fault_of):

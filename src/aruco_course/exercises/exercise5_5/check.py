@@ -74,7 +74,8 @@ def _sizes_fault(shown: Shown, sight: Sight) -> Fault | None:
     if mask.shape[:2] != image.shape[:2]:
         (mask_height, mask_width), (height, width) = mask.shape[:2], image.shape[:2]
         return Fault('Your mask is %d pixels wide and %d high, but your image is %d wide and %d high. Both '
-                     'have the same size.' % (mask_width, mask_height, width, height), place_of(shown))
+                     'have the same size. If you shrink the image, make the mask after that: '
+                     'np.zeros_like(image).' % (mask_width, mask_height, width, height), place_of(shown))
     fault = sight.drawing.fault
     return fault if fault is not None and 'wide' in fault.what else None
 

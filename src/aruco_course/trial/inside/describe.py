@@ -106,8 +106,10 @@ def near(raised, frame):
         names = dir(raised.obj if hasattr(raised, 'obj') else sys.modules.get(words[1], ()))
         wanted = words[3]
     elif isinstance(raised, NameError) and len(words) >= 2:
-        names = list(frame.f_globals) + list(frame.f_locals) + dir(builtins) if frame else []
         wanted = words[1]
+        names = list(frame.f_globals) + list(frame.f_locals) if frame else []
+        # Most short words are like one of these.
+        names += [name for name in dir(builtins) if sorted(name) == sorted(wanted)]
     elif isinstance(raised, ModuleNotFoundError):
         wanted = (raised.name or '').split('.')[0]
         names = ['cv2', 'numpy', 'rospy', 'cv_bridge', 'sensor_msgs', 'message_filters', 'rospkg']

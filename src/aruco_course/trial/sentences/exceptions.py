@@ -1,13 +1,15 @@
 """What to say of an exception that the learner's code raised."""
 from __future__ import annotations
 
+import ast
 import linecache
 import re
-from typing import Any
+from typing import Any, Sequence
 
 import cv2
 
 from aruco_course.check import Fault
+from aruco_course.trial.names import Function, read_tree
 
 from .gone import TODAY, of_gone
 from .opencv import of_opencv
@@ -27,7 +29,8 @@ PIP = {'cv2': 'opencv-contrib-python', 'numpy': 'numpy', 'PIL': 'pillow', 'yaml'
 class Error:
     """What inside/describe.py told of an exception, with nothing in it believed."""
 
-    def __init__(self, record: dict[str, Any], path: str, function: str | None) -> None:
+    def __init__(self, record: dict[str, Any], path: str, function: str | None,
+                 outputs: Sequence[str] = ('image',)) -> None:
         self.type = str(record['type'])
         self.types = [str(one) for one in record['types']]
         self.message = str(record['message'])
@@ -39,7 +42,7 @@ class Error:
         self.opencv = str(record['opencv'])
         self.stage = str(record['stage'])
         self.call = int(record['call'])
-        self.path, self.function = path, function
+        self.path, self.function, self.outputs = path, function, outputs
         self.values: Values = {str(name): dict(what) for name, what in record.get('values', {}).items()}
         unread = record.get('unread')
         self.unread = (str(unread[0]), int(unread[1])) if unread else None
@@ -51,9 +54,13 @@ class Error:
         return kind in self.types
 
 
-def fault_of_error(record: dict[str, Any], path: str, function: str | None) -> Fault:
-    """The sentence for an exception, and the line of the learner's file that raised it."""
-    error = Error(record, path, function)
+def fault_of_error(record: dict[str, Any], path: str, function: str | None,
+                   outputs: Sequence[str] = ('image',)) -> Fault:
+    """The sentence for an exception, and the line of the learner's file that raised it.
+
+    ``outputs``: the names of the images that the function should return.
+    """
+    error = Error(record, path, function, outputs)
     place = 'Line %d' % error.line if error.line else 'Frame %d' % error.call if error.call else ''
     what = of_error(error)
     if error.beside:
@@ -205,9 +212,16 @@ def of_none(error: Error, but: str) -> str:
     name = next((name for name, what in error.values.items() if what['type'] == 'NoneType'), 'something')
     if name == 'ids' or (name == 'something' and re.search(r'\bids\b', error.source)):
         return ('ids is None here, and %s: detectMarkers found no tag. Ask "if ids is None" first, and '
-                'return the image as it is.' % but)
+                '%s.' % (but, back(error)))
     return ('%s is None here, and %s. Where does it come from? OpenCV gives ids = None without '
             'tags, and imread gives None if it finds no file.' % (name, but))
+
+
+def back(error: Error) -> str:
+    """What to return without tags."""
+    if 'mask' in error.outputs:
+        return 'return a black mask of the size of the image, and the image as it is'
+    return 'return the image as it is'
 
 
 def of_unread(error: Error) -> str:
@@ -216,9 +230,13 @@ def of_unread(error: Error) -> str:
     if name.startswith('~'):
         return ('cv2.imread found no image at %s, and gave None instead: only a shell knows what ~ is. '
                 'os.path.expanduser(path) replaces it.' % name)
-    return ('cv2.imread found no image at %s%s, and gave None instead. Is the path right? Make it from that of '
-            'your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).' % (
-                name, ' (line %d)' % line if line and line != error.line else ''))
+    where = name + (' (line %d)' % line if line and line != error.line else '')
+    if error.function and any(one.lineno <= line <= last_line(one) for one in functions(error.path)
+                              if one.name == error.function):
+        return ('cv2.imread found no image at %s, and gave None instead. Leave it out: the function is given '
+                'all images that it needs.' % where)
+    return ('cv2.imread found no image at %s, and gave None instead. Is the path right? Make it from that of '
+            'your file: os.path.join(os.path.dirname(os.path.abspath(__file__)), …).' % where)
 
 
 def of_type(error: Error) -> str:
@@ -302,7 +320,7 @@ def of_value(error: Error) -> str:
     if 'inhomogeneous' in message:
         return 'these values do not make an array, since they are not all of the same length.'
     if 'argmin of an empty' in message or 'argmax of an empty' in message or 'zero-size array' in message:
-        return 'there are no points here: no tag was found. Ask for that first, and return the image as it is.'
+        return 'there are no points here: no tag was found. Ask for that first, and %s.' % back(error)
     if 'assignment destination is read-only' in message:
         return 'this array may not be changed; its .copy() may.'
     return ''
@@ -344,8 +362,10 @@ def of_name(error: Error) -> str:
     match = re.search(r"'([^']+)'", error.message)
     name = match.group(1) if match else error.name
     if error.is_a('UnboundLocalError'):
-        return ('%s has no value here yet. It gets one in this function, but only in a loop or after an "if" '
-                'that was not taken for this frame.' % name)
+        return of_no_value(error, name)
+    if name == 'TAGS':
+        return ('TAGS is not known. It was in the file at the beginning: TAGS = os.path.join(os.path.dirname('
+                "os.path.dirname(os.path.abspath(__file__))), 'Tags').")
     if name in ('np', 'cv2', 'rospy', 'os', 'sys', 'math', 'aruco', 'numpy', 'CvBridge', 'Image'):
         how = {'np': 'import numpy as np', 'aruco': 'from cv2 import aruco',
                'CvBridge': 'from cv_bridge import CvBridge',
@@ -354,6 +374,36 @@ def of_name(error: Error) -> str:
     if error.near:
         return '%s is not known.%s' % (name, meant(error))
     return '%s is not known. Does it get its value in another function, or further below?' % name
+
+
+def of_no_value(error: Error, name: str) -> str:
+    """The sentence for a name of the function that has no value yet."""
+    inside = [one for one in functions(error.path) if one.lineno <= error.line <= last_line(one)]
+    nodes = list(ast.walk(inside[-1])) if inside else []
+    imports = [one.lineno for one in nodes if isinstance(one, (ast.Import, ast.ImportFrom))
+               and any((alias.asname or alias.name).split('.')[0] == name for alias in one.names)]
+    if imports and min(imports) > error.line:
+        return ('%s has no value here yet, since it is imported further below, in line %d. Imports belong to '
+                'the top of the file: move it there, or leave it out if it is there already.'
+                % (name, min(imports)))
+    lines = [one.lineno for one in nodes
+             if isinstance(one, ast.Name) and one.id == name and isinstance(one.ctx, ast.Store)]
+    if lines and min(lines) > error.line:
+        return ('%s has no value here yet. It gets its first one further below, in line %d: exchange the two.'
+                % (name, min(lines)))
+    return ('%s has no value here yet. It gets one in this function, but only in a loop or after an "if" '
+            'that was not taken for this frame.' % name)
+
+
+def functions(path: str) -> list[Function]:
+    """All functions of the file, the outer ones first."""
+    return [one for one in ast.walk(read_tree(path))
+            if isinstance(one, (ast.FunctionDef, ast.AsyncFunctionDef))]
+
+
+def last_line(function: Function) -> int:
+    """The number of a function's last line."""
+    return function.end_lineno or function.lineno
 
 
 def of_file(error: Error) -> str:
@@ -395,9 +445,20 @@ def of_screen(error: Error) -> str:
     others = others_of(error, r'\bcv2\.(imshow|waitKey|namedWindow|destroyAllWindows|destroyWindow)\(')
     return ('cv2.%s needs a window on a screen, which a robot does not have, nor the OpenCV that comes with '
             'pip. Leave it out%s.%s' % (
-                error.message, ', and return the image' if error.function else '',
-                ' The same goes for %s.' % ' and '.join('%s in line %d' % (name, number)
-                                                        for number, name in others) if others else ''))
+                error.message, ', and return %s' % (shown(error) or 'the image') if error.function else '',
+                ' The same goes for %s.' % listed(['%s in line %d' % (name, number)
+                                                   for number, name in others]) if others else ''))
+
+
+def shown(error: Error) -> str:
+    """The name of the image that is shown in the line, or ''."""
+    match = re.search(r'imshow\([^,]+,\s*([A-Za-z_]\w*)\s*\)', error.source)
+    return match.group(1) if match and len(error.outputs) == 1 else ''
+
+
+def listed(parts: Sequence[str]) -> str:
+    """Such as "one, two and three"."""
+    return ' and '.join([', '.join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
 
 
 def others_of(error: Error, pattern: str) -> list[tuple[int, str]]:

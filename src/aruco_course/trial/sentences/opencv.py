@@ -60,6 +60,10 @@ def of_points(function: str, source: str, values: Values) -> str:
             return ('%s has %d numbers in it, and no points. If they are places in the list of centers, as '
                     'argmin gives them, take the centers there: centers[%s].'
                     % (name, shape[0] if shape else what['length'], 'places' if name == 'centers' else name))
+        if as_points and len(shape) == 2 and shape[1] != 2:
+            return ('%s has the shape %s, but points have (…, 2): each its x and its y. Were means taken along '
+                    'the wrong axis? quad.mean(axis=0) is the center, if quad has the shape (4, 2).'
+                    % (name, tuple(shape)))
         if shape == [2]:
             return '%s is one point alone. A polygon is an array of all four, of shape (4, 2).' % name
         if as_points and shapes and shapes[0] not in ([2], [1, 2]):

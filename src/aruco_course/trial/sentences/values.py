@@ -115,8 +115,9 @@ def fault_of_images(images: Sequence[Image], names: Sequence[str], frame: tuple[
             return Fault('your %s is %d x %d pixels, and the frame is %d x %d: %s' % (
                 name, image.shape[1], image.shape[0], frame[1], frame[0], what), place)
     if len(images) > 1 and len({image.shape[:2] for image in images}) > 1:
-        return Fault('your %s differ in size: %s.' % (' and '.join(names), ' and '.join(
-            '%d x %d pixels' % image.shape[1::-1] for image in images)), place)
+        return Fault('your %s differ in size: %s. If the image is resized, make the other one after that, such '
+                     'as np.zeros_like(image).' % (' and '.join(names), ' and '.join(
+                         '%d x %d pixels' % image.shape[1::-1] for image in images)), place)
     if len(images) == 2 and names[0] == 'mask' and is_black_or_white(images[1]) \
             and not is_black_or_white(images[0]):
         return Fault('mask and image are returned in the wrong order: "return %s".' % ', '.join(names), place)
