@@ -11,6 +11,7 @@ from rig.processes.started import WAIT_S
 
 WAITING, ARRIVES = 'Waiting for frames on ' + CAMERA, 'Frames arrive on ' + CAMERA
 SILENT = 'has a publisher, but nothing arrives. Is the camera running?'
+HINT = 'No tag has been in sight'
 
 
 class CameraRestart(NodeTest):
@@ -32,6 +33,15 @@ class CameraRestart(NodeTest):
             self.assertLess((rospy.Time.now() - began).to_sec(), WAIT_S)
             mask = self.masks.next()
 
+    def of_frames(self, lines):
+        """The lines that say whether frames come. All others are hints at why no area is found.
+
+        On a slow computer, that may take so long. A line of any other kind is a failure.
+        """
+        said = [line for line in lines if WAITING in line or ARRIVES in line]
+        self.assertEqual([line for line in lines if line not in said and HINT not in line], [])
+        return said
+
     def test_frames_and_area_come_back_and_the_log_says_so_once(self):
         node = self.start('exercise5_5.py')
         self.masks = self.listen('/exercise5_5/mask')
@@ -41,9 +51,7 @@ class CameraRestart(NodeTest):
         self.start_camera()  # before anybody has noticed, unless the computer is slow
         if len(node.lines) > line_count:
             node.wait_for(ARRIVES, after=line_count)
-        said = [line for line in node.lines[line_count:] if WAITING not in line and ARRIVES not in line]
-        self.assertEqual(said, [])
-        self.assertIn(len(node.lines) - line_count, (0, 2), node.lines)
+        self.assertIn(len(self.of_frames(node.lines[line_count:])), (0, 2), node.lines)
         line_count = len(node.lines)
         self.kill()
         node.wait_for(SILENT, after=line_count)
@@ -52,7 +60,7 @@ class CameraRestart(NodeTest):
         self.masks.subscriber.unregister()
         self.masks = self.listen('/exercise5_5/mask')
         self.wait_for_area()
-        self.assertEqual(len(node.lines), line_count + 2, node.lines)
+        self.assertEqual(len(self.of_frames(node.lines[line_count:])), 2, node.lines)
 
 
 if __name__ == '__main__':
