@@ -13,11 +13,11 @@ from .looks import looks
 from .real_clips import clips, video
 from .report import chart
 from .ros import bags, network, nodes, page
-from .simulated import accuracy, poses, search, speed
+from .simulated import accuracy, painting, poses, search, speed
 
 PARTS = {'sticking': accuracy.run, 'speed': speed.run, 'search': search.run, 'poses': poses.run,
-         'looks': looks.run, 'nodes': nodes.run_load, 'memory': nodes.run_memory, 'page': page.run,
-         'network': network.run, 'bags': bags.run}
+         'painting': painting.run, 'looks': looks.run, 'nodes': nodes.run_load,
+         'memory': nodes.run_memory, 'page': page.run, 'network': network.run, 'bags': bags.run}
 WITH_MASTER = 'nodes', 'memory', 'page'
 
 

@@ -6,7 +6,7 @@ Arrays that are only read need not be contiguous. What the functions do is expla
 from __future__ import annotations
 
 import ctypes
-from typing import Any, Sequence
+from typing import Any, Callable
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from aruco_ar.base.errors import InputError
 from .library import load
 
 MAX_PICTURE_SIDE_PX = 2**22  # positions in a picture, in parts of a pixel, are 32-bit integers
+MAX_PICTURE_BYTES = 2**31 - 1
 MAX_SAMPLES = 100
 MAX_CELLS = 1000             # of a tag, along a side
 MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
@@ -59,13 +60,16 @@ _compare_tags = _function('compare_tags', *_TAGS, _Array, _INT, _Array)
 _sample_cells = _function('sample_cells', *_TAGS, _INT, _Array)
 _guess_tags = _function('guess_tags', *_TAGS, _INT, _Array, _FLOAT, _Array)
 _draw_mask = _function('draw_mask', _IMAGE, _Array, _Array, _LONG)
-_warp_picture = _function('warp_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array, _LONG)
+_find_levels = _function('find_levels', _IMAGE, _INT, _INT, _Array, _Array, _LONG, _Array)
+_warp_picture = _function('warp_picture', _IMAGE, _IMAGE, _INT, _INT, _IMAGE, *[_Array] * 3, _LONG)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
 _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
 NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
+BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
+    _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
 # The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
 PROFILE_POSITIONS = np.ctypeslib.as_array(
@@ -130,23 +134,30 @@ def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) ->
     return mask
 
 
-def warp_picture(levels: Sequence[Image], to_picture: Floats, mask: Image,
+def warp_picture(picture: Image, level: Callable[[int, int], Image], to_picture: Floats, mask: Image,
                  positions: Image | None = None) -> Image:
-    """See warp in painting/paint.py. ``levels``: see Picture. ``to_picture``: (3, 3), the other direction."""
-    check_array('picture', levels[0], np.uint8, *PICTURE)
-    height, width, channels = levels[0].shape
-    if max(height, width) > MAX_PICTURE_SIDE_PX:
-        raise InputError('The picture is %d x %d pixels large; give one of at most %d each way.'
-                         % (width, height, MAX_PICTURE_SIDE_PX))
-    levels = [_rows('picture', level, np.uint8, (height >> number, width >> number, channels))
-              for number, level in enumerate(levels)]
+    """See warp in painting/paint.py. ``level``: that of a Picture. ``to_picture``: (3, 3), the other way."""
+    check_array('picture', picture, np.uint8, *PICTURE)
+    height, width, channels = picture.shape
+    if max(height, width) > MAX_PICTURE_SIDE_PX or picture.size > MAX_PICTURE_BYTES:
+        raise InputError('The picture is %d x %d pixels large; give one of at most %d each way, and of at most '
+                         '%d bytes.' % (width, height, MAX_PICTURE_SIDE_PX, MAX_PICTURE_BYTES))
     mask = _packed('mask', mask, np.uint8, *_sized(mask, 3))
     to_picture = _numbers(to_picture, np.float64)
     check_array('homography', to_picture, np.float64, (3, 3))
+    way = to_picture, *_positions_and_row(positions, mask)
     warped = np.zeros((*mask.shape[:2], channels), np.uint8)
-    images = (_Image * len(levels))(*map(_image, levels))
-    _warp_picture(_image(warped), _image(mask), images, len(levels), to_picture,
-                  *_positions_and_row(positions, mask))
+    blocks = np.empty((-(-mask.shape[0] // BLOCK_HEIGHT), -(-mask.shape[1] // BLOCK_WIDTH)), np.uint16)
+    size = max(width, 2), max(height, 2)
+    _find_levels(_image(mask), *size, *way, blocks)
+    levels, kept = (_Image * LEVELS**2)(), []
+    for number in np.flatnonzero(np.bincount(blocks.ravel(), minlength=LEVELS**2)[:LEVELS**2]).tolist():
+        across, down = divmod(number, LEVELS)
+        made = level(across, down)
+        check_array('level of the picture', made, np.uint8, (size[1] >> down, size[0] >> across, channels))
+        kept.append(made if _is_packed(made) else _numbers(made, np.uint8))
+        levels[number] = _image(kept[-1])
+    _warp_picture(_image(warped), _image(mask), *size, levels, blocks, *way)
     return warped
 
 

@@ -11,11 +11,19 @@
 typedef struct { float x, y; } Point;
 /* ``row``: the bytes from one row of pixels to the next, which may be negative. */
 typedef struct { uint8_t *pixels; int64_t row; int width, height, channels; } Image;
+/* The undistorted positions of pixels, with ``row`` bytes from one row to the next; NULL without a lens. */
+typedef struct { const float *first; int64_t row; } Positions;
 
 static inline Point plus(Point a, float times, Point b) { return (Point){a.x + times * b.x, a.y + times * b.y}; }
 static inline Point minus(Point a, Point b) { return plus(a, -1, b); }
 static inline float cross(Point a, Point b) { return a.x * b.y - a.y * b.x; }
 static inline float length(Point a) { return sqrtf(a.x * a.x + a.y * a.y); }
+
+/* The undistorted position, x and y, of a pixel. */
+static inline const float *position_of(const Positions *positions, int x, int y)
+{
+    return (const float *)((const char *)positions->first + positions->row * y) + 2 * x;
+}
 
 static inline float larger(float a, float b) { return a > b ? a : b; }
 static inline float smaller(float a, float b) { return a < b ? a : b; }

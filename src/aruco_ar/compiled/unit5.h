@@ -34,19 +34,31 @@ void unit5_sample_cells(const Image *frame, int count, const Point *quads, int c
 void unit5_guess_tags(const Image *frame, int count, const Point *quads, int cells, int known_count, const Point *known,
                       float contrast, uint8_t *guesses);
 
-/* painting.c, for paint.py. ``positions``: (height, width, 2), the undistorted position of each pixel of the mask,
-   with ``row`` bytes from one row to the next; or NULL. */
+/* mask.c and warp.c, for paint.py. ``positions``: (height, width, 2), the undistorted position of each pixel of the
+   mask, with ``row`` bytes from one row to the next; or NULL. */
 
 /* Draw an area into a mask, which is black before: white inside, gray on the rim. With positions, a mask of a single
    row or column stays black. */
 void unit5_draw_mask(const Image *mask, const double corners[4][2], const float *positions, int64_t row);
 
-/* Warp a picture where a mask is not black. ``warped``: the result, which is black before; as large as the mask,
-   with the channels of the picture. ``levels``: the picture, BGR or BGRA, and ``count`` - 1 smaller ones, each half
-   the one before. No side is longer than 2^22 pixels. ``to_picture``: the homography from the mask to the picture.
-   Beyond the picture's edges, its edge pixels are repeated. */
-void unit5_warp_picture(const Image *warped, const Image *mask, const Image *levels, int count,
-                        const double to_picture[9], const float *positions, int64_t row);
+/* A mask is warped in blocks of this size. */
+extern const int unit5_block_width, unit5_block_height;
+/* A level is the picture, BGR or BGRA with colors multiplied by their alpha, halved u times across and v times down,
+   each less often than this. Its number is unit5_levels * u + v. A half of an odd side leaves the last pixel out. */
+extern const int unit5_levels;
+
+/* Find which levels are needed. ``width``, ``height``: of the picture, 2 to 2^22. ``to_picture``: the homography from
+   the mask to the picture. ``blocks``: written, row by row, the number of each block's level, or the square of
+   unit5_levels where the mask is black. */
+void unit5_find_levels(const Image *mask, int width, int height, const double to_picture[9], const float *positions,
+                       int64_t row, uint16_t *blocks);
+
+/* Warp a picture where a mask is not black. ``warped``: the result, which is black before; as large as the mask, with
+   the channels of the picture. ``levels``: the one of each number that is in ``blocks``, which unit5_find_levels has
+   written for the same arguments; none has more than 2^31 - 1 bytes. Beyond the picture's edges, its edge pixels are
+   repeated. */
+void unit5_warp_picture(const Image *warped, const Image *mask, int width, int height, const Image *levels,
+                        const uint16_t *blocks, const double to_picture[9], const float *positions, int64_t row);
 
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 

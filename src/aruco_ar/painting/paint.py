@@ -11,16 +11,13 @@ from typing import Callable
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Image, Numbers
+from aruco_ar.base.arrays import Image, Numbers
 from aruco_ar.base.checks import COLOR, PICTURE, check_array
 from aruco_ar.compiled import binding
-from aruco_ar.geometry.homography import transform
 from aruco_ar.tracking.area import Area
 
 from .picture import Picture
 from .place import Place, find_place
-
-MAX_LEVELS = 12  # a picture is halved at most this many times
 
 
 def area_mask(frame: Image, area: Area | None) -> Image:
@@ -100,21 +97,8 @@ def warp(picture: Image | Picture, homography: Numbers, mask: Image, positions: 
     homography = np.asarray(homography, np.float64)
     check_array('homography', homography, np.float64, (3, 3))
     _, to_picture = cv2.invert(homography)  # all 0 if there is no inverse
-    levels = picture.levels(_levels_needed(picture.pixels, homography))
-    return binding.warp_picture(levels, np.asarray(to_picture, np.float64), mask, positions)
-
-
-def _levels_needed(picture: Image, homography: Floats) -> int:
-    """How many times a picture has to be halved until it is nowhere larger than in the frame."""
-    height, width = picture.shape[:2]
-    corners = np.array([[0.0, 0], [width, 0], [width, height], [0, height]])
-    behind = corners @ homography[2, :2] + homography[2, 2] <= 0
-    if behind.any() and not behind.all():
-        return MAX_LEVELS  # some of what is cut off would be behind the camera
-    seen = transform(homography, corners)
-    top, right, foot, left = np.linalg.norm(seen - seen[[1, 2, 3, 0]], axis=1)
-    shrinks = max(width / max(min(top, foot), 1), height / max(min(left, right), 1))
-    return int(np.ceil(np.log2(min(max(1, shrinks), 2**MAX_LEVELS))))  # also if it is not a number
+    to_picture = np.asarray(to_picture, np.float64)
+    return binding.warp_picture(picture.pixels, picture.level, to_picture, mask, positions)
 
 
 def put_in(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> None:

@@ -15,27 +15,44 @@ class Picture:
 
     def __init__(self, pixels: Image) -> None:
         self.pixels = pixels
-        self._levels = [pixels]
+        self._levels: dict[tuple[int, int], Image] = {}
 
     @property
     def shape(self) -> tuple[int, ...]:
         """(h, w, 3) or (h, w, 4)."""
         return self.pixels.shape
 
-    def levels(self, count: int) -> list[Image]:
-        """The picture, and at most ``count`` smaller ones, each half as wide and high as the one before."""
-        while len(self._levels) <= count and min(self._levels[-1].shape[:2]) > 1:
-            self._levels.append(_half(self._levels[-1]))
-        return self._levels[:count + 1]
+    def level(self, across: int, down: int) -> Image:
+        """The picture, its width halved ``across`` times, and its height halved ``down`` times.
+
+        Each pixel is the mean of those that it covers; an odd side loses its last pixel. A side of one pixel is
+        doubled first. Colors of BGRA are multiplied by their alpha, so that transparent ones do not bleed in.
+        Raises IndexError where nothing would be left.
+        """
+        if (across, down) not in self._levels:
+            self._levels[across, down] = self._made(across, down)
+        return self._levels[across, down]
+
+    def _made(self, across: int, down: int) -> Image:
+        if not across and not down:
+            height, width = self.pixels.shape[:2]
+            pixels = np.ascontiguousarray(self.pixels)
+            if height == 1 or width == 1:
+                pixels = pixels.repeat(1 + (height == 1), axis=0).repeat(1 + (width == 1), axis=1)
+            return _multiplied(pixels) if pixels.shape[2] == 4 else pixels
+        # Both sides at once, as far as possible, is fastest.
+        larger = self.level(across - (across >= down), down - (down >= across))
+        wide, high = larger.shape[1] >> (across >= down), larger.shape[0] >> (down >= across)
+        if not wide or not high:
+            raise IndexError('A picture of %d x %d pixels cannot be halved so often.'
+                             % self.pixels.shape[1::-1])
+        even = larger[:high << (down >= across), :wide << (across >= down)]
+        # For a half, this is the mean of two or of four pixels.
+        return cv2.resize(even, (wide, high), interpolation=cv2.INTER_LINEAR)
 
 
-def _half(picture: Image) -> Image:
-    """The picture at half its size. Each pixel is the mean of four; an odd side loses its last pixel."""
-    picture = picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2]
-    if picture.shape[2] == 3:
-        return cv2.resize(picture, None, None, 0.5, 0.5, cv2.INTER_AREA)
-    # Colors count by their alpha, so that transparent ones do not bleed in.
-    alpha = np.asarray(picture[:, :, 3:], np.float32)
-    colors = cv2.resize(picture[:, :, :3] * alpha, None, None, 0.5, 0.5, cv2.INTER_AREA)
-    mean = cv2.resize(alpha[:, :, 0], None, None, 0.5, 0.5, cv2.INTER_AREA)[:, :, None]
-    return np.asarray(np.round(np.concatenate([colors / np.maximum(mean, 1e-3), mean], axis=2)), np.uint8)
+def _multiplied(picture: Image) -> Image:
+    """BGRA, its colors multiplied by its alpha."""
+    alpha = picture[:, :, 3]
+    colors = cv2.multiply(picture[:, :, :3], cv2.cvtColor(alpha, cv2.COLOR_GRAY2BGR), scale=1 / 255)
+    return np.dstack([colors, alpha])

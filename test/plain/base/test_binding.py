@@ -69,8 +69,7 @@ def of_warp_picture():
     mask = area_mask(frame_with_tag()[0], area)
 
     def call(picture, to_picture, mask, positions):
-        smaller = Picture(picture).levels(2)[1:] if picture.size and picture.shape[2:] == (4,) else []
-        return binding.warp_picture([picture, *smaller], to_picture, mask, positions)
+        return binding.warp_picture(picture, Picture(picture).level, to_picture, mask, positions)
     return call, {'picture': picture, 'to_picture': np.linalg.inv(area.homography(130, 90)), 'mask': mask,
                   'positions': positions()}
 
@@ -318,6 +317,18 @@ def test_a_gray_mask_warps_as_one_in_color_does():
     frame, homography = frame_with_tag()[0], Area(CORNERS).homography(130, 90)
     np.testing.assert_array_equal(warp(picture, homography, mask_of(frame[..., 0])),
                                   warp(picture, homography, mask_of(frame)))
+
+
+@pytest.mark.parametrize('channels', [3, 4])
+@pytest.mark.parametrize('width, height', [(1, 1), (1, 5), (5, 1), (2, 2), (3, 2), (17, 9)])
+def test_a_picture_is_read_to_its_last_pixel_and_not_further(width, height, channels):
+    """That nothing behind it is read, is noticed by the sanitizer."""
+    picture = np.random.RandomState(0).randint(0, 256, (height, width, channels)).astype(np.uint8)
+    if channels == 4:
+        picture[..., 3] = 255
+    np.testing.assert_array_equal(warp(picture, np.eye(3), np.full((height, width), 255, np.uint8)), picture)
+    beyond = warp(picture, np.eye(3), np.full((height + 9, width + 20), 255, np.uint8))
+    np.testing.assert_array_equal(beyond[height:, width:], np.broadcast_to(picture[-1, -1], (9, 20, channels)))
 
 
 def test_a_mask_has_bytes_only():

@@ -22,10 +22,11 @@ OTHER = '''
 #include <stdlib.h>
 const char *unit5_version(void) { return "0123456789abcdef"; }
 const double unit5_nearest;
-const int unit5_plane_count, unit5_profile_count;
+const int unit5_plane_count, unit5_profile_count, unit5_block_width, unit5_block_height, unit5_levels;
 const float unit5_profile_positions[1];
 void unit5_fit_tags(void) { abort(); }
 void unit5_draw_mask(void) { abort(); }
+void unit5_find_levels(void) { abort(); }
 void unit5_warp_picture(void) { abort(); }
 void unit5_refine_pose_pairs(void) { abort(); }
 void unit5_compare_wall(void) { abort(); }
@@ -133,7 +134,7 @@ def test_only_names_of_unit5_can_be_seen(tmp_path):
     shown = subprocess.run(['nm', '-D', '--defined-only', str(tmp_path / 'libunit5.so')], check=True, text=True,
                            stdout=subprocess.PIPE)
     names = {line.split()[-1] for line in shown.stdout.splitlines()}
-    assert len(names) == 14 and all(name.startswith('unit5_') for name in names)
+    assert len(names) == 18 and all(name.startswith('unit5_') for name in names)
 
 
 @needs_compiler
