@@ -56,7 +56,8 @@ static inline Pair multiply_high(Pair a, Pair b)
 }
 
 /* A sample, as two parts, one of each pixel of the pair: 64 times what they are of the color. ``upper``: the pixel at
-   the top left of the four; ``below``: the bytes to the one below. ``count``: see load_pair. ``x``, ``y``: the steps from there. */
+   the top left of the four; ``below``: the bytes to the one below. ``count``: see load_pair. ``x``, ``y``: the steps
+   from there. */
 static inline Pair sample_pair(const uint8_t *upper, int64_t below, int count, const Weights *weights, int x, int y)
 {
     Pair top = load_pair(upper, count), foot = load_pair(upper + below, count);

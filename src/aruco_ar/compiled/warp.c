@@ -2,14 +2,16 @@
 
    A pixel of the result is the mean of what it covers of the picture: of one, two or four samples there, from a level
    of the picture that is halved so often, across and down, that nothing between the samples is skipped. This is
-   decided for each block of the mask. */
+   decided for each block of the mask.
+
+   Levels across and down are those of "ripmaps"; samples in different columns and rows are a "rotated grid". */
 #include "unit5.h"
 #include "sampling.h"
 
 #define BLOCK_WIDTH 16
 #define BLOCK_HEIGHT 8
 #define SINGLE 1.2f      /* a pixel that covers no more pixels of the picture than this is sampled once, */
-#define DOUBLE 2.2f      /* and up to here twice */
+#define DOUBLE 2.2f      /* and twice if it covers no more of the level than this */
 #define MAX_STEP 1e5f    /* longest step from one pixel to the next; no picture is as large */
 #define LEVELS 24        /* a picture is halved less often than this */
 #define MOST_SAMPLES 4
@@ -85,10 +87,12 @@ static int level_of(float covered, int side)
 
 static Filter find_filter(const Way *way, const Block *block, const Image *mask, int width, int height)
 {
-    int next = block->x + 1 < mask->width ? 1 : -(block->x > 0), below = block->y + 1 < mask->height ? 1 : -(block->y > 0);
+    /* A neighbor on the other side will do as well; a mask of a single row or column has none. */
+    int next = block->x + 1 < mask->width ? block->x + 1 : block->x - (block->x > 0);
+    int below = block->y + 1 < mask->height ? block->y + 1 : block->y - (block->y > 0);
     Point at = find_place(way, block->x, block->y);
-    Point right = minus(find_place(way, block->x + next, block->y), at);
-    Point down = minus(find_place(way, block->x, block->y + below), at);
+    Point right = minus(find_place(way, next, block->y), at);
+    Point down = minus(find_place(way, block->x, below), at);
     float covered_u = hypotf(right.x, down.x), covered_v = hypotf(right.y, down.y);
     float longer = larger(covered_u, covered_v);
     Filter filter = {.count = 1};
@@ -151,7 +155,8 @@ static inline void mix_samples(uint8_t *pixel, int length, const Image *level, i
         Pair sum = {0};
         for (int sample = 0; sample < count; sample++) {
             const Samples *at = samples + sample;
-            sum += sample_pair(level->pixels + at->row[x] * level->row + at->byte[x], level->row, bytes, weights, at->x[x], at->y[x]);
+            const uint8_t *upper = level->pixels + at->row[x] * level->row + at->byte[x];
+            sum += sample_pair(upper, level->row, bytes, weights, at->x[x], at->y[x]);
         }
         put_mean(pixel, sum, channels, count == 4 ? 8 : count == 2 ? 7 : 6);
         if (channels == 4)
@@ -159,54 +164,57 @@ static inline void mix_samples(uint8_t *pixel, int length, const Image *level, i
     }
 }
 
-/* Compilers make faster code if they know the numbers. */
-#define MIX_COUNT(channels, count, bytes) \
-    mix_samples(pixels + channels * begin, end - begin, level, channels, samples, count, bytes, weights)
-#define MIX(channels, bytes) \
-    do { \
-        if (filter->count == 4) \
-            MIX_COUNT(channels, 4, bytes); \
-        else if (filter->count == 2) \
-            MIX_COUNT(channels, 2, bytes); \
-        else \
-            MIX_COUNT(channels, 1, bytes); \
-    } while (0)
-
-/* Warp what is shown of a row. ``h``: from the mask to steps in the level, from the middle of its first pixel. */
-static inline void warp_row(uint8_t *pixels, const Image *level, int channels, const float h[9], const Positions *positions,
-                            const Filter *filter, int y, int begin, int end, const Weights *weights)
+/* Warp ``length`` pixels. ``u``, ``v``: where their middles are, in steps; see to_level. */
+static inline void warp_run(uint8_t *pixels, int length, const Image *level, int channels, const float u[BLOCK_WIDTH],
+                            const float v[BLOCK_WIDTH], const Filter *filter, int count, const Weights *weights)
 {
-    float column[BLOCK_WIDTH], line[BLOCK_WIDTH], u[BLOCK_WIDTH], v[BLOCK_WIDTH];
-    for (int x = 0; x < BLOCK_WIDTH; x++) {
-        const float *seen = positions->first ? position_of(positions, begin + x < end ? begin + x : begin, y) : NULL;
-        column[x] = seen ? seen[0] : begin + x;
-        line[x] = seen ? seen[1] : y;
-    }
-    for (int x = 0; x < BLOCK_WIDTH; x++) {  /* all of them, since compilers can vectorize it then */
-        float scale = 1 / (h[6] * column[x] + h[7] * line[x] + h[8]);
-        u[x] = (h[0] * column[x] + h[1] * line[x] + h[2]) * scale;
-        v[x] = (h[3] * column[x] + h[4] * line[x] + h[5]) * scale;
-    }
     float last_u = STEPS * (level->width - 1) - 1, last_v = STEPS * (level->height - 1) - 1;
+    int lowest = STEPS * (level->height - 2) - 1, is_low = 0;
     Samples samples[MOST_SAMPLES];
-    int limit = STEPS * (level->height - 2) - 1, low = 0;
-    for (int sample = 0; sample < filter->count; sample++) {
-        float more_u = filter->u[sample], more_v = filter->v[sample];
+    for (int sample = 0; sample < count; sample++)
         for (int x = 0; x < BLOCK_WIDTH; x++) {
-            int at_u = (int)within(u[x] + more_u, last_u), at_v = (int)within(v[x] + more_v, last_v);
+            int at_u = (int)within(u[x] + filter->u[sample], last_u);
+            int at_v = (int)within(v[x] + filter->v[sample], last_v);
             samples[sample].row[x] = at_v >> STEP_BITS;
             samples[sample].byte[x] = (at_u >> STEP_BITS) * channels;
             samples[sample].x[x] = at_u & (STEPS - 1);
             samples[sample].y[x] = at_v & (STEPS - 1);
-            low |= limit - at_v;
+            is_low |= lowest - at_v;  /* negative in the last row, where nothing may be read behind the end */
         }
-    }
-    if (channels == 4)
-        MIX(4, 8);
-    else if (low >= 0)
-        MIX(3, 8);
+    if (is_low < 0)
+        mix_samples(pixels, length, level, channels, samples, count, 2 * channels, weights);
     else
-        MIX(3, 6);
+        mix_samples(pixels, length, level, channels, samples, count, 8, weights);
+}
+
+/* Warp what is shown of a block. ``h``: from the mask to steps in the level. */
+static inline void warp_block(const Image *warped, const Image *level, int channels, const Block *block,
+                              const float h[9], const Positions *positions, const Filter *filter,
+                              const Weights *weights)
+{
+    for (int row = 0; row < block->rows; row++) {
+        int y = block->top + row, begin = block->begin[row], length = block->end[row] - begin;
+        if (length <= 0)
+            continue;
+        float column[BLOCK_WIDTH], line[BLOCK_WIDTH], u[BLOCK_WIDTH], v[BLOCK_WIDTH];
+        for (int x = 0; x < BLOCK_WIDTH; x++) {  /* also what is not shown, since compilers can vectorize it then */
+            const float *seen = positions->first ? position_of(positions, begin + (x < length ? x : 0), y) : NULL;
+            column[x] = seen ? seen[0] : begin + x;
+            line[x] = seen ? seen[1] : y;
+        }
+        for (int x = 0; x < BLOCK_WIDTH; x++) {
+            float scale = 1 / (h[6] * column[x] + h[7] * line[x] + h[8]);
+            u[x] = (h[0] * column[x] + h[1] * line[x] + h[2]) * scale;
+            v[x] = (h[3] * column[x] + h[4] * line[x] + h[5]) * scale;
+        }
+        uint8_t *pixels = warped->pixels + warped->row * y + channels * begin;
+        if (filter->count == 4)  /* compilers make faster code if they know the number */
+            warp_run(pixels, length, level, channels, u, v, filter, 4, weights);
+        else if (filter->count == 2)
+            warp_run(pixels, length, level, channels, u, v, filter, 2, weights);
+        else
+            warp_run(pixels, length, level, channels, u, v, filter, 1, weights);
+    }
 }
 
 void unit5_warp_picture(const Image *warped, const Image *mask, int width, int height, const Image *levels,
@@ -224,9 +232,9 @@ void unit5_warp_picture(const Image *warped, const Image *mask, int width, int h
             Filter filter = find_filter(&way, &block, mask, width, height);
             float h[9];
             to_level(&filter, way.h, h);
-            for (int y = 0; y < block.rows; y++)
-                if (block.begin[y] < block.end[y])
-                    warp_row(warped->pixels + warped->row * (top + y), levels + number, warped->channels, h, &way.positions, &filter, top + y,
-                             block.begin[y], block.end[y], &weights);
+            if (warped->channels == 4)
+                warp_block(warped, levels + number, 4, &block, h, &way.positions, &filter, &weights);
+            else
+                warp_block(warped, levels + number, 3, &block, h, &way.positions, &filter, &weights);
         }
 }
