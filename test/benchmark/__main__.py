@@ -10,7 +10,7 @@ from rig.nodes.master import Master
 from rig.processes.record import recorded
 
 from .looks import looks
-from .real_clips import clips, video
+from .real_clips import clips, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
 from .simulated import accuracy, painting, poses, search, speed
@@ -29,7 +29,8 @@ def parse():
                         help='compare both methods with the truth on real clips instead: the videos in a '
                         'folder. A NAME.yaml beside each of them gives its dictionary and ids (default: '
                         'the clips shared beside the package). With --only nodes, both run as nodes; '
-                        'with --only looks, it is what foreground:=keep leaves free.')
+                        'with --only looks, it is what foreground:=keep leaves free; with --only search, what '
+                        'a search of one frame costs and finds.')
     parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
@@ -54,6 +55,10 @@ def main():
         with recorded('real_looks', args.record):
             looks.run_clips(clips.clips_of(args.real))
             looks.run_arm(clips.clips_of(args.real))
+        return
+    if args.real and args.only == 'search':
+        with recorded('real_search', args.record):
+            searches.run(clips.clips_of(args.real))
         return
     if args.real:
         with recorded('real', args.record):

@@ -10,7 +10,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Image, Numbers
+from aruco_ar.base.arrays import Booleans, Floats, Image, Integers, Numbers, Pose
 from aruco_ar.base.checks import GRAY_OR_COLOR, PICTURE, Shape, check_array
 from aruco_ar.base.errors import InputError
 
@@ -20,6 +20,10 @@ MAX_PICTURE_SIDE_PX = 2**22  # positions in a picture, in parts of a pixel, are 
 MAX_PICTURE_BYTES = 2**31 - 1
 MAX_SAMPLES = 100
 MAX_CELLS = 1000             # of a tag, along a side
+MAX_SEARCHED_PX = 2**15      # width and height of an image that is searched for quadrilaterals
+MAX_BORDER, MAX_WORD = 10, 8  # of a tag that is read: the width of its border and of what is within it, cells
+USUAL_QUADS = 2000           # there is room for so many at first
+MOTION = 8 + 8 + 16 * 16 + 8 * 8 + 2 + 1  # numbers of the C structure Motion of unit5.h
 MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
 
 _C = load()
@@ -54,15 +58,36 @@ def _function(name: str, *arguments: Any, result: Any = None) -> Any:
 
 
 _IMAGE, _INT, _LONG, _FLOAT = ctypes.POINTER(_Image), ctypes.c_int, ctypes.c_int64, ctypes.c_float
+_DOUBLE = ctypes.c_double
 _TAGS = _IMAGE, _INT, _Array, _INT
 _fit_tags = _function('fit_tags', *_TAGS, *[_Array] * 4, _INT, _Array)
 _compare_tags = _function('compare_tags', *_TAGS, _Array, _INT, _Array)
 _sample_cells = _function('sample_cells', *_TAGS, _INT, _Array)
 _guess_tags = _function('guess_tags', *_TAGS, _INT, _Array, _FLOAT, _Array)
+_find_quads = _function('find_quads', _IMAGE, _INT, _FLOAT, _LONG, _Array, result=_LONG)
+_read_tags = _function('read_tags', _IMAGE, _INT, _Array, _INT, _INT, _INT, _Array, _INT, _FLOAT, _Array,
+                       result=_INT)
+_find_sides = _function('find_sides', _LONG, _Array, _Array)
+_find_convex = _function('find_convex', _LONG, _Array, _DOUBLE, _Array)
 _draw_mask = _function('draw_mask', _IMAGE, _Array, _Array, _LONG)
 _find_levels = _function('find_levels', _IMAGE, _INT, _INT, _Array, _Array, _LONG, _Array)
 _warp_picture = _function('warp_picture', _IMAGE, _IMAGE, _INT, _INT, _IMAGE, *[_Array] * 3, _LONG)
+_start_motion = _function('start_motion', _Array, _LONG, *[_Array] * 3)
+_predict_motion = _function('predict_motion', _Array, _DOUBLE, _INT)
+_jerk_motion = _function('jerk_motion', _Array)
+_correct_motion = _function('correct_motion', _Array, _LONG, *[_Array] * 4, _DOUBLE, result=_INT)
+_unlikeliness = _function('unlikeliness', _Array, _LONG, *[_Array] * 3, result=_DOUBLE)
+_project = _function('project', _Array, _LONG, *[_Array] * 2)
+_mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
+_light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
+_find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
+_weigh_poses = _function('weigh_poses', _LONG, *[_Array] * 4, _DOUBLE, *[_Array] * 3)
+_mix_poses = _function('mix_poses', _LONG, *[_Array] * 8)
+_place_tags = _function('place_tags', _LONG, _INT, *[_Array] * 10, result=_INT)
+_off_others = _function('off_others', _LONG, *[_Array] * 7, result=_INT)
+_add_off = _function('add_off', _LONG, *[_Array] * 4)
+_light_wall = _function('light_wall', _Array, _Array, _LONG, _Array)
 _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
@@ -70,6 +95,9 @@ _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Ar
 NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
+WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
+BELIEF_SIZE, FLATNESS_SIZE = (
+    _INT.in_dll(_C, 'unit5_' + name).value for name in ('belief_size', 'flatness_size'))
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
 # The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
 PROFILE_POSITIONS = np.ctypeslib.as_array(
@@ -121,6 +149,62 @@ def guess_tags(frame: Image, quads: Numbers, count: int, known: Numbers, contras
     return guesses
 
 
+def find_quads(image: Image, window: int, shortest: float) -> Floats:
+    """See find_quads in tags/quads.py."""
+    image = _rows('image', image, np.uint8, ('h', 'w'))
+    if max(image.shape) > MAX_SEARCHED_PX:
+        raise InputError('The image is %d x %d pixels large; give one of at most %d each way.'
+                         % (*image.shape[::-1], MAX_SEARCHED_PX))
+    if window not in range(3, WIDEST_WINDOW + 1, 2):
+        raise InputError('A window cannot be %s pixels wide; give an odd number from 3 to %d.'
+                         % (window, WIDEST_WINDOW))
+    room = USUAL_QUADS
+    while True:
+        quads = np.empty((room, 4, 2), np.float32)
+        found = _find_quads(_image(image), window, shortest, room, quads)
+        if found < 0:
+            raise MemoryError
+        if found <= room:
+            return quads[:found]
+        room = found
+
+
+def read_tags(frame: Image, quads: Numbers, words: Numbers, size: int, border: int,
+              corrected: int, contrast: float) -> tuple[Integers, Floats]:
+    """See read_tags in tags/quads.py."""
+    frame, quads, words = _frame(frame), _quads('quadrilaterals', quads), _numbers(words, np.uint64)
+    check_array('words of the dictionary', words, np.uint64, (len(words) if words.ndim else 0, 4))
+    for name, value, least, most in (
+            ('size of a tag', size, 1, MAX_WORD), ('border of a tag', border, 1, MAX_BORDER),
+            ('number of corrected cells', corrected, 0, size * size)):
+        if value not in range(least, most + 1):
+            raise InputError('The %s cannot be %s; choose a whole number from %d to %d.'
+                             % (name, value, least, most))
+    ids, turned = np.empty(len(quads), np.int32), quads.copy()
+    if not _read_tags(_image(frame), len(quads), turned, size + 2 * border, border, len(words), words,
+                      corrected, contrast, ids):
+        raise MemoryError
+    return ids, turned
+
+
+def find_sides(quads: Numbers) -> Floats:
+    """See side_of in tags/edges.py."""
+    quads = _numbers(quads, np.float64)
+    check_array('quadrilaterals', quads, np.float64, (len(quads) if quads.ndim else 0, 4, 2))
+    sides = np.empty(len(quads))
+    _find_sides(len(quads), quads, sides)
+    return sides
+
+
+def find_convex(quads: Numbers, least: float) -> Booleans:
+    """See is_quadrilateral in geometry/ordering.py. ``least``: the height of each corner, at least, pixels."""
+    quads = _numbers(quads, np.float64)
+    check_array('corners', quads, np.float64, (*quads.shape[:-2], 4, 2))
+    convex = np.empty(quads.shape[:-2], bool)
+    _find_convex(convex.size, quads, least, convex)
+    return convex
+
+
 def draw_mask(frame: Image, corners: Numbers, positions: Image | None = None) -> Image:
     """A mask of the frame's shape, uint8: white within the corners, (4, 2) undistorted pixels, gray on the rim.
 
@@ -161,6 +245,89 @@ def warp_picture(picture: Image, level: Callable[[int, int], Image], to_picture:
     return warped
 
 
+def start_motion(motion: Floats, points: Numbers, deviation: Numbers, bias: Numbers) -> None:
+    """Start a motion whose place and middle are set: see AreaMotion in tracking/motion.py.
+
+    ``motion``: (MOTION,) float64, the C structure Motion of unit5.h, which is changed.
+    """
+    points, _, deviation, bias = _measurement(points, points, deviation, bias)
+    _start_motion(_motion(motion), len(points), points, deviation, bias)
+
+
+def predict_motion(motion: Floats, seconds: float, calm: bool) -> None:
+    """See AreaMotion.predict in tracking/motion.py; changes ``motion``."""
+    _predict_motion(_motion(motion), seconds, calm)
+
+
+def jerk_motion(motion: Floats) -> None:
+    """See AreaMotion.after_jerk in tracking/motion.py; changes ``motion``."""
+    _jerk_motion(_motion(motion))
+
+
+def correct_motion(motion: Floats, points: Numbers, pixels: Numbers, deviation: Numbers, bias: Numbers,
+                   limit: float) -> bool:
+    """See AreaMotion.correct in tracking/motion.py; changes ``motion``."""
+    points, pixels, deviation, bias = _measurement(points, pixels, deviation, bias)
+    return bool(_correct_motion(_motion(motion), len(points), points, pixels, deviation, bias, limit))
+
+
+def unlikeliness(motion: Floats, points: Numbers, pixels: Numbers, deviation: Numbers) -> float:
+    """See AreaMotion.unlikeliness in tracking/motion.py."""
+    points, pixels, deviation, _ = _measurement(points, pixels, deviation, deviation)
+    return float(_unlikeliness(_known_motion(motion), len(points), points, pixels, deviation))
+
+
+def project(motion: Floats, points: Numbers) -> Floats:
+    """See AreaMotion.project in tracking/motion.py."""
+    points = _numbers(points, np.float64)
+    check_array('points', points, np.float64, (*points.shape[:-1], 2))
+    pixels = np.empty(points.shape)
+    _project(_known_motion(motion), points.size // 2, points, pixels)
+    return pixels
+
+
+def mix_picture(window: Image, picture: Image, mask: Image, opacity: float) -> tuple[Image, Image]:
+    """What to subtract from a window, and what to add then, (h, w, 3) uint8 each: a mixture with a picture.
+
+    ``window``, ``mask``: (h, w, 3) uint8. ``picture``: (h, w, 3) BGR or (h, w, 4) BGRA. ``opacity``: 0 to 1.
+    """
+    size = _sized(window, 3)[1][:2]
+    window = _rows('frame', window, np.uint8, (*size, 3))
+    picture = _rows('picture', picture, np.uint8, (*size, 3), (*size, 4))
+    mask = _rows('mask', mask, np.uint8, (*size, 3))
+    if not 0 <= opacity <= 1:
+        raise InputError('A picture cannot have the opacity %s; choose from 0 to 1.' % opacity)
+    hidden, shown = np.empty(mask.shape, np.uint8), np.empty(mask.shape, np.uint8)
+    _mix_picture(_image(window), _image(picture), _image(mask), round(255 * opacity), hidden, shown)
+    return hidden, shown
+
+
+def light_picture(picture: Image, white: Image, black: float) -> None:
+    """Change a picture, (h, w, 3) or (h, w, 4) uint8, contiguous, as if it hung in a light: see unit5.h.
+
+    ``white``: (h, w, 3) uint8. ``black``: 0 to 1.
+    """
+    size = _sized(white, 3)[1][:2]
+    white = _rows('light', white, np.uint8, (*size, 3))
+    check_array('picture', picture, np.uint8, (*size, 3), (*size, 4), writes=True)
+    _check_contiguous('picture', picture)
+    if not 0 <= black <= 1:
+        raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
+    _light_picture(_image(picture), _image(white), round(255 * black))
+
+
+def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:
+    """See approximate_poses in geometry/plane_pose.py."""
+    points, rays = _numbers(points, np.float64), _numbers(rays, np.float64)
+    objects, count = points.shape[:2] if points.ndim == 3 else (0, 0)
+    check_array('points', points, np.float64, (objects, count, 3))
+    check_array('rays', rays, np.float64, (objects, count, 2))
+    rotations, translations = np.zeros((objects, 2, 3, 3)), np.zeros((objects, 2, 3))
+    is_posed = np.zeros(objects, np.bool_)
+    _find_pose_pairs(objects, count, points, rays, rotations, translations, is_posed)
+    return rotations, translations, is_posed
+
+
 def refine_pose_pairs(
         points: Numbers, rays: Numbers, weights: Numbers, rotations: Numbers, translations: Numbers,
         spread: Numbers | None = None) -> tuple[Floats, Floats, Floats, Floats, Floats]:
@@ -182,6 +349,78 @@ def refine_pose_pairs(
                               translations, amounts, squares, covariances):
         raise MemoryError
     return rotations, translations, amounts, squares, covariances
+
+
+def weigh_poses(rotations: Numbers, translations: Numbers, covariances: Numbers, costs: Numbers, now: float,
+                memories: Floats) -> tuple[Integers, Floats]:
+    """See Belief.weigh. ``memories``: (n, BELIEF_SIZE), of the objects; changed. It is NaN for a new one."""
+    count = len(memories)
+    poses = _poses('', (rotations, translations, covariances), (count, 2))
+    costs = _numbers(costs, np.float64)
+    check_array('costs', costs, np.float64, (count, 2))
+    _check_memories(memories, BELIEF_SIZE)
+    believed, weights = np.empty(count, np.int64), np.empty(count)
+    _weigh_poses(count, *poses, costs, now, memories, believed, weights)
+    return believed, weights
+
+
+def mix_poses(one: Pose, other: Pose, weights: Floats) -> tuple[Floats, Floats]:
+    """See mixture in poses/belief.py. ``weights``: (n,)."""
+    weights, count = np.array(weights, np.float64), len(one[0])
+    check_array('weights', weights, np.float64, (count,))
+    mixed = np.empty((count, 6, 6))
+    _mix_poses(count, *_poses('', one, (count,)), *_poses('other ', other, (count,)), weights, mixed)
+    return mixed, weights
+
+
+def place_tags(wall: Pose, amounts: Floats, rotations: Floats, centers: Floats, spread: Floats) -> Pose:
+    """See poses_of_tags in poses/observations.py. ``wall``: both poses, as in WallFit."""
+    amounts, spread = _numbers(amounts, np.float64), _numbers(spread, np.float64)
+    count, deviations = len(spread), min(spread.shape[-1], MAX_DEVIATIONS)
+    wall = _poses("wall's ", wall, (2,), 6 + deviations)
+    rotations, centers = (_numbers(each, np.float64) for each in (rotations, centers))
+    for name, array, shape in (('amounts', amounts, (2, deviations)), ('rotations', rotations, (count, 3, 3)),
+                               ('centers', centers, (count, 3)), ('spread', spread, (count, 6, deviations))):
+        check_array(name, array, np.float64, shape)
+    found = np.empty((count, 2, 3, 3)), np.empty((count, 2, 3)), np.empty((count, 2, 6, 6))
+    if not _place_tags(count, deviations, wall[0], wall[1], amounts, wall[2], rotations, centers, spread,
+                       *found):
+        raise MemoryError
+    return found
+
+
+def off_others(poses: Pose, axes: Numbers, bulge: Numbers) -> tuple[Floats, Floats]:
+    """See off_others in poses/observations.py."""
+    count = len(poses[0])
+    poses = _poses('', poses, (count,))
+    axes, bulge = _numbers(axes, np.float64), _numbers(bulge, np.float64)
+    check_array('axes', axes, np.float64, (3, 3))
+    check_array('bulge', bulge, np.float64, (3, 3))
+    off, spread = np.empty((count, 3)), np.empty((count, 3, 3))
+    if not _off_others(count, *poses, axes, bulge, off, spread):
+        raise MemoryError
+    return off, spread
+
+
+def add_off(off: Numbers, spread: Numbers, memories: Floats) -> Floats:
+    """See Flatness.update. ``memories``: (n, FLATNESS_SIZE), of the tags; changed. It is 0 for a new one."""
+    off, spread = _numbers(off, np.float64), _numbers(spread, np.float64)
+    count = len(memories)
+    for name, array, shape in (('off', off, (count, 3)), ('spread', spread, (count, 3, 3))):
+        check_array(name, array, np.float64, shape)
+    _check_memories(memories, FLATNESS_SIZE)
+    squared = np.empty(count)
+    _add_off(count, off, spread, memories, squared)
+    return squared
+
+
+def light_wall(look: Floats, whole: Floats) -> Image:
+    """(h, w, 3) uint8: a wall in a light. ``look``: (h, w, 3) float32. ``whole``: (3,) float32, its factors."""
+    look = _packed('look', look, np.float32, _sized(look, 3)[1])
+    whole = _packed('light', whole, np.float32, (3,))
+    wall = np.empty(look.shape, np.uint8)
+    _light_wall(look, whole, wall.size // 3, wall)
+    return wall
 
 
 def compare_wall(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
@@ -215,9 +454,7 @@ def learn_wall(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certa
             ('look', look, np.float32, (*size, 3)), ('variance', variance, np.float32, size),
             ('known wall', known, np.bool_, size), ('seconds', seconds, np.float32, size)):
         check_array(name, array, dtype, shape, writes=True)
-        if not _is_packed(array):
-            raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().'
-                             % name)
+        _check_contiguous(name, array)
     _learn_wall(seen, whole, planes, wall, certain, wall.size, passed, settle, rate, variance_rate, look,
                 variance, known, seconds)
 
@@ -241,6 +478,46 @@ def _fit(frame: Any, quads: Any, cells: Any, whole: Any = None,
     likeness = np.empty(count, np.float32)
     _fit_tags(_image(frame), count, quads, cells.shape[1], cells, fitted, found, likeness, samples, whole)
     return fitted, found, likeness
+
+
+def _known_motion(motion: Floats) -> Any:
+    """A motion, checked, which is not changed."""
+    return _packed('motion', motion, np.float64, (MOTION,))
+
+
+def _motion(motion: Floats) -> Floats:
+    """A motion, checked: an array that a function in C may change."""
+    check_array('motion', motion, np.float64, (MOTION,), writes=True)
+    if not _is_packed(motion):
+        raise InputError('The motion is not contiguous, but it would be changed; give a copy, by .copy().')
+    return motion
+
+
+def _poses(name: str, poses: Any, axes: tuple[int, ...], size: int = 6) -> Any:
+    """Poses with those axes in front, checked. ``size``: that of their covariances."""
+    poses = tuple(_numbers(part, np.float64) for part in poses)
+    for part, array, shape in (('rotations', poses[0], (3, 3)), ('translations', poses[1], (3,)),
+                               ('covariances', poses[2], (size, size))):
+        check_array(name + part, array, np.float64, (*axes, *shape))
+    return poses
+
+
+def _check_memories(memories: Any, size: int) -> None:
+    """Check numbers that are remembered of objects, (n, size), and changed."""
+    check_array('memories', memories, np.float64, (len(memories), size), writes=True)
+    _check_contiguous('memories', memories)
+
+
+def _measurement(*arrays: Any) -> Any:
+    """A measurement for a motion, checked: points, pixels, deviation and bias."""
+    points, pixels, deviation, bias = (_numbers(array, np.float64) for array in arrays)
+    count = len(points) if points.ndim else 0
+    for name, array, shape in (('points', points, (count, 2)), ('pixels', pixels, (count, 2)),
+                               ('deviation', deviation, (count,)), ('bias', bias, (count,))):
+        check_array(name, array, np.float64, shape)
+    if not count or count % 4:
+        raise InputError('A measurement has %d points; give four for each tag, of at least one tag.' % count)
+    return points, pixels, deviation, bias
 
 
 def _frame(frame: Any) -> Any:
@@ -279,6 +556,11 @@ def _numbers(values: Any, dtype: Any) -> Any:
 
 def _is_packed(array: Any) -> bool:
     return bool(array.flags.c_contiguous and array.flags.aligned)
+
+
+def _check_contiguous(name: str, array: Any) -> None:
+    if not _is_packed(array):
+        raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().' % name)
 
 
 def _packed(name: str, array: Any, dtype: type, *shapes: Shape) -> Any:

@@ -12,7 +12,8 @@ import subprocess
 HERE = os.path.dirname(os.path.abspath(__file__))
 NAME = 'libunit5.so'
 COMPILER = 'cc'
-FLAGS = ['-O3', '-fno-math-errno', '-fvisibility=hidden', '-Wall', '-Wextra', '-Werror=vla']
+FLAGS = ['-O3', '-fno-math-errno', '-fno-trapping-math', '-fvisibility=hidden', '-Wall', '-Wextra',
+         '-Werror=vla']
 
 
 class CompilerError(Exception):

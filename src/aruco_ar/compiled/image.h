@@ -30,6 +30,11 @@ static inline float smaller(float a, float b) { return a < b ? a : b; }
 /* The value, limited to 0 to most; 0 if it is not a number. */
 static inline float within(float value, float most) { return smaller(larger(value, 0), most); }
 
+/* The gray of a pixel, as an integer, which is faster; of BGR it is larger by the last factor. */
+#define PIXEL_OF_GRAY(pixel) *(pixel)
+#define PIXEL_OF_BGR(pixel) (1868 * (pixel)[0] + 9617 * (pixel)[1] + 4899 * (pixel)[2])
+#define WHOLE_OF_BGR 16384
+
 /* The gray between a pixel and the ones right of it and below, interpolated linearly. ``x``, ``y``: the distance from
    the pixel. ``right``, ``down``: the bytes to the others. */
 static inline float gray_between(const uint8_t *upper, int right, int64_t down, int channels, float x, float y)
@@ -38,12 +43,8 @@ static inline float gray_between(const uint8_t *upper, int right, int64_t down, 
     float weights[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
 #define MEAN(gray) (weights[0] * gray(upper) + weights[1] * gray(upper + right) \
                     + weights[2] * gray(lower) + weights[3] * gray(lower + right))
-#define ONLY(pixel) *(pixel)
-#define OF_BGR(pixel) (1868 * (pixel)[0] + 9617 * (pixel)[1] + 4899 * (pixel)[2])  /* integers are faster */
-    return channels == 1 ? MEAN(ONLY) : MEAN(OF_BGR) / 16384;
+    return channels == 1 ? MEAN(PIXEL_OF_GRAY) : MEAN(PIXEL_OF_BGR) / WHOLE_OF_BGR;
 #undef MEAN
-#undef ONLY
-#undef OF_BGR
 }
 
 /* The gray at a point; outside of the image, that of the nearest pixel. */

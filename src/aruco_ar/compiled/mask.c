@@ -71,7 +71,13 @@ static float distorted_cover_of(const Line sides[4], const float *here, const fl
             return 0;
         float to_next = distance_from(sides[side], next) - distance;
         float to_below = distance_from(sides[side], below) - distance;
-        cover = smaller(cover, 0.5f + distance / larger(length((Point){to_next, to_below}), 1e-3f));
+        float square = larger(to_next * to_next + to_below * to_below, 1e-6f);
+        if (4 * distance * distance >= square) {  /* half a pixel or more away; no root is needed */
+            if (distance < 0)
+                return 0;
+            continue;
+        }
+        cover = smaller(cover, 0.5f + distance / sqrtf(square));
     }
     return larger(cover, 0);
 }

@@ -1,6 +1,7 @@
 /* Refining the two poses of a flat object by the method of Levenberg and Marquardt. */
 #include <stdlib.h>
 
+#include "algebra.h"
 #include "unit5.h"
 
 #define MAX_STEPS 12              /* number of steps, at most */
@@ -10,7 +11,6 @@
 #define WORTHWHILE 1e-3           /* a step that promises less gain, relative to 1 + cost, is not made */
 #define FAR_WORSE 100.0           /* a pose with this many times the cost of the other one is not refined further */
 #define BEHIND 1e9                /* what a point behind the camera adds to the cost */
-#define SMALL_ANGLE 1e-9          /* rad: the sine of a smaller angle is the angle */
 #define MIN_EIGENVALUE 1e-12      /* added to a scaled information matrix: above rounding errors, below all else */
 
 const double unit5_nearest = 1e-3;
@@ -29,21 +29,6 @@ typedef struct {
     double rotation[9], translation[3], cost;
     double *amounts, *squares, *gradient, *hessian;
 } State;
-
-static double dot(const double *one, const double *other, int count)
-{
-    double sum = 0;
-    for (int at = 0; at < count; at++)
-        sum += one[at] * other[at];
-    return sum;
-}
-
-static void cross3(const double one[3], const double other[3], double product[3])
-{
-    product[0] = one[1] * other[2] - one[2] * other[1];
-    product[1] = one[2] * other[0] - one[0] * other[2];
-    product[2] = one[0] * other[1] - one[1] * other[0];
-}
 
 /* Set the cost, the squared errors of the points, the negative half gradient of the cost and the approximate half
    Hessian matrix for the pose and the amounts of a state. */
@@ -90,52 +75,6 @@ static void linearize(const Object *object, State *state)
     for (int each = 6; each < size; each++) {  /* the amounts have a standard deviation of 1 */
         state->hessian[(size + 1) * each] += 1;
         state->gradient[each] -= state->amounts[each - 6];
-    }
-}
-
-/* Factorize a symmetric matrix into L and its transpose (Cholesky). Only its lower half is read, and L is written
-   there. Returns whether it is positive definite. */
-static int factorize(double *matrix, int size)
-{
-    for (int row = 0; row < size; row++) {
-        double *here = matrix + size * row;
-        for (int column = 0; column < row; column++)
-            here[column] = (here[column] - dot(here, matrix + size * column, column)) / matrix[(size + 1) * column];
-        double square = here[row] - dot(here, here, row);
-        if (!(square > 0))
-            return 0;
-        here[row] = sqrt(square);
-    }
-    return 1;
-}
-
-/* Solve L and its transpose for a vector, in place. */
-static void solve(const double *factor, int size, double *vector)
-{
-    for (int row = 0; row < size; row++)
-        vector[row] = (vector[row] - dot(factor + size * row, vector, row)) / factor[(size + 1) * row];
-    for (int row = size - 1; row >= 0; row--) {
-        for (int below = row + 1; below < size; below++)
-            vector[row] -= factor[size * below + row] * vector[below];
-        vector[row] /= factor[(size + 1) * row];
-    }
-}
-
-/* Turn a rotation by small angles about the camera's axes (O. Rodrigues, 1840). */
-static void turn(const double angles[3], const double rotation[9], double turned[9])
-{
-    double angle = sqrt(dot(angles, angles, 3)), sine = 1, versine = 0.5;  /* divided by the angle and its square */
-    if (angle > SMALL_ANGLE) {
-        double half = sin(angle / 2) / angle;
-        sine = sin(angle) / angle;
-        versine = 2 * half * half;
-    }
-    for (int column = 0; column < 3; column++) {
-        double axis[3] = {rotation[column], rotation[3 + column], rotation[6 + column]}, once[3], twice[3];
-        cross3(angles, axis, once);
-        cross3(angles, once, twice);
-        for (int row = 0; row < 3; row++)
-            turned[3 * row + column] = axis[row] + sine * once[row] + versine * twice[row];
     }
 }
 
@@ -207,13 +146,16 @@ static void refine_pair(const Object *object, double *rotations, double *transla
     }
     for (int round = 0; round < MAX_STEPS; round++) {
         double least = fmin(here[0]->cost, here[1]->cost);
-        int first = find_step(here[0], damping[0], least, size, step[0], object->spare);
-        int second = find_step(here[1], damping[1], least, size, step[1], object->spare);
-        if (!first && !second)
+        int is_moving[2];
+        for (int which = 0; which < 2; which++)
+            is_moving[which] = find_step(here[which], damping[which], least, size, step[which], object->spare);
+        if (!is_moving[0] && !is_moving[1])
             break;
         for (int which = 0; which < 2; which++) {
+            if (!is_moving[which])
+                continue;
             State *from = here[which], *to = next[which];
-            turn(step[which] + 3, from->rotation, to->rotation);
+            turn_rotation(step[which] + 3, from->rotation, to->rotation);
             for (int axis = 0; axis < 3; axis++)
                 to->translation[axis] = from->translation[axis] + step[which][axis];
             for (int each = 0; each < extra; each++)

@@ -56,13 +56,14 @@ static inline Pair multiply_high(Pair a, Pair b)
 }
 
 /* A sample, as two parts, one of each pixel of the pair: 64 times what they are of the color. ``upper``: the pixel at
-   the top left of the four; ``below``: the bytes to the one below. ``count``: see load_pair. ``x``, ``y``: the steps
-   from there. */
+   the top left of the four; ``below``: the bytes to the one below. ``count``: see load_pair. ``x``, ``y``: where the
+   weights for the steps from there are, in bytes. */
 static inline Pair sample_pair(const uint8_t *upper, int64_t below, int count, const Weights *weights, int x, int y)
 {
     Pair top = load_pair(upper, count), foot = load_pair(upper + below, count);
     /* Of what is negative here, the lower 16 bits are right, and the sum is not negative. */
-    return multiply_high(STEPS * top + (foot - top) * weights->lower[y], weights->across[x]);
+    Pair lower = *(const Pair *)((const char *)weights->lower + y);
+    return multiply_high(STEPS * top + (foot - top) * lower, *(const Pair *)((const char *)weights->across + x));
 }
 
 /* Set a pixel to the mean of samples whose sum this is. ``shift``: of 64 times their number, a power of 2. */

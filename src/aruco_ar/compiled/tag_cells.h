@@ -22,3 +22,9 @@ static inline Point mapped(const Homography *to, float x, float y)
 /* Fit a quadrilateral to the edges between dark and light cells within a tag, (cells, cells). Returns 0 if too many
    edges are not found. */
 int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4]);
+
+enum { WHITE_TAG = 1, UNEVEN_TAG, MARGIN };
+
+/* What a quadrilateral may be, 0 if none of these; see guess_tags in edges.py. It is looked at across its sides, at
+   three places along each. ``contrast``: see there. */
+int guess_tag(const Image *frame, const Point quad[4], int cells, float contrast);

@@ -37,60 +37,85 @@ const float unit5_profile_positions[PROFILES] = {
     POSITION(0), POSITION(1), POSITION(2), POSITION(3), POSITION(4), POSITION(5),
     POSITION(6), POSITION(7), POSITION(8), POSITION(9), POSITION(10), POSITION(11)};
 
-typedef struct { float middle, slope, off[PROFILES]; } Line;
+/* Four profiles side by side, of which the processor computes all at once. */
+typedef float Four __attribute__((vector_size(16)));
+typedef int FourInts __attribute__((vector_size(16)));
+#define FOURS (PROFILES / 4)
+_Static_assert(PROFILES % 4 == 0, "profiles are computed by fours");
+/* The first sample of all profiles, the second one of all, and so on. */
+typedef Four Gray[SAMPLES][FOURS];
+typedef struct { float middle, slope; Four off[FOURS]; } Line;
 
-/* The value with that rank, from 0, when they are sorted. */
-static float ranked(const float *values, int count, int rank)
+static Four numbers_of(int four) { return (Four){4 * four, 4 * four + 1, 4 * four + 2, 4 * four + 3}; }
+static float sum_of(Four values) { return values[0] + values[1] + values[2] + values[3]; }
+static Four larger_of(Four a, Four b)
 {
-    float sorted[PROFILES];
-    for (int i = 0; i < count; i++) {
-        int place = i;
-        for (; place > 0 && sorted[place - 1] > values[i]; place--)
-            sorted[place] = sorted[place - 1];
-        sorted[place] = values[i];
-    }
-    return sorted[rank];
+    FourInts first = a > b;
+    return (Four)((first & (FourInts)a) | (~first & (FourInts)b));
 }
 
-static float median(const float *values) { return ranked(values, PROFILES, PROFILES / 2); }
-
-static float mean(const float *values, int count)
+/* The value of the profiles with that rank, from 0, when they are sorted. */
+static float ranked(const Four values[FOURS], int rank)
 {
-    float sum = 0;
-    for (int i = 0; i < count; i++)
-        sum += values[i];
-    return sum / count;
+    for (int i = 0; i < PROFILES; i++) {
+        Four value = values[i / 4][i % 4] - (Four){0};
+        FourInts less = {0}, others = {0};  /* a comparison that is true is -1 */
+        for (int four = 0; four < FOURS; four++) {
+            less -= values[four] < value;
+            others -= values[four] <= value;
+        }
+        if (less[0] + less[1] + less[2] + less[3] <= rank && rank < others[0] + others[1] + others[2] + others[3])
+            return value[0];
+    }
+    return values[0][0];  /* some are not numbers */
+}
+
+static float median(const Four values[FOURS]) { return ranked(values, PROFILES / 2); }
+
+/* The mean of each profile's samples from the first one to the one before the last. */
+static void means(Gray gray, int first, int last, Four mean[FOURS])
+{
+    float share = 1.0f / (last - first);
+    memset(mean, 0, FOURS * sizeof *mean);
+    for (int sample = first; sample < last; sample++)
+        for (int four = 0; four < FOURS; four++)
+            mean[four] += gray[sample][four] * share;
 }
 
 /* The line middle + slope * arm through the offsets of profiles, where arm is a profile's distance from the middle
    of the edge. Also the distances of the offsets from this line. */
-static Line line_through(const float *offset, const float *weight)
+static Line line_through(const Four offset[FOURS], const Four weight[FOURS])
 {
-    float count = 0, first = 0, second = 0, sum = 0, leaning = 0;
-    for (int i = 0; i < PROFILES; i++) {
-        float arm = unit5_profile_positions[i] - (FIRST + LAST) / 2;
-        count += weight[i];
-        first += weight[i] * arm;
-        second += weight[i] * arm * arm;
-        sum += weight[i] * offset[i];
-        leaning += weight[i] * offset[i] * arm;
+    Four count = {0}, first = {0}, second = {0}, sum = {0}, leaning = {0}, arm[FOURS];
+    for (int four = 0; four < FOURS; four++) {
+        arm[four] = (LAST - FIRST) / (PROFILES - 1) * numbers_of(four) - (LAST - FIRST) / 2;
+        count += weight[four];
+        first += weight[four] * arm[four];
+        second += weight[four] * arm[four] * arm[four];
+        sum += weight[four] * offset[four];
+        leaning += weight[four] * offset[four] * arm[four];
     }
+    float all = sum_of(count), mean = sum_of(first) / all, total = sum_of(sum);
     Line line;
-    line.slope = (count * leaning - first * sum) / (count * second - first * first + 1e-9f);
-    line.middle = (sum - line.slope * first) / count;
-    for (int i = 0; i < PROFILES; i++)
-        line.off[i] = fabsf(offset[i] - line.middle - line.slope * (unit5_profile_positions[i] - (FIRST + LAST) / 2));
+    line.slope = (sum_of(leaning) - mean * total) / (sum_of(second) - mean * mean * all + 1e-9f);
+    line.middle = total / all - line.slope * mean;
+    for (int four = 0; four < FOURS; four++) {
+        Four off = offset[four] - line.middle - line.slope * arm[four];
+        line.off[four] = larger_of(off, -off);
+    }
     return line;
 }
 
 /* Whether the white margin ends within an edge's profiles, since the paper is cut close to the tag. Then also the
    first sample on the margin, and the first one beyond it, which may be of any shade. */
-static int narrow_margin(float gray[PROFILES][SAMPLES], float dark, int *begins, int *ended)
+static int narrow_margin(Gray gray, float dark, int *begins, int *ended)
 {
-    float typical[SAMPLES] = {0}, lightest = 0;
+    float typical[SAMPLES], lightest = 0;
     for (int sample = 0; sample < SAMPLES; sample++) {
-        for (int i = 0; i < PROFILES; i++)
-            typical[sample] += gray[i][sample] * (1.0f / PROFILES);
+        Four sum = {0};
+        for (int four = 0; four < FOURS; four++)
+            sum += gray[sample][four];
+        typical[sample] = sum_of(sum) / PROFILES;
         lightest = larger(lightest, typical[sample]);
     }
     float light = dark + MARGIN_LIGHT * (lightest - dark);
@@ -102,25 +127,27 @@ static int narrow_margin(float gray[PROFILES][SAMPLES], float dark, int *begins,
 }
 
 /* Where an edge crosses its profiles, in pixels outward. Returns 0 if no edge is seen. */
-static int offsets(float gray[PROFILES][SAMPLES], float reach, float offset[PROFILES], int *narrow_margins)
+static int offsets(Gray gray, float reach, Four offset[FOURS], int *narrow_margins)
 {
-    float ends[PROFILES], contrast[PROFILES];
-    for (int i = 0; i < PROFILES; i++)
-        ends[i] = mean(gray[i], ENDS);
+    Four ends[FOURS], contrast[FOURS], zero = {0};
+    means(gray, 0, ENDS, ends);
     float dark = median(ends);  /* one black for all profiles, but white may be shaded along an edge */
     int begins = SAMPLES - ENDS, ended = SAMPLES, narrow = narrow_margin(gray, dark, &begins, &ended);
     *narrow_margins |= narrow;
-    for (int i = 0; i < PROFILES; i++) {
-        contrast[i] = mean(gray[i] + begins, ended - begins) - dark;
-        float light = SAMPLES - ended, scale = 1 / larger(contrast[i], 1);
-        for (int sample = 0; sample < ended; sample++)
+    means(gray, begins, ended, contrast);
+    for (int four = 0; four < FOURS; four++) {
+        contrast[four] -= dark;
+        Four light = zero + (float)(SAMPLES - ended), scale = 1 / larger_of(contrast[four], zero + 1);
+        for (int sample = 0; sample < ended; sample++) {
             /* Clipped: a sample far lighter or darker than both ends belongs to something else. */
-            light += larger(-MAX_BEYOND, smaller((gray[i][sample] - dark) * scale, 1 + MAX_BEYOND));
-        offset[i] = (SAMPLES / 2.0f - light) * reach * 2 / (SAMPLES - 1);
+            Four share = (gray[sample][four] - dark) * scale;
+            light += larger_of(zero - MAX_BEYOND, -larger_of(-share, zero - (1 + MAX_BEYOND)));
+        }
+        offset[four] = (SAMPLES / 2.0f - light) * (reach * 2 / (SAMPLES - 1));
     }
     float typical = median(contrast);
     /* Noise may look like a narrow margin, too, but it has no contrast in most of an edge's profiles. */
-    return typical > MIN_CONTRAST && (!narrow || ranked(contrast, PROFILES, PROFILES / 4) > STEADY * typical);
+    return typical > MIN_CONTRAST && (!narrow || ranked(contrast, PROFILES / 4) > STEADY * typical);
 }
 
 /* How many pixels the frame goes on from a point in a direction, a unit vector; negative outside of the frame. */
@@ -137,22 +164,42 @@ static int is_inside(const Image *frame, Point at)
     return at.x >= 0 && at.y >= 0 && at.x < frame->width - 1 && at.y < frame->height - 1;
 }
 
+/* The gray at points on a line within a frame. ``row``: the bytes from one row of pixels to the next. */
+static void gray_within(const Image *frame, int row, Point from, Point step, Four gray[FOURS])
+{
+    const int right = frame->channels;
+    for (int four = 0; four < FOURS; four++) {
+        Four x = from.x + step.x * numbers_of(four), y = from.y + step.y * numbers_of(four);
+        FourInts left = __builtin_convertvector(x, FourInts), top = __builtin_convertvector(y, FourInts);
+        FourInts offsets = top * row + left * right, pixels[4];
+        const uint8_t *start = frame->pixels;
+#define FOUR(gray, more) (FourInts){gray(start + offsets[0] + (more)), gray(start + offsets[1] + (more)), \
+                                    gray(start + offsets[2] + (more)), gray(start + offsets[3] + (more))}
+        for (int corner = 0; corner < 4; corner++) {
+            int more = (corner & 1) * right + (corner >> 1) * row;
+            pixels[corner] = right == 1 ? FOUR(PIXEL_OF_GRAY, more) : FOUR(PIXEL_OF_BGR, more);
+        }
+#undef FOUR
+        Four across = x - __builtin_convertvector(left, Four), down = y - __builtin_convertvector(top, Four);
+        Four above = __builtin_convertvector(pixels[0], Four)
+            + across * __builtin_convertvector(pixels[1] - pixels[0], Four);
+        Four below = __builtin_convertvector(pixels[2], Four)
+            + across * __builtin_convertvector(pixels[3] - pixels[2], Four);
+        gray[four] = (above + down * (below - above)) * (right == 1 ? 1 : 1.0f / WHOLE_OF_BGR);
+    }
+}
+
 /* The gray at points on a line from one point to another, both included. */
-static void gray_along(const Image *frame, Point from, Point to, int count, float *gray)
+static void gray_along(const Image *frame, Point from, Point to, Four gray[FOURS])
 {
     Point step = minus(to, from);
-    step = (Point){step.x / (count - 1), step.y / (count - 1)};
-    if (is_inside(frame, from) && is_inside(frame, plus(from, count - 1, step))) {  /* usually, and faster */
-        int channels = frame->channels;
-        for (int i = 0; i < count; i++) {
-            Point at = plus(from, i, step);
-            int left = (int)at.x, top = (int)at.y;
-            gray[i] = gray_between(frame->pixels + top * frame->row + left * channels, channels, frame->row, channels,
-                                   at.x - left, at.y - top);
-        }
-    } else
-        for (int i = 0; i < count; i++)
-            gray[i] = gray_at(frame, plus(from, i, step));
+    step = (Point){step.x / (PROFILES - 1), step.y / (PROFILES - 1)};
+    int is_small = frame->height * (frame->row < 0 ? -frame->row : frame->row) <= INT32_MAX;
+    if (is_small && is_inside(frame, from) && is_inside(frame, plus(from, PROFILES - 1, step)))
+        gray_within(frame, frame->row, from, step, gray);  /* usually, and faster */
+    else
+        for (int i = 0; i < PROFILES; i++)
+            gray[i / 4][i % 4] = gray_at(frame, plus(from, i, step));
 }
 
 /* Fit a quadrilateral by profiles that reach that many pixels to both sides of each edge. Returns 0 if one of the
@@ -170,22 +217,25 @@ static int fit_edges(const Image *frame, const Point quad[4], int inverted, cons
         first[edge] = quad[edge];
         if (!reach[edge])
             continue;
-        float gray[PROFILES][SAMPLES], offset[PROFILES], weight[PROFILES];
-        for (int i = 0; i < PROFILES; i++) {
-            Point on_edge = plus(quad[edge], unit5_profile_positions[i], along[edge]);
-            gray_along(frame, plus(on_edge, -reach[edge], outward), plus(on_edge, reach[edge], outward), SAMPLES,
-                       gray[i]);
-            for (int sample = 0; inverted && sample < SAMPLES; sample++)
-                gray[i][sample] = 255 - gray[i][sample];
-            weight[i] = 1;
+        Gray gray;
+        Four offset[FOURS], weight[FOURS];
+        Point start = plus(quad[edge], FIRST, along[edge]), end = plus(quad[edge], LAST, along[edge]);
+        for (int sample = 0; sample < SAMPLES; sample++) {
+            float out = reach[edge] * (2.0f * sample / (SAMPLES - 1) - 1);
+            gray_along(frame, plus(start, out, outward), plus(end, out, outward), gray[sample]);
         }
+        for (int sample = 0; inverted && sample < SAMPLES; sample++)
+            for (int four = 0; four < FOURS; four++)
+                gray[sample][four] = 255 - gray[sample][four];
+        for (int four = 0; four < FOURS; four++)
+            weight[four] = (Four){1, 1, 1, 1};
         if (!offsets(gray, reach[edge], offset, narrow))
             return 0;
         /* Fit a straight line through the offsets, then once more without outliers. */
         Line line = line_through(offset, weight);
         float most = 3 * median(line.off) + 0.01f * reach[edge];
-        for (int i = 0; i < PROFILES; i++)
-            weight[i] = line.off[i] <= most;
+        for (int four = 0; four < FOURS; four++)
+            weight[four] = -__builtin_convertvector(line.off[four] <= most, Four);
         line = line_through(offset, weight);
         if (median(line.off) >= MAX_BENT * reach[edge])
             return 0;
@@ -358,9 +408,7 @@ static int is_at_one(const Point quad[4], int count, const Point *others)
     return 0;
 }
 
-/* What a quadrilateral may be; see guess_tags in edges.py, also for the numbers. It is looked at across its sides, at
-   three places along each. */
-static int guess(const Image *frame, const Point quad[4], int cells, float contrast)
+int guess_tag(const Image *frame, const Point quad[4], int cells, float contrast)
 {
     int is_white = 1, is_uneven = 1, is_margin = 1;
     float darkest = 255, lightest = 0;
@@ -382,7 +430,7 @@ static int guess(const Image *frame, const Point quad[4], int cells, float contr
         if (place == 3)
             is_uneven &= lightest > UNEVEN * darkest;
     }
-    return is_white ? 1 : is_margin ? 3 : is_uneven ? 2 : 0;
+    return is_white ? WHITE_TAG : is_margin ? MARGIN : is_uneven ? UNEVEN_TAG : 0;
 }
 
 void unit5_guess_tags(const Image *frame, int count, const Point *quads, int cells, int known_count, const Point *known,
@@ -391,6 +439,6 @@ void unit5_guess_tags(const Image *frame, int count, const Point *quads, int cel
     for (int number = 0; number < count; number++) {
         const Point *quad = quads + 4 * number;
         int is_known = is_at_one(quad, known_count, known);
-        guesses[number] = is_known ? 0 : guess(frame, quad, cells, contrast);
+        guesses[number] = is_known ? 0 : guess_tag(frame, quad, cells, contrast);
     }
 }

@@ -34,6 +34,33 @@ void unit5_sample_cells(const Image *frame, int count, const Point *quads, int c
 void unit5_guess_tags(const Image *frame, int count, const Point *quads, int cells, int known_count, const Point *known,
                       float contrast, uint8_t *guesses);
 
+/* quads.c and tag_reading.c, for quads.py. */
+
+extern const int unit5_widest_window;
+
+/* Find quadrilaterals in a gray image, clockwise. ``window``: an odd number, 3 to unit5_widest_window. ``shortest``: the
+   least sum of the sides. ``quads``: (room, 4), written. Returns how many there are, which may be more than ``room``,
+   or -1 if there is not enough memory. */
+int64_t unit5_find_quads(const Image *image, int window, float shortest, int64_t room, Point *quads);
+
+/* Read the tags in quadrilaterals. ``cells``: the width of a tag, with its border on both sides, ``border`` cells wide,
+   1 to 10, and 1 to 8 cells within. ``dictionary``: (words, 4), the cells within the border as bits, row by row, the
+   first one lowest, as they are seen from each of the tag's corners. ``corrected``: how many cells may be wrong.
+   ``contrast``: the least one of the border of a tag that is white on black with what is around it, gray levels.
+   ``ids``: (count), written, -1 for no tag, -2 for no tag that is sure, or not the best reading of it. Changes ``quads``: (count,
+   4), those of tags begin at their own top left. */
+int unit5_read_tags(const Image *frame, int count, Point *quads, int cells, int border, int words,
+                    const uint64_t *dictionary, int corrected, float contrast, int *ids);
+
+/* shapes.c, for edges.py and ordering.py. ``quads``: (count, 4, 2). */
+
+/* ``sides``: (count), written, the mean side of each. */
+void unit5_find_sides(int64_t count, const double *quads, double *sides);
+
+/* ``convex``: (count), written, whether all corners are more than ``least`` away from the line through their two
+   neighbors, on the same side. */
+void unit5_find_convex(int64_t count, const double *quads, double least, uint8_t *convex);
+
 /* mask.c and warp.c, for paint.py. ``positions``: (height, width, 2), the undistorted position of each pixel of the
    mask, with ``row`` bytes from one row to the next; or NULL. */
 
@@ -60,9 +87,51 @@ void unit5_find_levels(const Image *mask, int width, int height, const double to
 void unit5_warp_picture(const Image *warped, const Image *mask, int width, int height, const Image *levels,
                         const uint16_t *blocks, const double to_picture[9], const float *positions, int64_t row);
 
+/* motion.c, for motion.py, which says what is done. */
+
+/* An area's corners, x and y of each, their speeds, and the covariance of both, in pixels and seconds. ``biased``: the
+   corners' errors due to the biases, which are the same in every frame; each column is for one coordinate of one of a
+   tag's four corners. ``middle``: of the frame. ``focal``: the assumed focal length. All are finite numbers. */
+typedef struct { double place[8], speed[8], covariance[16][16], biased[8][8], middle[2], focal; } Motion;
+
+/* Start with a place and a middle. A measurement is of ``count`` points, four for each tag, at least 4. ``points``:
+   (count, 2), in the plane of the area. ``pixels``: (count, 2). ``deviation``, ``bias``: (count). */
+void unit5_start_motion(Motion *motion, int64_t count, const double *points, const double *deviation,
+                        const double *bias);
+
+void unit5_predict_motion(Motion *motion, double seconds, int calm);
+
+void unit5_jerk_motion(Motion *motion);
+
+/* Returns 0, and changes nothing, if the measurement is more unlikely than the limit. */
+int unit5_correct_motion(Motion *motion, int64_t count, const double *points, const double *pixels,
+                         const double *deviation, const double *bias, double limit);
+
+double unit5_unlikeliness(const Motion *motion, int64_t count, const double *points, const double *pixels,
+                          const double *deviation);
+
+/* ``points``: (count, 2). ``pixels``: (count, 2), written. */
+void unit5_project(const Motion *motion, int64_t count, const double *points, double *pixels);
+
+/* mix.c, for paint.py. All images are of one size. ``window`` and ``mask`` are BGR, ``picture`` is BGR or BGRA.
+   ``opacity``: 0 to 255. Writes ``hidden`` and ``shown``: (height, width, 3), the window's and the picture's colors,
+   multiplied by how much the picture covers. */
+void unit5_mix_picture(const Image *window, const Image *picture, const Image *mask, int opacity, uint8_t *hidden,
+                       uint8_t *shown);
+
+/* mix.c, for hanging.py. Change a picture, BGR or BGRA, as if it was printed and hung in a light. ``white``: BGR, of
+   its size, the level of white paper. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
+void unit5_light_picture(const Image *picture, const Image *white, int black);
+
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 
 extern const double unit5_nearest;  /* meters: an object nearer to the camera, or behind it, cannot be seen */
+
+/* first_poses.c, for plane_pose.py, too. Find both poses of each object. ``point``: (objects, points, 3), whose z is 0.
+   ``ray``: (objects, points, 2). Writes ``rotations``: (objects, 2, 3, 3), ``translations``: (objects, 2, 3), and
+   ``posed``: (objects), whether there are any. */
+void unit5_find_pose_pairs(int64_t objects, int points, const double *point, const double *ray, double *rotations,
+                           double *translations, uint8_t *posed);
 
 /* Refine both poses of each object. ``point``: (objects, points, 3), ``ray``: (objects, points, 2), ``weight``:
    (objects, points, 2, 2), ``spread``: (points, 3, deviations), the same for all objects, at most 4096 deviations.
@@ -73,9 +142,49 @@ int unit5_refine_pose_pairs(int64_t objects, int points, int deviations, const d
                             const double *weight, const double *spread, double *rotations, double *translations,
                             double *amounts, double *squares, double *covariances);
 
+/* beliefs.c, for belief.py. Poses are ``rotations``: (count, 3, 3), ``translations``: (count, 3), and ``covariances``:
+   (count, 6, 6). */
+
+extern const int unit5_belief_size;
+
+/* For both poses of each object: (count, 2, ...). ``costs``: (count, 2), the squared errors. ``now``: seconds. Changes
+   ``memories``: (count, belief_size), NAN for a new object. Writes ``believed``: (count), 0 or 1, and ``weights``:
+   (count), of the other pose. */
+void unit5_weigh_poses(int64_t count, const double *rotations, const double *translations, const double *covariances,
+                       const double *costs, double now, double *memories, int64_t *believed, double *weights);
+
+/* Write ``mixed``: (count, 6, 6), the covariances of poses that allow for the other poses. Changes ``weights``: (count),
+   of the other poses: 0 if the two cannot be told apart. */
+void unit5_mix_poses(int64_t count, const double *rotations, const double *translations, const double *covariances,
+                     const double *other_rotations, const double *other_translations, const double *other_covariances,
+                     double *weights, double *mixed);
+
+/* flat_walls.c, for observations.py and flatness.py. */
+
+extern const int unit5_flatness_size;
+
+/* The poses of tags by both poses of their wall: (2, ...), with ``amounts``: (2, deviations), and ``wall_covariances``:
+   (2, 6 + deviations, 6 + deviations). The tags' poses on it are ``rotations``: (count, 3, 3), ``centers``: (count, 3),
+   and ``spread``: (count, 6, deviations), how they deviate. Writes poses: (count, 2, ...). */
+int unit5_place_tags(int64_t count, int deviations, const double *wall_rotations, const double *wall_translations,
+                     const double *amounts, const double *wall_covariances, const double *rotations,
+                     const double *centers, const double *spread, double *tag_rotations, double *tag_translations,
+                     double *covariances);
+
+/* ``axes`` and ``bulge``: (3, 3). Writes ``off``: (count, 3), and ``spread``: (count, 3, 3). */
+int unit5_off_others(int64_t count, const double *rotations, const double *translations, const double *covariances,
+                     const double axes[9], const double bulge[9], double *off, double *spread);
+
+/* ``off``: (count, 3), ``spread``: (count, 3, 3). Changes ``memories``: (count, flatness_size), 0 for a new tag.
+   Writes ``squared``: (count). */
+void unit5_add_off(int64_t count, const double *off, const double *spread, double *memories, double *squared);
+
 /* wall.c, for difference.py and wall_model.py. */
 
 extern const int unit5_plane_count;
+
+/* Write ``wall``: (count), BGR, how a wall of that ``look``, (count), BGR, looks in the light ``whole``. */
+void unit5_light_wall(const float *look, const float whole[3], int64_t count, uint8_t *wall);
 
 /* Compare a frame with the wall; all arrays have its size. ``seen``: BGR, the frame. ``look``: BGR, the wall.
    ``whole``: the light on all of it, as factors of the look. ``contrast``: BGR, the largest differences in it near

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 
 #include "unit5.h"
+#include "vectors.h"
 
 /* How much a pixel may differ from the wall. Light changes its color by less than SHARE of the brightness. Noise
    changes it by less than DEVIATIONS standard deviations plus LEVELS gray levels. The rims of a pattern may be blurred
@@ -14,8 +15,8 @@
 #define DEVIATIONS 3.5f
 #define LEVELS 2.0f
 #define RIM_SHARE 0.6f
+#define WEAK_STEP 0.5f     /* a smaller step of the light is no evidence, and is not computed */
 #define SHARP 0.22f        /* the rim of a shadow is softer than this change of the light's logarithm in 3 pixels */
-#define STEP_FROM 1.1f     /* where the light in 3 pixels varies by a smaller factor, there is no rim of a shadow */
 #define MIN_LIGHT 0.02f
 #define WEAK 0.5f          /* a pixel that differs by a larger share of what is allowed tells nothing about noise */
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
@@ -26,36 +27,106 @@ const int unit5_plane_count = PLANES;
 
 static inline float mean3(float one, float two, float three) { return (one + two + three) / 3; }
 
-/* A channel of a pixel: how far it is off the wall in this light, in gray levels, and as a share of what is allowed. */
-static inline void compare_channel(float seen, float wall, float light, float contrast, float noise, float *error,
-                                   float *excess)
+/* Pixels are compared in runs, channel by channel, so that compilers can vectorize it. */
+#define RUN 64
+typedef struct { float channels[3][RUN]; } Run;
+
+static inline void split_floats(const float *restrict pixels, int length, Run *restrict run)
 {
-    float lit = wall * light, off = fabsf(seen - lit), share = SHARE + TINT * larger(1 - TINTED_FROM / light, 0);
-    *error = larger(*error, off);
-    *excess = larger(*excess, off / (share * lit + RIM_SHARE * contrast * light + noise));
+    for (int x = 0; x < length; x++) {
+        run->channels[0][x] = pixels[3 * x];
+        run->channels[1][x] = pixels[3 * x + 1];
+        run->channels[2][x] = pixels[3 * x + 2];
+    }
 }
 
-/* The part of unit5_compare_wall that looks at a pixel alone. */
-static void compare_pixels(const uint8_t *restrict seen, const float *restrict look, const float whole[3],
-                           const uint8_t *restrict contrast, const float *restrict variance, int64_t count,
-                           float *restrict planes)
+static inline void split_bytes(const uint8_t *restrict pixels, int length, Run *restrict run)
 {
-    float blue = whole[0], green = whole[1], red = whole[2];
-    for (int64_t at = 0; at < count; at++) {
-        float b = look[3 * at] * blue, g = look[3 * at + 1] * green, r = look[3 * at + 2] * red;
-        float gray = mean3(seen[3 * at], seen[3 * at + 1], seen[3 * at + 2]), wall_gray = larger(mean3(b, g, r), 1);
-        float light = gray / wall_gray, noise = LEVELS + DEVIATIONS * sqrtf(variance[at]), error = 0, excess = 0;
-        compare_channel(seen[3 * at], b, light, contrast[3 * at], noise, &error, &excess);
-        compare_channel(seen[3 * at + 1], g, light, contrast[3 * at + 1], noise, &error, &excess);
-        compare_channel(seen[3 * at + 2], r, light, contrast[3 * at + 2], noise, &error, &excess);
-        planes[GRAY * count + at] = gray;
-        planes[WALL_GRAY * count + at] = wall_gray;
-        planes[LIGHT * count + at] = light;
-        planes[ERROR * count + at] = error;
-        planes[EXCESS * count + at] = excess;
-        planes[NOISE * count + at] = noise;
-        planes[RIM * count + at] = RIM_SHARE * mean3(contrast[3 * at], contrast[3 * at + 1], contrast[3 * at + 2]);
+    float floats[3 * RUN];
+    for (int number = 0; number < 3 * length; number++)
+        floats[number] = pixels[number];
+    split_floats(floats, length, run);
+}
+
+/* The part of unit5_compare_wall that looks at a pixel alone, for at most RUN pixels. */
+FAST static void compare_run(const uint8_t *seen_bytes, const float *looks, const float whole[3],
+                        const uint8_t *contrast_bytes, const float *restrict variance, int length, int64_t count,
+                        float *restrict planes)
+{
+    Run seen, look, contrast;
+    split_bytes(seen_bytes, length, &seen);
+    split_floats(looks, length, &look);
+    split_bytes(contrast_bytes, length, &contrast);
+    float found[PLANES][RUN], share[RUN];
+    for (int channel = 0; channel < 3; channel++)
+        for (int x = 0; x < length; x++)
+            look.channels[channel][x] *= whole[channel];
+    for (int x = 0; x < length; x++) {
+        float gray = mean3(seen.channels[0][x], seen.channels[1][x], seen.channels[2][x]);
+        float wall_gray = larger(mean3(look.channels[0][x], look.channels[1][x], look.channels[2][x]), 1);
+        found[GRAY][x] = gray;
+        found[WALL_GRAY][x] = wall_gray;
+        found[LIGHT][x] = gray / wall_gray;
+        share[x] = SHARE + TINT * larger(1 - TINTED_FROM / found[LIGHT][x], 0);
+        found[NOISE][x] = LEVELS + DEVIATIONS * sqrtf(variance[x]);
+        found[RIM][x] =
+            RIM_SHARE * mean3(contrast.channels[0][x], contrast.channels[1][x], contrast.channels[2][x]);
+        found[ERROR][x] = found[EXCESS][x] = 0;
     }
+    /* In each channel: how far a pixel is off the wall in this light, and as a share of what is allowed. */
+    for (int channel = 0; channel < 3; channel++)
+        for (int x = 0; x < length; x++) {
+            float light = found[LIGHT][x], lit = look.channels[channel][x] * light;
+            float off = fabsf(seen.channels[channel][x] - lit);
+            float allowed = share[x] * lit + RIM_SHARE * contrast.channels[channel][x] * light + found[NOISE][x];
+            found[ERROR][x] = larger(found[ERROR][x], off);
+            found[EXCESS][x] = larger(found[EXCESS][x], off / allowed);
+        }
+    for (int plane = 0; plane < PLANES; plane++)
+        if (plane != STEP)
+            memcpy(planes + plane * count, found[plane], sizeof(float) * length);
+}
+
+/* The least and the most light around each pixel of a row, in the three rows that ``least`` and ``most`` stand for. */
+FAST static void around_row(const float *restrict least, const float *restrict most, int width, float *restrict low,
+                       float *restrict high)
+{
+    for (int end = 0; end < 2; end++) {  /* at the ends, there is a neighbor on one side only */
+        int x = end ? width - 1 : 0, next = end ? x - (x > 0) : x + (x < width - 1);
+        low[x] = larger(smaller(least[x], least[next]), MIN_LIGHT);
+        high[x] = larger(most[x], most[next]);
+    }
+    for (int x = 1; x < width - 1; x++) {
+        low[x] = larger(smaller(smaller(least[x - 1], least[x]), least[x + 1]), MIN_LIGHT);
+        high[x] = larger(larger(most[x - 1], most[x]), most[x + 1]);
+    }
+}
+
+/* The part of unit5_compare_wall that looks at a row and its neighbors, where the planes begin at the row. ``low``,
+   ``high``: the least and the most light around each pixel; overwritten. */
+FAST static void compare_row(const uint8_t *restrict usable, int width, int64_t count, float darkest, float lightest,
+                        float *restrict low, float *restrict high, float *restrict planes, uint8_t *restrict front)
+{
+    const float *restrict lights = planes + LIGHT * count, *restrict excess = planes + EXCESS * count;
+    const float *restrict noise = planes + NOISE * count, *restrict rim = planes + RIM * count;
+    const float *restrict wall_gray = planes + WALL_GRAY * count;
+    float *restrict step = planes + STEP * count;
+    for (int x = 0; x < width; x++) {
+        float slack = (noise[x] * 2 / 3 + rim[x]) / wall_gray[x], light = lights[x];
+        front[x] = (excess[x] > 1) | (light < darkest - slack) | (light > lightest + slack);
+        high[x] /= low[x];
+        low[x] = 2 * slack / larger(light, 0.1f);
+        step[x] = (high[x] - 1 - low[x]) / SHARP;  /* a logarithm is at most that */
+    }
+    for (int x = 0; x < width; x++) {
+        if (step[x] > WEAK_STEP) {
+            step[x] = (logf(high[x]) - low[x]) / SHARP;
+            front[x] |= step[x] > 1;
+        } else
+            step[x] = 0;
+    }
+    for (int x = 0; x < width; x++)
+        front[x] &= usable[x] != 0;
 }
 
 int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,
@@ -63,35 +134,57 @@ int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole
                        float lightest, float *planes, uint8_t *front)
 {
     int64_t count = (int64_t)width * height;
-    float *least = malloc(2 * sizeof(float) * width + 1), *most = least + width;  /* the light in three rows */
+    float *least = malloc(4 * sizeof(float) * width + 1), *most = least + width;  /* the light in three rows */
     if (!least)
         return 0;
-    compare_pixels(seen, look, whole, contrast, variance, count, planes);
-    const float *lights = planes + LIGHT * count;
+    for (int64_t at = 0; at < count; at += RUN)
+        compare_run(seen + 3 * at, look + 3 * at, whole, contrast + 3 * at, variance + at,
+                    count - at < RUN ? (int)(count - at) : RUN, count, planes + at);
     for (int y = 0; y < height; y++) {
-        const float *row = lights + (int64_t)y * width;
+        int64_t at = (int64_t)y * width;
+        const float *row = planes + LIGHT * count + at;
         const float *upper = y > 0 ? row - width : row, *lower = y < height - 1 ? row + width : row;
         for (int x = 0; x < width; x++) {
             least[x] = smaller(smaller(upper[x], row[x]), lower[x]);
             most[x] = larger(larger(upper[x], row[x]), lower[x]);
         }
-        for (int x = 0; x < width; x++) {
-            int64_t at = (int64_t)y * width + x;
-            int left = x > 0 ? x - 1 : x, right = x < width - 1 ? x + 1 : x;
-            float low = larger(smaller(smaller(least[left], least[x]), least[right]), MIN_LIGHT);
-            float high = larger(larger(most[left], most[x]), most[right]);
-            float slack = planes[NOISE * count + at] * 2 / 3 + planes[RIM * count + at];
-            slack /= planes[WALL_GRAY * count + at];
-            float step = 0;
-            if (high > STEP_FROM * low)
-                step = (logf(high / low) - 2 * slack / larger(row[x], 0.1f)) / SHARP;
-            planes[STEP * count + at] = step;
-            front[at] = usable[at] && (planes[EXCESS * count + at] > 1 || step > 1 || row[x] < darkest - slack
-                                       || row[x] > lightest + slack);
-        }
+        float *low = least + 2 * (int64_t)width, *high = low + width;
+        if (width > 0)
+            around_row(least, most, width, low, high);
+        compare_row(usable + at, width, count, darkest, lightest, low, high, planes + at, front + at);
     }
     free(least);
     return 1;
+}
+
+/* Learn at most RUN pixels. */
+FAST static void learn_run(const uint8_t *restrict seen, const float back[3], const float *restrict light,
+                      const float *restrict error, const float *restrict excess, const uint8_t *restrict wall,
+                      const uint8_t *restrict certain, int length, float passed, float settle, float rate,
+                      float variance_rate, float *restrict look, float *restrict variance, uint8_t *restrict known,
+                      float *restrict seconds)
+{
+    float is_wall[RUN], is_certain[RUN], part[RUN], parts[3 * RUN], unlit[3 * RUN];
+    for (int x = 0; x < length; x++) {
+        is_wall[x] = wall[x] != 0;
+        is_certain[x] = certain[x] != 0;
+    }
+    for (int x = 0; x < length; x++) {
+        seconds[x] = smaller(seconds[x] + is_wall[x] * passed, settle);
+        part[x] = is_certain[x] * (fabsf(light[x] - 1) < LIGHT_CHANGE ? rate : 0);
+        float share = is_certain[x] * (excess[x] < WEAK ? variance_rate : 0);
+        variance[x] += share > 0 ? share * (error[x] * error[x] - variance[x]) : 0;
+    }
+    for (int x = 0; x < length; x++)
+        if (wall[x] && !known[x])
+            part[x] = known[x] = 1;
+    for (int x = 0; x < length; x++)
+        for (int channel = 0; channel < 3; channel++) {
+            parts[3 * x + channel] = part[x];
+            unlit[3 * x + channel] = back[channel];
+        }
+    for (int number = 0; number < 3 * length; number++)
+        look[number] += parts[number] * (seen[number] * unlit[number] - look[number]);
 }
 
 void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
@@ -100,14 +193,24 @@ void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *pl
 {
     const float *light = planes + LIGHT * count, *error = planes + ERROR * count, *excess = planes + EXCESS * count;
     float back[3] = {1 / whole[0], 1 / whole[1], 1 / whole[2]};
-    for (int64_t at = 0; at < count; at++) {
-        seconds[at] = smaller(seconds[at] + (wall[at] ? passed : 0), settle);
-        int is_new = wall[at] && !known[at];
-        float part = is_new ? 1 : certain[at] && fabsf(light[at] - 1) < LIGHT_CHANGE ? rate : 0;
-        for (int channel = 0; channel < 3; channel++)
-            look[3 * at + channel] += part * (seen[3 * at + channel] * back[channel] - look[3 * at + channel]);
-        known[at] |= is_new;
-        if (certain[at] && excess[at] < WEAK)
-            variance[at] += variance_rate * (error[at] * error[at] - variance[at]);
-    }
+    for (int64_t at = 0; at < count; at += RUN)
+        learn_run(seen + 3 * at, back, light + at, error + at, excess + at, wall + at, certain + at,
+                  count - at < RUN ? (int)(count - at) : RUN, passed, settle, rate, variance_rate, look + 3 * at,
+                  variance + at, known + at, seconds + at);
+}
+
+FAST static void light_run(const float *restrict look, const float *restrict factors, int length,
+                           uint8_t *restrict wall)
+{
+    for (int number = 0; number < length; number++)
+        wall[number] = (int)(within(look[number] * factors[number], 255) + 0.5f);
+}
+
+void unit5_light_wall(const float *look, const float whole[3], int64_t count, uint8_t *wall)
+{
+    float factors[3 * RUN];
+    for (int number = 0; number < 3 * RUN; number++)
+        factors[number] = whole[number % 3];
+    for (int64_t at = 0; at < 3 * count; at += 3 * RUN)
+        light_run(look + at, factors, 3 * count - at < 3 * RUN ? (int)(3 * count - at) : 3 * RUN, wall + at);
 }

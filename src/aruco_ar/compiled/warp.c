@@ -7,6 +7,7 @@
    Levels across and down are those of "ripmaps"; samples in different columns and rows are a "rotated grid". */
 #include "unit5.h"
 #include "sampling.h"
+#include "vectors.h"
 
 #define BLOCK_WIDTH 16
 #define BLOCK_HEIGHT 8
@@ -135,8 +136,8 @@ static void to_level(Filter *filter, const float to_picture[9], float h[9])
     }
 }
 
-/* Where some pixels are sampled: the row of the level, the byte in that row, and the steps from that pixel. */
-typedef struct { int row[BLOCK_WIDTH], byte[BLOCK_WIDTH], x[BLOCK_WIDTH], y[BLOCK_WIDTH]; } Samples;
+/* Where some pixels are sampled: the byte of the level, and the weights for the steps from that pixel, in bytes too. */
+typedef struct { int byte[BLOCK_WIDTH], x[BLOCK_WIDTH], y[BLOCK_WIDTH]; } Samples;
 
 /* Colors were multiplied by their alpha. */
 static void divide_by_alpha(uint8_t pixel[4])
@@ -148,15 +149,14 @@ static void divide_by_alpha(uint8_t pixel[4])
 }
 
 /* Set ``length`` pixels to the mean of ``count`` samples of each. ``bytes``: see load_pair. */
-static inline void mix_samples(uint8_t *pixel, int length, const Image *level, int channels, const Samples *samples,
+INLINE void mix_samples(uint8_t *pixel, int length, const Image *level, int channels, const Samples *samples,
                                int count, int bytes, const Weights *weights)
 {
     for (int x = 0; x < length; x++, pixel += channels) {
         Pair sum = {0};
         for (int sample = 0; sample < count; sample++) {
             const Samples *at = samples + sample;
-            const uint8_t *upper = level->pixels + at->row[x] * level->row + at->byte[x];
-            sum += sample_pair(upper, level->row, bytes, weights, at->x[x], at->y[x]);
+            sum += sample_pair(level->pixels + at->byte[x], level->row, bytes, weights, at->x[x], at->y[x]);
         }
         put_mean(pixel, sum, channels, count == 4 ? 8 : count == 2 ? 7 : 6);
         if (channels == 4)
@@ -165,20 +165,19 @@ static inline void mix_samples(uint8_t *pixel, int length, const Image *level, i
 }
 
 /* Warp ``length`` pixels. ``u``, ``v``: where their middles are, in steps; see to_level. */
-static inline void warp_run(uint8_t *pixels, int length, const Image *level, int channels, const float u[BLOCK_WIDTH],
+INLINE void warp_run(uint8_t *pixels, int length, const Image *level, int channels, const float u[BLOCK_WIDTH],
                             const float v[BLOCK_WIDTH], const Filter *filter, int count, const Weights *weights)
 {
     float last_u = STEPS * (level->width - 1) - 1, last_v = STEPS * (level->height - 1) - 1;
-    int lowest = STEPS * (level->height - 2) - 1, is_low = 0;
+    int lowest = STEPS * (level->height - 2) - 1, is_low = 0, row = level->row;
     Samples samples[MOST_SAMPLES];
     for (int sample = 0; sample < count; sample++)
         for (int x = 0; x < BLOCK_WIDTH; x++) {
             int at_u = (int)within(u[x] + filter->u[sample], last_u);
             int at_v = (int)within(v[x] + filter->v[sample], last_v);
-            samples[sample].row[x] = at_v >> STEP_BITS;
-            samples[sample].byte[x] = (at_u >> STEP_BITS) * channels;
-            samples[sample].x[x] = at_u & (STEPS - 1);
-            samples[sample].y[x] = at_v & (STEPS - 1);
+            samples[sample].byte[x] = (at_v >> STEP_BITS) * row + (at_u >> STEP_BITS) * channels;
+            samples[sample].x[x] = (at_u & (STEPS - 1)) * (int)sizeof(Pair);
+            samples[sample].y[x] = (at_v & (STEPS - 1)) * (int)sizeof(Pair);
             is_low |= lowest - at_v;  /* negative in the last row, where nothing may be read behind the end */
         }
     if (is_low < 0)
@@ -188,7 +187,7 @@ static inline void warp_run(uint8_t *pixels, int length, const Image *level, int
 }
 
 /* Warp what is shown of a block. ``h``: from the mask to steps in the level. */
-static inline void warp_block(const Image *warped, const Image *level, int channels, const Block *block,
+INLINE void warp_block(const Image *warped, const Image *level, int channels, const Block *block,
                               const float h[9], const Positions *positions, const Filter *filter,
                               const Weights *weights)
 {
@@ -208,13 +207,23 @@ static inline void warp_block(const Image *warped, const Image *level, int chann
             v[x] = (h[3] * column[x] + h[4] * line[x] + h[5]) * scale;
         }
         uint8_t *pixels = warped->pixels + warped->row * y + channels * begin;
-        if (filter->count == 4)  /* compilers make faster code if they know the number */
+        if (filter->count == 4)
             warp_run(pixels, length, level, channels, u, v, filter, 4, weights);
         else if (filter->count == 2)
             warp_run(pixels, length, level, channels, u, v, filter, 2, weights);
         else
             warp_run(pixels, length, level, channels, u, v, filter, 1, weights);
     }
+}
+
+/* The same, for pictures with and without alpha. */
+FAST static void warp_shown(const Image *warped, const Image *level, const Block *block, const float h[9],
+                            const Positions *positions, const Filter *filter, const Weights *weights)
+{
+    if (warped->channels == 4)  /* compilers make faster code if they know the number */
+        warp_block(warped, level, 4, block, h, positions, filter, weights);
+    else
+        warp_block(warped, level, 3, block, h, positions, filter, weights);
 }
 
 void unit5_warp_picture(const Image *warped, const Image *mask, int width, int height, const Image *levels,
@@ -232,9 +241,6 @@ void unit5_warp_picture(const Image *warped, const Image *mask, int width, int h
             Filter filter = find_filter(&way, &block, mask, width, height);
             float h[9];
             to_level(&filter, way.h, h);
-            if (warped->channels == 4)
-                warp_block(warped, levels + number, 4, &block, h, &way.positions, &filter, &weights);
-            else
-                warp_block(warped, levels + number, 3, &block, h, &way.positions, &filter, &weights);
+            warp_shown(warped, levels + number, &block, h, &way.positions, &filter, &weights);
         }
 }

@@ -117,13 +117,13 @@ class Lens:
                 first = cv2.undistortPointsIter(points, self.matrix, self.distortion, NO_ARRAY, NO_ARRAY,
                                                 FIRST_STEPS)
             rays = np.asarray(first, np.float64)[:, 0]
+            seen, slopes = self.project_rays(rays)
             for _ in range(MAX_STEPS):
-                seen, slopes = self.project_rays(rays)
                 off = wanted - seen
                 if np.nanmax(np.abs(off), initial=0.0) < EXACT_PX:
                     break
                 rays = rays + _divided(off, slopes)
-            seen, slopes = self.project_rays(rays)
+                seen, slopes = self.project_rays(rays)
             # Far outside, a model may fold back and map further rays to the same pixels, mirrored.
             good = (np.abs(wanted - seen).max(axis=1) < MAX_ERROR_PX) & (np.linalg.det(slopes) > 0)
         return np.where(good[:, None], rays, np.nan)

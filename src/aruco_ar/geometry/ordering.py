@@ -8,6 +8,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Integers, Numbers
 from aruco_ar.base.errors import InputError
+from aruco_ar.compiled import binding
 
 from .lines import cross
 
@@ -66,12 +67,7 @@ def is_quadrilateral(corners: Numbers) -> Booleans:
     Every corner must be at least MIN_HEIGHT_PX away from the line through its
     two neighbors, all of them on the same side.
     """
-    corners = np.asarray(corners, np.float64)
-    before = corners[..., [3, 0, 1, 2], :]
-    base = corners[..., [1, 2, 3, 0], :] - before
-    height = cross(base, corners - before) / np.maximum(np.sqrt((base * base).sum(axis=-1)), 1e-9)
-    return np.asarray((height.min(axis=-1) > MIN_HEIGHT_PX) | (height.max(axis=-1) < -MIN_HEIGHT_PX))
-
+    return binding.find_convex(corners, MIN_HEIGHT_PX)
 
 
 def largest_quadrilateral(points: Numbers) -> Floats | None:

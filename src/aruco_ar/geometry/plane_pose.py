@@ -6,17 +6,14 @@ angles about the camera's axes. Such a turn multiplies R from the left.
 """
 from __future__ import annotations
 
-from math import isfinite
-
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats
+from aruco_ar.base.arrays import Booleans, Floats
 from aruco_ar.compiled import binding
 
 HALF_TURN = -0.9           # the cosine beyond which a turn is nearly a half one, whose sine is inaccurate
 NEAR_M = binding.NEAREST_M  # an object nearer than this cannot be seen
-NUDGE = 1e-6               # a change of a ray that is negligible beside the errors of corners
 
 
 def rotation_matrices(angles: Floats) -> Floats:
@@ -50,30 +47,10 @@ def approximate_poses(points: Floats, rays: Floats) -> tuple[Floats, Floats, Boo
     """Both poses of n flat objects: rotations (n, 2, 3, 3), translations (n, 2, 3), and whether any, (n,).
 
     ``points``: (n, k, 3) meters, with z = 0. ``rays``: (n, k, 2), along which they are seen. The method is by
-    T. Collins and A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014.
+    T. Collins and A. Bartoli, Infinitesimal Plane-Based Pose Estimation, 2014. OpenCV has it, too, but returns
+    wrong poses of some objects that are seen from right in front.
     """
-    turns, shifts = np.zeros((len(points), 2, 3)), np.zeros((len(points), 2, 3))
-    for number, (corners, seen) in enumerate(zip(points, rays)):
-        # A tag in the middle of the view may be turned about one of its own edges. OpenCV then takes the root
-        # of a rounding error, which may be negative. A second attempt with slightly changed rays succeeds.
-        for nudge in (0, NUDGE * (np.arange(seen.size) % 3).reshape(seen.shape)):
-            found = _poses_of_plane(corners, seen + nudge)
-            if found:
-                turns[number], shifts[number] = zip(found[0], found[-1])
-                break
-    return rotation_matrices(turns.reshape(-1, 3)).reshape(-1, 2, 3, 3), shifts, shifts[:, 0, 2] > NEAR_M
-
-
-def _poses_of_plane(points: Floats, rays: Floats) -> list[tuple[Floats, Floats]]:
-    """The possible poses of a flat object, at most two: rotation vectors, (3,), and translations, (3,)."""
-    try:
-        _, turns, shifts, _ = cv2.solvePnPGeneric(points, rays, np.eye(3), NO_ARRAY, flags=cv2.SOLVEPNP_IPPE)
-    except cv2.error:
-        return []
-    poses = [(np.asarray(turn, np.float64).ravel(), np.asarray(shift, np.float64).ravel())
-             for turn, shift in zip(turns, shifts)]
-    return [(turn, shift) for turn, shift in poses
-            if isfinite(turn.sum()) and isfinite(shift.sum()) and shift[2] > NEAR_M]
+    return binding.find_pose_pairs(points, rays)
 
 
 def refine(points: Floats, rays: Floats, weights: Floats, rotations: Floats, translations: Floats,

@@ -12,6 +12,7 @@ from aruco_ar.geometry.homography import homography_to
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.tags.detector import MIN_CONTRAST, MIN_WHOLE, MIN_WHOLE_WIDE, WHOLE_OF_PX
 from aruco_ar.tags.edges import compare_tags, fit_tags, sample_cells, side_of
+from aruco_ar.tags.quads import inner_cells
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary
 
 WINDOWS, OFFSET = (7, 21), 7    # of adaptive thresholds: pixels, and gray levels below the mean around
@@ -186,11 +187,9 @@ def _codes(size: int) -> _Codes:
     for family in families():
         marker = get_dictionary(family[-1])
         if marker.markerSize == size:
-            count = len(marker.bytesList)
-            # Each tag has its bytes four times, once for each turn. The last one may be filled only in part.
-            rows = np.unpackbits(np.asarray(marker.bytesList, np.uint8).reshape(count, 4, -1)[:, 0], axis=1)
-            whole, rest = size * size // 8 * 8, size * size % 8
-            cells.append(np.concatenate([rows[:, :whole], rows[:, rows.shape[1] - rest:]], axis=1))
+            inner = inner_cells(family[-1])
+            count = len(inner)
+            cells.append(inner.reshape(count, -1))
             tags += [(family, tag_id) for tag_id in range(count)]
             least += [size * size - 2 * int(CORRECTION * marker.maxCorrectionBits)] * count
     return _Codes(2 * np.concatenate(cells).T - np.float32(1), tags, np.array(least, np.float32))

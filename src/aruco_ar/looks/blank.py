@@ -105,8 +105,8 @@ def _surface(seen: Floats, usable: Booleans, deviation: float) -> Floats | None:
     off = np.zeros(len(gray))
     found = np.zeros((6, 3))
     for _ in range(ROUNDS):
-        root = np.sqrt(weights)[:, None]
-        found = np.linalg.lstsq(terms * root, values * root, rcond=None)[0]
+        weighted = weights * terms.T
+        found = np.linalg.lstsq(weighted @ terms, weighted @ values, rcond=None)[0]
         if deviation == CRUMPLED:  # it has one color: otherwise a large hand among creases would pass for paper
             found[1:] = found[1:].mean(axis=1, keepdims=True)
             found[0] = np.average(values - terms[:, 1:] @ found[1:], axis=0, weights=weights)

@@ -10,7 +10,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.compiled import binding
 
-from .parts import closed, components, grown, outline_of, shrunk
+from .parts import around, closed, components, grown, opened, outline_of, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
@@ -34,7 +34,9 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 # window of the width MOVED_PX, weighted by the contrast beyond NO_PATTERN gray levels. With a mean contrast of
 # about FEW_PATTERN or less beyond that, it is hardly moved.
 MAX_MOVE_PX, MOVED_PX = 4, 31
-NO_PATTERN, FEW_PATTERN = 6.0, 2.0
+NO_PATTERN, FEW_PATTERN = 6, 2
+COARSE, HALF = 4, 2   # means in large windows are computed of images that are smaller by these factors
+MARGIN_PX = 40        # width of the margin around what seems to be in front that is looked at twice
 
 
 @dataclass(frozen=True)
@@ -58,17 +60,29 @@ def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usabl
     """
     wall, contrast = _lit_wall(look, whole)
     front, planes = compare(seen, look, whole, contrast, variance, usable, unshaded)
-    if not front.any():
-        return Difference(front, planes)
+    front = opened(front)
+    if front.any():
+        rows, columns = part = around(front, MARGIN_PX, COARSE)
+        front[part], planes[:, rows, columns] = _looked_at_twice(
+            front[part], seen[part], look[part], whole, wall[part], contrast[part], variance[part],
+            usable[part], unshaded)
+    return Difference(front, planes)
+
+
+def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, wall: Image, contrast: Image,
+                     variance: Floats, usable: Booleans, unshaded: float) -> tuple[Booleans, Floats]:
+    """A better Difference, as its parts, of a window in which something seems to be in front.
+
+    The other arguments are those of ``difference``, and what _lit_wall returns, within that window.
+    """
     aligned = _aligned(look, wall, contrast, seen)
     wall, contrast = _lit_wall(aligned, whole)
     still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
-    front &= still_front
+    front = front & still_front
     pixels = _Planes(*planes)
     free = ~usable | _shows_pattern(seen, pixels.gray, wall, pixels.noise, front)
-    front = cv2.morphologyEx((front & ~free).astype(np.uint8), cv2.MORPH_OPEN,
-                             cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))) > 0
-    return Difference(_completed(front, pixels, usable, free) if front.any() else front, planes)
+    front = opened(front & ~free)
+    return _completed(front, pixels, usable, free) if front.any() else front, planes
 
 
 class _Planes(NamedTuple):
@@ -93,8 +107,8 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
     front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
     unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
     weak = excess > 0.5
-    around = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
-    front |= _connected((around > 0.5) & (excess > 0.25), front)
+    mean = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
+    front |= _connected((mean > 0.5) & (excess > 0.25), front)
     front |= grown(front, NEAR_PX) & (weak | ((step > 0.5) & unusual))
     front |= closed(front, BRIDGE_PX) & (weak | unusual)
     return front & ~free
@@ -109,7 +123,7 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
 def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
     """The wall in this light, and the largest differences in it near each pixel: (h, w, 3) uint8 each."""
     kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
-    wall = cv2.multiply(look, np.array([*whole, 0.0]), dtype=cv2.CV_8U)
+    wall = binding.light_wall(look, whole)
     return wall, cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 
@@ -124,10 +138,14 @@ def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
     method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
     gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
-    weight = np.maximum(largest_channel(contrast).astype(np.float32) - NO_PATTERN, 0)
-    moved = cv2.blur(np.clip(flow, -MAX_MOVE_PX, MAX_MOVE_PX) * weight[..., None], (MOVED_PX, MOVED_PX))
-    moved /= (cv2.blur(weight, (MOVED_PX, MOVED_PX)) + FEW_PATTERN)[..., None]
-    moved += np.dstack(np.meshgrid(np.arange(width), np.arange(height)))
+    # What is averaged in so large a window may be coarse before.
+    weight = coarse(np.maximum(largest_channel(contrast), NO_PATTERN) - NO_PATTERN, COARSE)
+    limited = np.clip(coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
+    moved = mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
+    moved /= (mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]
+    moved = fine(moved, (height, width))
+    moved[..., 0] += np.arange(width, dtype=np.float32)
+    moved[..., 1] += np.arange(height, dtype=np.float32)[:, None]
     aligned = cv2.remap(look, moved, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(aligned, np.float32)
 
@@ -139,7 +157,7 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     its color on the line between the two shows its share.
     """
     share = np.zeros(front.shape, np.float32)
-    part = _around(front, RIM_MARGIN_PX)
+    part = around(front, RIM_MARGIN_PX)
     seen, wall, front = seen[part], wall[part], front[part]
     core = shrunk(front, 5)
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
@@ -164,15 +182,21 @@ def largest_channel(image: Image) -> Image:
     return cv2.max(cv2.max(blue, green), red)
 
 
-def _mean(image: Floats, px: int) -> Floats:
+def mean_around(image: Floats, px: int) -> Floats:
     """The mean of an image in a window of that width around each pixel."""
     return np.asarray(cv2.boxFilter(image, -1, (px, px)))
 
 
-def _around(mask: Booleans, margin: int) -> tuple[slice, slice]:
-    """The rows and columns of an image within a margin around a mask, (h, w)."""
-    x, y, width, height = cv2.boundingRect(mask.astype(np.uint8))
-    return slice(max(y - margin, 0), y + height + margin), slice(max(x - margin, 0), x + width + margin)
+def coarse(image: Image | Floats, factor: int) -> Floats:
+    """A float32 image that is smaller by a factor: each pixel is a mean."""
+    height, width = image.shape[:2]
+    size = max(width // factor, 1), max(height // factor, 1)
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.float32)
+
+
+def fine(image: Floats, shape: tuple[int, ...]) -> Floats:
+    """A coarse image at full size again, (h, w)."""
+    return np.asarray(cv2.resize(image, shape[1::-1], interpolation=cv2.INTER_LINEAR))
 
 
 def _light_things(lighter: Booleans, sharp: Booleans) -> Booleans:
@@ -196,8 +220,9 @@ def _connected(mask: Booleans, seeds: Booleans) -> Booleans:
 def _usual(light: Floats, free: Booleans) -> Floats:
     """(h, w) float32: the mean light around each pixel, where it is free; 1 where nothing is free."""
     weight = free.astype(np.float32)
-    sums, weights = (_mean(image, AROUND_PX) for image in (light * weight, weight))
-    return np.asarray((sums + 1e-3) / (weights + 1e-3))
+    sums, weights = (mean_around(coarse(image, COARSE), AROUND_PX // COARSE)
+                     for image in (light * weight, weight))
+    return fine((sums + 1e-3) / (weights + 1e-3), light.shape)
 
 
 def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
@@ -208,21 +233,25 @@ def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where:
     the contrast of the pattern, and a glare adds to it. Both are estimated. The pattern is seen where it
     correlates with the wall's, and where the pixel itself fits.
     """
-    shows, wall_gray = np.zeros(where.shape, bool), np.asarray(wall.mean(axis=2), np.float32)
+    shows = np.zeros(where.shape, bool)
+    if not where.any():
+        return shows
+    # The frame is smooth: half as many pixels across and down show a pattern as well.
+    grays = coarse(gray, HALF), coarse(wall.mean(axis=2, dtype=np.float32), HALF)
     for px, least in WINDOWS:
-        part = _around(where, px)
-        pattern, wall_pattern = (image[part] - _mean(image[part], px) for image in (gray, wall_gray))
-        own, known = (np.maximum(_mean(image * image, px), 0) for image in (pattern, wall_pattern))
-        both = _mean(pattern * wall_pattern, px)
+        window = px // HALF
+        pattern, wall_pattern = (image - mean_around(image, window) for image in grays)
+        own, known = (np.maximum(mean_around(image * image, window), 0) for image in (pattern, wall_pattern))
+        both = mean_around(pattern * wall_pattern, window)
         like = both > least * np.sqrt(own * known)
         like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
         if like.any():
             factor = both / np.maximum(known, PATTERN_LEVELS**2)
-            colors = (np.asarray(image[part], np.float32) for image in (seen, wall))
-            color, wall_color = (image - _mean(image, px) for image in colors)
-            off = largest_difference(color, wall_color * factor[..., None])
-            like &= off < noise[part] + FIT * factor * np.sqrt(known)
-        shows[part] |= like
+            fits = FIT * factor * np.sqrt(known)
+            color, wall_color = (mean_around(coarse(image, HALF), window) for image in (seen, wall))
+            rest = color - factor[..., None] * wall_color  # the glare
+            rest, factor, fits, liked = (fine(image, where.shape)
+                                         for image in (rest, factor, fits, like.astype(np.float32)))
+            off = largest_difference(seen - rest, factor[..., None] * wall)
+            shows |= (liked >= 0.5) & (off < noise + fits)
     return shows & where
-
-

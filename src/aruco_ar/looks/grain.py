@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.compiled import binding
 from aruco_ar.tags.tag import Tag
 
 # Edges. The black border of a tag is one cell wide. The white rim around it is about as wide, at least.
@@ -28,7 +29,8 @@ OWN_VARIANCE = 0.40
 MIN_VARIANCE = 0.05        # a smaller variance is not worth a filter
 # Weight of the assumption that blur is equal in both directions, as a share of the measurements' weight.
 SAME = 0.005
-RATE = 0.3                 # weight of a new frame in the running mean; motion blur changes quickly
+RATE = 0.5                 # weight of a new measurement in the running mean; motion blur changes quickly
+EDGES_EVERY = 2            # edges are measured in every second frame
 
 # Noise. The kernel takes constant and linear brightness away: J. Immerkaer, Fast noise variance estimation,
 # 1996. The norm of its weights is 6. Edges and patterns also remain after filtering. So the noise is estimated
@@ -48,6 +50,7 @@ GRAY = np.array([0.114, 0.587, 0.299])  # weights of blue, green and red in Open
 UNIT = 32.0                # standard deviation of the stored noise, in gray levels
 MIDDLE = 128               # mean of the stored noise
 SHIFTS = 61                # the stored noise is moved by fewer pixels than this from frame to frame
+DRAWN = 2**16              # so many numbers of a normal distribution are drawn; noise repeats them
 BLOCK_PX = 128             # stored noise is made in sizes that are multiples of this
 
 
@@ -71,7 +74,8 @@ class Grain:
 
     def measure(self, frame: Image, window: Image, tags: Sequence[Tag]) -> None:
         """Take in a frame, (h, w, 3) BGR uint8. ``window``: its part with the wall. ``tags``: those in it."""
-        self.softness = _mean(self.softness, edge_variance(frame, tags), RATE, OWN_VARIANCE)
+        if self.softness is None or self._count % EDGES_EVERY == 0:
+            self.softness = _mean(self.softness, edge_variance(frame, tags), RATE, OWN_VARIANCE)
         if self._count % EVERY == 0:
             self.noise = _mean(self.noise, noise_of(window), NOISE_RATE)
         self._count += 1
@@ -82,15 +86,18 @@ class Grain:
         ``picture``: (h, w, 3) or (h, w, 4), uint8. ``mask``: (h, w, 3). The result is BGRA, so that it is mixed
         in softly. Its own alpha is white, since the returned mask contains the picture's alpha.
         """
-        colors, alpha = picture[:, :, :3], np.full(picture.shape[:2], 255, np.uint8)
+        colors = picture
         if picture.shape[2] == 4:
-            mask = cv2.multiply(mask, cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
+            colors, alpha = picture[:, :, :3], cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR)
+            mask = cv2.multiply(mask, alpha, scale=1 / 255)
         if self.softness is not None and self.softness.max() > MIN_VARIANCE:
             across, down = np.sqrt(np.maximum(self.softness, 1e-4))
-            inside, mask = (cv2.GaussianBlur(image, (0, 0), sigmaX=across, sigmaY=down)
-                            for image in (cv2.multiply(colors, mask, scale=1 / 255), mask))
+            _, inside = binding.mix_picture(mask, colors, mask, 1)
+            inside, share = (cv2.GaussianBlur(image, (0, 0), sigmaX=across, sigmaY=down)
+                             for image in (inside, np.ascontiguousarray(mask[:, :, 0])))
+            mask = cv2.cvtColor(share, cv2.COLOR_GRAY2BGR)
             colors = cv2.divide(inside, mask, scale=255)
-        return np.dstack([self.noisy(colors), alpha]), mask
+        return cv2.cvtColor(self.noisy(colors), cv2.COLOR_BGR2BGRA), mask
 
     def noisy(self, picture: Image) -> Image:
         """A picture, (h, w, 3) uint8, with the camera's noise."""
@@ -123,8 +130,8 @@ def edge_variance(frame: Image, tags: Sequence[Tag]) -> Floats | None:
     the integral of p(1 - p) is the standard deviation divided by the root of pi. It hardly depends on noise,
     nor on where exactly the edge is.
     """
-    sides = [(begin, end) for tag in tags for begin, end in zip(tag.corners, np.roll(tag.corners, -1, axis=0))]
-    begin, end = np.array(sides, np.float64).reshape(-1, 2, 2).transpose(1, 0, 2)
+    corners = np.array([tag.corners for tag in tags], np.float64).reshape(-1, 4, 2)
+    begin, end = corners.reshape(-1, 2), corners[:, [1, 2, 3, 0]].reshape(-1, 2)
     lengths = np.linalg.norm(end - begin, axis=1)
     largest = np.argsort(-lengths)[:MAX_SIDES]
     largest = largest[lengths[largest] > MIN_CELL_PX * CELLS]
@@ -191,12 +198,13 @@ def noise_of(window: Image) -> Floats | None:
 
 def _deviations(patches: Image, kernel: Image, shown: Image) -> Floats:
     """(2,): the standard deviations of a color and of gray, by a kernel, in the patches that are shown."""
-    rest = cv2.filter2D(patches, -1, kernel)
-    rest = _in_patches(np.abs(np.dstack([rest, rest @ np.float32(GRAY)])))
+    rest = np.asarray(cv2.filter2D(patches, -1, kernel), np.float32)
+    planes = np.abs(np.stack([*cv2.split(rest), cv2.transform(rest, GRAY[None])]))
     rim = len(kernel) // 2  # where two patches meet
-    rest = rest[shown][:, rim:-rim, rim:-rim].reshape(np.count_nonzero(shown), -1, 4)
-    few = rest.shape[1] * SHARE // 100
-    deviations = np.median(np.partition(rest, few, axis=1)[:, few], axis=0) / WITHIN
+    inner = planes.reshape(4, PATCHES, PATCH_PX, PATCHES, PATCH_PX)[:, :, rim:-rim, :, rim:-rim]
+    inner = inner.swapaxes(2, 3).reshape(4, PATCHES**2, -1)[:, shown]
+    few = inner.shape[2] * SHARE // 100
+    deviations = np.median(np.partition(inner, few, axis=2)[:, :, few], axis=1) / WITHIN
     return np.array([deviations[:3].mean(), deviations[3]])
 
 
@@ -215,5 +223,6 @@ def _mean(before: Floats | None, now: Floats | None, rate: float, less: float = 
 
 
 def _normal(random: np.random.RandomState, rows: int, columns: int, channels: int) -> Image:
-    values = random.normal(MIDDLE, UNIT, (rows, columns, channels))
-    return np.clip(np.round(values), 0, 255).astype(np.uint8)
+    """(rows, columns, channels) uint8: noise. It is drawn from few numbers, which is much faster."""
+    values = np.clip(np.round(random.normal(MIDDLE, UNIT, DRAWN)), 0, 255).astype(np.uint8)
+    return np.asarray(values[random.randint(0, DRAWN, (rows, columns, channels), np.uint16)])

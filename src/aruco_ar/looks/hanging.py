@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.painting.paint import warp
 from aruco_ar.painting.place import Place
@@ -26,6 +27,7 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
+STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
 
@@ -52,9 +54,8 @@ class OnWall:
         if not mask.size:
             return warped, mask
         if self.white is not None:
-            printed = cv2.convertScaleAbs(warped[:, :, :3], alpha=1 - self.black, beta=255 * self.black)
-            lit = cv2.multiply(printed, _warped(self.white, place), scale=1 / 255)
-            warped = lit if warped.shape[2] == 3 else np.dstack([lit, warped[:, :, 3]])
+            warped = np.array(warped, order='C')
+            binding.light_picture(warped, _smoothly_warped(self.white, place), self.black)
         if self.grain is not None:
             warped, mask = self.grain.apply(warped, mask)
         if self.front is not None:
@@ -63,7 +64,7 @@ class OnWall:
             alpha[place.mask[:, :, 0] == 0] = 255  # a soft mask reaches beyond the area, where nothing is known
             if warped.shape[2] == 4:
                 alpha = cv2.multiply(alpha, warped[:, :, 3], scale=1 / 255)
-            warped = np.dstack([warped[:, :, :3], alpha])
+            warped = cv2.merge([*cv2.split(warped)[:3], alpha])
         return warped, mask
 
 
@@ -163,3 +164,21 @@ def _warped(image: Image, place: Place) -> Image:
     """An image of the whole area, (h, w, 3), warped to where a picture goes."""
     homography = place.area.homography(image.shape[1], image.shape[0])
     return warp(image, homography, place.mask, place.positions)
+
+
+def _smoothly_warped(image: Image, place: Place) -> Image:
+    """The same for an image that changes slowly: every fourth pixel tells enough. The mask does not count."""
+    height, width = place.window.shape[:2]
+    first = STEP_PX // 2
+    rows, columns = -(-height // STEP_PX), -(-width // STEP_PX)
+    from_coarse = np.array([[STEP_PX, 0, first], [0, STEP_PX, first], [0, 0, 1.0]])
+    homography, positions = place.area.homography(image.shape[1], image.shape[0]), place.positions
+    if positions is None:
+        homography = np.linalg.inv(from_coarse) @ homography
+    else:
+        y, x = (np.minimum(np.arange(count) * STEP_PX + first, length - 1)
+                for count, length in ((rows, height), (columns, width)))
+        positions = np.ascontiguousarray(positions[y[:, None], x])
+    coarse = warp(image, homography, np.full((rows, columns), 255, np.uint8), positions)
+    fine = cv2.resize(coarse, (columns * STEP_PX, rows * STEP_PX), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(fine)[:height, :width]

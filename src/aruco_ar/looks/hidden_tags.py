@@ -9,12 +9,13 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
 from aruco_ar.painting.paint import paint
+from aruco_ar.painting.picture import Picture
 from aruco_ar.painting.place import find_place
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import Area
 
-from .difference import DARKEST, LIGHTEST, difference, soft_rim
+from .difference import DARKEST, LIGHTEST, difference, largest_difference, soft_rim
 from .parts import components, grown, parts_of
 
 SIZE = 64, 64          # size of a patch, which shows the wall straight from the front, in pixels
@@ -46,6 +47,7 @@ ANOTHER_AFTER = 15     # after this many frames in which less of it shows the li
 VARIANCE = 4.0         # assumed variance of the noise
 DARK = 40.0            # ALIKE takes darker colors to have this brightness, in gray levels
 
+MEAN = np.full((1, 3), 1 / 3, np.float32)  # of the channels
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 PATCH = (SQUARE - 0.5) * SCALE + 0.5  # (4, 2): the corners of a patch; those of its tag are the unit square
 
@@ -82,8 +84,10 @@ class HiddenTags:
             to_frame = from_area @ homography_to(patch.place)
             around = Area.from_undistorted(transform(to_frame, PATCH), lens=area.lens)
             if around.window(frame)[0].size:
-                cover, corners = patch.update(around.rectified(frame, SIZE), around.in_frame(frame, SIZE),
-                                              squares, tag_id in seen, keep)
+                if patch.is_turn(keep):
+                    patch.update(around.rectified(frame, SIZE), around.in_frame(frame, SIZE), squares,
+                                 tag_id in seen, keep)
+                cover, corners = patch.cover()
                 covers.append((cover, Area.from_undistorted(transform(to_frame, corners), lens=area.lens)))
         for cover, covered in covers:
             paint(find_place(image, covered, cover), cover, finish=lambda warped: warped if noisy is None else
@@ -122,18 +126,34 @@ class _Patch:
         self._light: Floats = np.ones((*SIZE, 3), np.float32)
         self._votes = np.zeros(SIZE, np.float32)
         self._count = self._unlike = self._replaced = self._inpainted_at = 0
+        self._front: Floats | None = None  # how much of the patch things in front cover
+        self._picture: Picture | None = None  # what covers the tag, until something of it changes
 
-    def update(self, image: Image, valid: Booleans, squares: Sequence[Floats], seen: bool,
-               keep: bool) -> tuple[Image, Floats]:
-        """Take in a frame. Returns what to cover the tag with, (h, w, 4) BGRA uint8, and its corners, (4, 2).
+    def is_turn(self, keep: bool) -> bool:
+        """Whether the next frame tells anything that is wanted. ``keep``: see HiddenTags.hide."""
+        self._frames += 1
+        return (keep or self._count < KNOWN_AFTER or any(self._frames % every == 0 for every in EVERY)
+                or not self._known.all())
 
-        The corners of the tag are those of the unit square.
+    def cover(self) -> tuple[Picture, Floats]:
+        """What to cover the tag with, BGRA, and its corners, (4, 2). Those of the tag are the unit square."""
+        if not self._count:
+            return Picture(np.zeros((1, 1, 4), np.uint8)), SQUARE
+        if self._picture is None:
+            part = self._rows, self._columns
+            cover = self._cover[part] if self._front is None else self._cover[part] * (1 - self._front[part])
+            fill = cv2.convertScaleAbs(cv2.multiply(self._fill[part], self._light[part]))
+            self._picture = Picture(cv2.merge([*cv2.split(fill), cv2.convertScaleAbs(cover, alpha=255)]))
+        return self._picture, self._corners
+
+    def update(self, image: Image, valid: Booleans, squares: Sequence[Floats], seen: bool, keep: bool) -> None:
+        """Take in a frame.
 
         ``image``: (h, w, 3) BGR uint8, the rectified frame. ``valid``: (h, w), where it shows the wall.
         ``squares``: the places of all tags. ``seen``: whether the tag is. ``keep``: see HiddenTags.hide.
         """
         colors = np.asarray(image, np.float32)
-        self._frames += 1
+        self._front = self._picture = None
         light_turn, learning_turn = (self._frames % every == 0 for every in EVERY)
         if self._count and (light_turn or self._count < KNOWN_AFTER):
             self._measure_light(colors, valid)  # it may find another wall, of which nothing is known
@@ -141,24 +161,18 @@ class _Patch:
         if seen and (learning_turn or self._count < KNOWN_AFTER or new.any()):
             self._known |= new
             self._count += 1
-            replaced = self._vote(colors / self._light, valid)
+            replaced = self._vote(np.asarray(cv2.divide(colors, self._light), np.float32), valid)
             self._replaced += np.count_nonzero(replaced)
             if self._count in INPAINT_AFTER or (self._replaced > REPLACED * SIZE[0] * SIZE[1]
                                                 and self._count >= self._inpainted_at + AGAIN_AFTER):
                 self._inpaint(squares)
-        if not self._count:
-            return np.zeros((1, 1, 4), np.uint8), SQUARE
-        rows, columns = self._rows, self._columns
-        cover, light = self._cover[rows, columns], self._light[rows, columns]
-        if keep:
+        if keep and self._count:
             lit = self._look * self._light
             front = difference(cv2.blur(image, (3, 3)), lit, np.ones(3, np.float32),
                                np.full(SIZE, VARIANCE, np.float32), valid & self._known).front
             labels, count = parts_of(front) if front.any() else (front, 0)
             if count:
-                cover = cover * (1 - soft_rim(colors, lit, labels > 0)[rows, columns])
-        fill = cv2.convertScaleAbs(cv2.multiply(self._fill[rows, columns], light))
-        return np.dstack([fill, cv2.convertScaleAbs(cover, alpha=255)]), self._corners
+                self._front = soft_rim(colors, lit, labels > 0)
 
     def _vote(self, colors: Floats, valid: Booleans) -> Booleans:
         """Take colors into the look. Returns (h, w), where they replace it.
@@ -167,15 +181,15 @@ class _Patch:
         MJRTY, 1981: it counts votes for the look, less those against it. When the votes run out, the other
         color replaces the look.
         """
-        away = np.abs(colors - self._look).max(axis=2)
-        alike = valid & (away < ALIKE * np.maximum(self._look.mean(axis=2), DARK))
+        away, gray = largest_difference(colors, self._look), cv2.transform(self._look, MEAN)
+        alike = valid & (away < np.maximum(ALIKE * gray, ALIKE * DARK))
         self._votes += alike
         self._votes -= valid & ~alike
         replaced = self._votes < 0
         self._votes[replaced] = 1
         np.minimum(self._votes, MEAN_OF, out=self._votes)
         weight = (alike / np.maximum(self._votes, 1) + replaced)[..., None]
-        self._look += weight * (colors - self._look)
+        self._look += weight.astype(np.float32) * (colors - self._look)
         return replaced
 
     def _measure_light(self, colors: Floats, valid: Booleans) -> None:

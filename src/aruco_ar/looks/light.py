@@ -21,6 +21,7 @@ WHITE_PERCENTILE, BLACK_PERCENTILE = 92, 8
 MIN_WHITE = 20.0      # least level of white paper, in gray levels; in less light a tag shows nothing
 WINDOWS_PX = 121, 25, 3  # the smallest of these windows in which enough of the wall is free shows the light
 ENOUGH = 0.08         # share of a window in which the wall must be free
+COLORS_EVERY = 4      # with nothing in front, the wall's color is taken anew in every fourth frame
 
 
 def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tuple[Floats, Floats]:
@@ -58,6 +59,7 @@ class WallLight:
         share = 1 / (away + 0.01)
         share /= share.sum(axis=2, keepdims=True)
         self._first = np.asarray(share @ np.maximum(white, MIN_WHITE), np.float32)  # (h, w, 3)
+        self._frees = 0  # frames since something was in front
         self.black = float(np.clip((black / np.maximum(white, MIN_WHITE)).mean(), 0, 0.8))
 
     def update(self, image: Image, model: WallModel) -> Image:
@@ -65,18 +67,28 @@ class WallLight:
 
         ``image``: (h, w, 3) BGR uint8, the rectified frame, which the model has taken in.
         """
-        color = self._coarse(model.look) / self._first  # the wall's color, as a share of white
-        if self._plain is not None:  # on a blank wall, a color that varies is light
-            mean = (color * self._plain).sum(axis=(0, 1)) / max(self._plain.sum(), 1e-3)
-            color += self._plain * (mean - color)
-        free, seen = self._share(model.free), self._coarse(image)
-        light = np.zeros_like(seen)
-        for window in WINDOWS_PX if free.min() < 1 else WINDOWS_PX[-1:]:
-            bright, share, weight = (cv2.blur(image, (window, window), borderType=cv2.BORDER_CONSTANT)
-                                     for image in (seen * free, color * free, free))
+        seen, is_free = self._coarse(image), bool(model.free.all())
+        if not is_free or self._frees % COLORS_EVERY == 0:
+            self._color = self._color_of(model.look)
+            self._mean_color = _mean(self._color, WINDOWS_PX[-1])
+        self._frees = self._frees + 1 if is_free else 0
+        if is_free:
+            light = _mean(seen, WINDOWS_PX[-1]) / np.maximum(self._mean_color, 1e-4)
+            return np.clip(light, 0, 255).astype(np.uint8)
+        free, light = self._share(model.free), np.zeros_like(seen)
+        for window in WINDOWS_PX:
+            bright, share, weight = (_mean(image, window) for image in (seen * free, self._color * free, free))
             part = np.minimum(weight / ENOUGH, 1)[..., None] if light.any() else 1
             light += part * (bright / np.maximum(share, 1e-4) - light)
         return np.clip(light, 0, 255).astype(np.uint8)
+
+    def _color_of(self, look: Floats) -> Floats:
+        """(h, w, 3) float32: the wall's color, as a share of white."""
+        color = self._coarse(look) / self._first
+        if self._plain is not None:  # on a blank wall, a color that varies is light
+            mean = (color * self._plain).sum(axis=(0, 1)) / max(self._plain.sum(), 1e-3)
+            color += self._plain * (mean - color)
+        return color
 
     def _share(self, mask: Booleans) -> Floats:
         """(h, w, 1) float32: which share of each coarse pixel is in a mask."""
@@ -84,3 +96,8 @@ class WallLight:
 
     def _coarse(self, image: Image | Floats) -> Floats:
         return np.asarray(cv2.resize(image, self._size, interpolation=cv2.INTER_AREA), np.float32)
+
+
+def _mean(image: Floats, px: int) -> Floats:
+    """The mean of a window of that width around each pixel, where the outside is 0."""
+    return np.asarray(cv2.blur(image, (px, px), borderType=cv2.BORDER_CONSTANT))

@@ -131,7 +131,4 @@ def visible(window: Image, warped: Image, mask: Image, opacity: float = 1.0) -> 
         return mask, mask
     if warped.shape[2] == 3 and opacity == 1:
         return mask, cv2.min(warped, mask, warped)
-    if warped.shape[2] == 4:
-        mask = cv2.multiply(mask, cv2.cvtColor(warped[:, :, 3], cv2.COLOR_GRAY2BGR), scale=1 / 255)
-    cover = cv2.convertScaleAbs(mask, alpha=opacity)
-    return cv2.multiply(window, cover, scale=1 / 255), cv2.multiply(warped[:, :, :3], cover, scale=1 / 255)
+    return binding.mix_picture(window, warped, mask, opacity)

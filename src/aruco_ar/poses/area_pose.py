@@ -12,7 +12,7 @@ from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.geometry.plane_pose import NEAR_M, rotation_matrices, rotation_vector
 from aruco_ar.tracking.area import Area
 
-from .belief import mixture
+from .belief import mixed_covariance
 from .observations import WallFit
 
 AREA_PX = 0.1       # the standard deviation of a corner of the area
@@ -66,7 +66,7 @@ def area_pose(fit: WallFit, area: Area, lens: Lens) -> AreaPose | None:
     one = found.axes[0], found.center[0], slope @ spread @ slope.T
     by_other = _area_on(fit.rotation[1:], fit.translation[1:], rays[None])
     other = one if by_other is None else (by_other.axes[0], by_other.center[0], one[2])
-    return AreaPose(area.corners, found.points[0], one[0], one[1], mixture(one, other, fit.weight)[0],
+    return AreaPose(area.corners, found.points[0], one[0], one[1], mixed_covariance(one, other, fit.weight),
                     float(found.width[0]), float(found.height[0]))
 
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Mapping, Sequence
 
 import numpy as np
@@ -20,7 +20,7 @@ from aruco_ar.tracking.frame_clock import FrameClock
 from aruco_ar.walls.wall import Wall
 
 from .area_pose import AreaPose, area_pose
-from .belief import Belief, mixture
+from .belief import Belief, mixed_covariance, mixture
 from .observations import SeenTags
 from .wall_estimator import WallEstimator
 
@@ -131,8 +131,10 @@ class PoseEstimator:
             believed[single], weight[single] = self._belief.weigh(unique.ids, unique.poses, unique.costs,
                                                                   self._clock.now)
             every = np.arange(len(single))
-            unique.probabilities[every, believed[single]] = 1 - weight[single]
-            unique.probabilities[every, 1 - believed[single]] = weight[single]
+            probabilities = np.empty((len(single), 2))
+            probabilities[every, believed[single]] = 1 - weight[single]
+            probabilities[every, 1 - believed[single]] = weight[single]
+            unique = replace(unique, probabilities=probabilities)
         self._wall.update(unique, self._clock.now)
         one, other = seen.pairs(believed)
         for number, tag in enumerate(seen.tags):
@@ -150,7 +152,7 @@ class PoseEstimator:
         if fit is None:
             return None
         one, other = (_inverse_pose(*pose) for pose in fit.poses)
-        return CameraPose(one[0], one[1], mixture(one, other, fit.weight)[0], fit.ids)
+        return CameraPose(one[0], one[1], mixed_covariance(one, other, fit.weight), fit.ids)
 
     def area(self, area: Area, lens: Lens) -> AreaPose | None:
         """The AreaPose of an Area on the wall of the last update, or None if the wall's pose is unknown.
@@ -218,8 +220,9 @@ def _are_in_front(rotation: Floats, translation: Floats) -> Booleans:
 
 def corner_deviation(quads: Floats) -> Floats:
     """(n,) pixels: the standard deviation of corners that the Detector finds, for tags at (n, 4, 2) pixels."""
-    lengths = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=2)
-    sides = (lengths + np.roll(lengths, 2, axis=1))[:, :2] / 2
+    edges = quads[:, (1, 2, 3, 0)] - quads
+    lengths = np.sqrt((edges * edges).sum(axis=2))
+    sides = (lengths[:, :2] + lengths[:, 2:]) / 2
     shortest = np.maximum(sides.min(axis=1), 1e-9)
     return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3, MAX_CORNER_PX)
 

@@ -7,35 +7,30 @@ errors of corners repeat from frame to frame, and paper bulges in all of them.
 """
 from __future__ import annotations
 
-from typing import Iterable
+from typing import Sequence
 
 import numpy as np
 
 from aruco_ar.base.arrays import Floats
 from aruco_ar.base.recent import Recent
+from aruco_ar.compiled import binding
 
-MEMORY_FRAMES = 15  # about this many of the last frames count
-FADE = 1 - 1 / MEMORY_FRAMES
+NEW = np.zeros(binding.FLATNESS_SIZE)  # the memory of a tag that was never seen
 
 
 class Flatness:
-    """The mean distances of tags from the plane of the others, by their ids."""
+    """How far tags are off the plane of the others, by their ids. The computation is in flat_walls.c."""
 
     def __init__(self) -> None:
-        # Fading sums over frames: information (3, 3), information times distance (3,), and the count.
-        self._sums: Recent[int, tuple[Floats, Floats, float]] = Recent()
+        self._memories: Recent[int, Floats] = Recent()
 
-    def update(self, ids: Iterable[int], offs: Floats, spreads: Floats) -> tuple[Floats, Floats]:
-        """Add n tags of a frame. Returns their means, (n, 3), with covariances, (n, 3, 3).
+    def update(self, ids: Sequence[int], off: Floats, spread: Floats) -> Floats:
+        """Add n tags of a frame. Returns (n,): how far each is off by now, in squared standard deviations.
 
-        ``offs``: (n, 3), as from off_others, and ``spreads``: (n, 3, 3), their covariances in this frame.
+        ``off``: (n, 3), as from off_others, and ``spread``: (n, 3, 3), their covariances in this frame.
         """
-        means, covariances = [], []
-        for tag_id, off, added in zip(ids, offs, np.linalg.inv(spreads)):
-            information, weighted, frames = self._sums.get(tag_id, (0.0, 0.0, 0.0))
-            information, weighted, frames = self._sums[tag_id] = (
-                FADE * information + added, FADE * weighted + added @ off, FADE * frames + 1)
-            covariance = np.linalg.inv(information)
-            means.append(covariance @ weighted)
-            covariances.append(covariance * frames)
-        return np.array(means), np.array(covariances)
+        memories = np.array([self._memories.get(tag_id, NEW) for tag_id in ids]).reshape(-1, len(NEW))
+        squared = binding.add_off(off, spread, memories)
+        for tag_id, memory in zip(ids, memories):
+            self._memories[tag_id] = memory
+        return squared

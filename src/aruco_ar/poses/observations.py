@@ -2,11 +2,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Integers, Pose
-from aruco_ar.geometry.plane_pose import cross_matrices, rotation_matrices
+from aruco_ar.compiled import binding
+from aruco_ar.geometry.plane_pose import cross_matrices
 from aruco_ar.tags.tag import Tag
 from aruco_ar.walls.places import Places
 
@@ -36,7 +38,7 @@ class SeenTags:
     costs: Floats
     probabilities: Floats
 
-    @property
+    @cached_property
     def ids(self) -> tuple[int, ...]:
         """The tags' ids."""
         return tuple(tag.id for tag in self.tags)
@@ -56,7 +58,9 @@ class SeenTags:
         return one, other
 
     def subset(self, numbers: Integers | list[int]) -> SeenTags:
-        """The tags with those indices alone."""
+        """The tags with those indices alone, which are in ascending order, each once."""
+        if len(numbers) == len(self.tags):
+            return self
         rotation, translation, covariance = self.poses
         return SeenTags(tuple(self.tags[number] for number in numbers), self.quads[numbers],
                         self.sizes[numbers], self.rays[numbers], self.weights[numbers],
@@ -99,22 +103,11 @@ class WallFit:
 
 def poses_of_tags(fit: WallFit, places: Places) -> dict[int, tuple[Pose, Pose, float]]:
     """{id: (pose, other pose, the other one's weight)} of the tags of a WallFit, from all tags together."""
-    rotation, center, spread = places.poses(fit.ids)
-    found: dict[int, list[Pose]] = {tag_id: [] for tag_id in fit.ids}
-    for which in (0, 1):
-        wall_rotation = fit.rotation[which]
-        off = spread @ fit.amounts[which]
-        arms = (center + off[:, :3]) @ wall_rotation.T
-        turns = rotation_matrices(off[:, 3:])
-        jacobian = np.zeros((len(arms), 6, fit.covariance.shape[1]))
-        jacobian[:, :, :6] = np.eye(6)
-        jacobian[:, :3, 3:6] = -cross_matrices(arms)
-        jacobian[:, :3, 6:], jacobian[:, 3:, 6:] = wall_rotation @ spread[:, :3], wall_rotation @ spread[:, 3:]
-        covariance = jacobian @ fit.covariance[which] @ jacobian.swapaxes(1, 2)
-        for number, tag_id in enumerate(fit.ids):
-            found[tag_id].append((wall_rotation @ turns[number] @ rotation[number],
-                                  arms[number] + fit.translation[which], covariance[number]))
-    return {tag_id: (one, other, fit.weight) for tag_id, (one, other) in found.items()}
+    wall = fit.rotation, fit.translation, fit.covariance
+    found = binding.place_tags(wall, fit.amounts, *places.poses(fit.ids))
+    return {tag_id: ((rotation[0], translation[0], covariance[0]), (rotation[1], translation[1], covariance[1]),
+                     fit.weight)
+            for tag_id, rotation, translation, covariance in zip(fit.ids, *found)}
 
 
 def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats, Floats]:
@@ -125,19 +118,7 @@ def off_others(poses: Pose, axes: Floats, bulge: Floats = BULGE) -> tuple[Floats
     rotations (n, 3, 3), translations (n, 3), covariances (n, 6, 6). ``bulge``:
     (3, 3), the covariance of each tag's paper relative to its wall.
     """
-    rotation, translation, covariance = poses
-    arms, normals = (translation - translation.mean(axis=0)) @ axes, rotation[..., 2] @ axes
-    seen = np.concatenate([arms[:, 2:], normals[:, :2]], axis=1)[..., None]
-    jacobian = np.zeros((len(seen), 3, 6))
-    jacobian[:, 0, :3], jacobian[:, 1:, 3:] = axes[:, 2], -axes[:, :2].T @ cross_matrices(rotation[..., 2])
-    spread = jacobian @ covariance @ jacobian.swapaxes(1, 2) + bulge
-    model = np.tile(np.eye(3), (len(seen), 1, 1))  # the derivatives of those numbers by the plane's own
-    model[:, 0, 1:] = -arms[:, :2]
-    weighted = model.swapaxes(1, 2) @ np.linalg.inv(spread)
-    information, vector = weighted @ model, weighted @ seen
-    others = np.linalg.inv(information.sum(axis=0) - information)
-    off = seen - model @ others @ (vector.sum(axis=0) - vector)
-    return off[..., 0], spread + model @ others @ model.swapaxes(1, 2)
+    return binding.off_others(poses, axes, bulge)
 
 
 def off_plane(one: Pose, others: Pose) -> tuple[Floats, Floats]:

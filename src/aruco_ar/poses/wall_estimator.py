@@ -17,7 +17,7 @@ from aruco_ar.tags.edges import side_of
 from aruco_ar.walls.places import Places
 from aruco_ar.walls.wall import Wall
 
-from .belief import Belief, mixture
+from .belief import Belief, mixed_covariance
 from .flatness import Flatness
 from .observations import SeenTags, WallFit, height_deviation, off_others, off_plane, poses_of_tags, squared
 
@@ -237,8 +237,8 @@ class WallEstimator:
         if self._wall is not None or len(fit.ids) < 2:
             return True
         some = seen.subset([seen.ids.index(tag_id) for tag_id in fit.ids])
-        off, spread = self._flatness.update(fit.ids, *off_others(some.believed(), fit.rotation[0]))
-        return bool((squared(off, spread) < NOT_FLAT).all())
+        off = self._flatness.update(fit.ids, *off_others(some.believed(), fit.rotation[0]))
+        return bool((off < NOT_FLAT).all())
 
     def _learn_more(self, seen: SeenTags, fit: WallFit) -> None:
         """Learn further tags that are in the wall's plane."""
@@ -246,7 +246,7 @@ class WallEstimator:
         if not some:
             return
         (rotation, translation, _), _ = one, other = fit.poses
-        plane = rotation, translation, mixture(one, other, fit.weight)[0]
+        plane = rotation, translation, mixed_covariance(one, other, fit.weight)
         off, spread = off_plane(plane, seen.subset(some).believed())
         flat = (squared(off, spread) < COPLANAR) & (height_deviation(spread) < _height_limit(translation))
         for number, is_flat in zip(some, flat):

@@ -1,7 +1,7 @@
 """Finding tags in a frame."""
 from __future__ import annotations
 
-from typing import Any, Iterable, NamedTuple, Sequence
+from typing import Iterable, NamedTuple, Sequence
 
 import cv2
 import numpy as np
@@ -11,38 +11,37 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import MARGIN, UNEVEN, check_tags, fit_tags, guess_tags, sample_cells, side_of
+from .edges import MARGIN, UNEVEN, check_tags, compare_tags, fit_tags, guess_tags, sample_cells, side_of
+from .quads import UNREAD, find_quads, read_tags, tag_words
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
 
-# How a frame is searched. ``scale``: the frame is resized by this factor first.
-# ``windows``: the smallest size, the largest size and the step, pixels, of the
-# windows for adaptive thresholding. ``min_perimeter``: the least perimeter of a tag,
-# relative to the image's longer side. ``rereads``: every quadrilateral is also fitted to its edges,
-# and its cells are read in the frame itself. This finds more tags than OpenCV's own
-# reading, and it mistakes fewer other things for tags.
+# How a frame is searched. ``scale``: the frame is enlarged by this factor first. ``passes``: each a factor by
+# which that image is shrunk, and the window, pixels, by which dark parts are found in it. ``shortest``: the
+# least sum of the sides of a tag, relative to the image's longer side. ``rereads``: every quadrilateral is
+# also fitted to its edges, and its cells are read in the frame itself. This finds more tags, and mistakes
+# fewer other things for tags.
 class _Preset(NamedTuple):
     scale: float
-    windows: tuple[int, int, int]
-    min_perimeter: float
+    passes: tuple[tuple[float, int], ...]
+    shortest: float
     rereads: bool
 
 
 _PRESETS = {
-    'fast': _Preset(0.5, (11, 11, 1), 0.03, False),
-    'normal': _Preset(1, (3, 23, 10), 0.03, False),
-    'thorough': _Preset(2, (5, 45, 8), 0.02, True),
+    'fast': _Preset(1, ((0.5, 11),), 0.03, False),
+    'normal': _Preset(1, ((0.5, 15), (1, 5), (1, 11)), 0.03, False),
+    'thorough': _Preset(2, ((1, 5), (1, 13), (0.5, 5), (0.5, 11), (0.25, 11)), 0.02, True),
 }
 SEARCHES = tuple(_PRESETS)
 
 # A search for tags of a known size resizes the frame so that they are SEARCH_SIDE_PX
 # wide, but enlarges it at most by MAX_ENLARGED. It needs only one window.
-SEARCH_SIDE_PX = 24
-SEARCH_WINDOWS = (11, 11, 1)
+SEARCH_SIDE_PX, SEARCH_WINDOW = 22, 11
 MAX_ENLARGED = 3
-# A tag must have at least this likeness (see fit_tags). OpenCV corrects as many
-# wrong cells as it can, which finds tags that are blurred by motion. This limit
-# rejects the other things that it then mistakes for tags.
+# A tag must have at least this likeness (see fit_tags). As many wrong cells are corrected
+# as can be, which finds tags that are blurred by motion. This limit rejects the other
+# things that are then mistaken for tags.
 MIN_LIKENESS = 0.76
 # All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
 # so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.
@@ -56,14 +55,16 @@ MAX_WRONG = 0.15
 # A corner may be this far beyond the middles of the frame's outermost pixels. Otherwise the tag is cut off, and
 # its place is less exact than it seems.
 BEYOND_PX = 0.75
+SMALL_PX = 24      # a whole pixel is much of a tag with a side of less than this
 MIN_CONTRAST = 12  # of a tag's border with what is around it, in gray levels
 # In a shadow, a cell is compared with those up to two cells away, if their contrast is at least this share of
 # that of all.
 AROUND, MIN_LOCAL = np.ones((5, 5), np.uint8), 0.2
-# Fine textures can have tens of thousands of quadrilaterals. Of those that OpenCV
-# takes for tags, only this many, the largest, are used. Of the others, only this
-# many are reread.
-MAX_READ = MAX_REREAD = 2000
+# A tag that is off is looked for at these multiples of this many cells.
+SHIFT_CELLS = 0.6
+SHIFTS = np.stack(np.meshgrid(np.arange(-3, 4), np.arange(-3, 4)), axis=-1).reshape(-1, 2)
+# Fine textures can have tens of thousands of quadrilaterals. Only this many, the largest, are read.
+MAX_READ = 2000
 
 
 class Detector:
@@ -101,10 +102,8 @@ class Detector:
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
         self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
         self._preset = _PRESETS[search]
-        self._preset_finder = self._finder(self._preset.windows, self._preset.min_perimeter)
-        self._normal_finder = self._finder(_PRESETS['normal'].windows, _PRESETS['normal'].min_perimeter) \
-            if self._preset.rereads else None
-        self._sized_finder = self._finder(SEARCH_WINDOWS, _PRESETS['normal'].min_perimeter)
+        self._words = tag_words(dictionary)
+        self._corrected = int(correction * self._marker.maxCorrectionBits)
 
     def detect(self, frame: Image) -> list[Tag]:
         """The tags in a frame, a list of Tag, in the order in which they are found.
@@ -112,32 +111,45 @@ class Detector:
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8.
         """
         frame = _gray(frame)
-        ids, quads = self._find(self._preset_finder, frame, self._preset.scale, self._preset.rereads)
-        if self._normal_finder is not None:  # it finds some tags that the fine search misses
-            more, others = self._find(self._normal_finder, frame, _PRESETS['normal'].scale)
+        ids, quads = self._find(frame, self._preset)
+        if self._preset.rereads:  # the normal search finds some tags that the fine one misses
+            more, others = self._find(frame, _PRESETS['normal'])
             ids, quads = ids + more, np.concatenate([quads, others])
         return self._fitted(frame, ids, quads)
 
-    def search(self, frame: Image, side: float) -> list[Tag]:
-        """The tags with sides of at least ``side`` pixels.
+    def search(self, frame: Image, side: float, only: int | None = None) -> list[Tag]:
+        """The tags with sides of at least ``side`` pixels. ``only``: the one id to look for, or None for all.
 
         With a large ``side``, this is faster than ``detect``. With a small one, it finds more tags.
         """
         scale, frame = min(SEARCH_SIDE_PX / side, MAX_ENLARGED), _gray(frame)
-        return self._fitted(frame, *self._find(self._sized_finder, frame, scale))
+        preset = _Preset(max(scale, 1), ((min(scale, 1), SEARCH_WINDOW),), _PRESETS['normal'].shortest, False)
+        return self._fitted(frame, *self._find(frame, preset, only))
 
     def find_at(self, frame: Image, ids: Sequence[int], quads: Floats) -> list[Tag]:
         """Those of the tags with these ids that are at quads, (n, 4, 2) pixels, off by less than a cell.
 
         A tag whose edges are not all seen is left out, since it would stay where it is expected.
         """
-        # As OpenCV's corners, these are whole pixels. Otherwise a tiny error of one fit would pass to the next
-        # one, and the errors of all frames would be alike.
-        return self._fitted(_gray(frame), list(ids), np.round(quads).astype(np.float32), needs_edges=True)
+        return self._fitted(_gray(frame), list(ids), quads, needs_edges=True)
 
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
         return fit_tags(frame, quads, self._cells_of(ids))
+
+    def find_shifted(self, frame: Image, ids: Sequence[int], quads: Floats) -> list[Tag]:
+        """As find_at, but the tags may be off by up to two cells, all corners alike.
+
+        Each is looked for in the place where the frame looks most like it.
+        """
+        if not ids:
+            return []
+        cells = self._cells_of(ids)
+        steps = np.outer(SHIFT_CELLS / cells.shape[1] * side_of(quads), SHIFTS).reshape(len(quads), -1, 1, 2)
+        moved = np.asarray(quads[:, None] + steps, np.float32)
+        likeness = compare_tags(frame, moved.reshape(-1, 4, 2), cells.repeat(len(SHIFTS), axis=0), samples=1)
+        best = likeness.reshape(moved.shape[:2]).argmax(axis=1)
+        return self._fitted(frame, list(ids), moved[np.arange(len(best)), best], needs_edges=True)
 
     def _cells_of(self, ids: Sequence[int]) -> Image:
         """(n, m, m) uint8: the cells of the tags with those ids."""
@@ -146,55 +158,39 @@ class Detector:
                 self._cells[tag_id] = tag_cells(self._dictionary, tag_id, self._border)
         return np.array([self._cells[tag_id] for tag_id in ids])
 
-    def _finder(self, windows: tuple[int, int, int], min_perimeter: float) -> cv2.aruco.ArucoDetector:
-        """OpenCV's detector, with the windows and the smallest perimeter of a _Preset."""
-        parameters = cv2.aruco.DetectorParameters()
-        parameters.errorCorrectionRate = float(self._correction)
-        parameters.maxErroneousBitsInBorderRate = 0.6
-        parameters.markerBorderBits = self._border
-        parameters.minDistanceToBorder = 0
-        # From OpenCV 4.14 on, cells that are not clearly dark or light count as wrong, so tags that are blurred
-        # by motion are not found. As before 4.14, a cell takes the value of the majority of its 25 pixels.
-        if hasattr(parameters, 'validBitIdThreshold'):
-            parameters.validBitIdThreshold, parameters.perspectiveRemovePixelPerCell = 0.5, 5
-        parameters.adaptiveThreshWinSizeMin = windows[0]
-        parameters.adaptiveThreshWinSizeMax = windows[1]
-        parameters.adaptiveThreshWinSizeStep = windows[2]
-        parameters.minMarkerPerimeterRate = min_perimeter
-        # Whole pixels are exact enough for fit_tags. With a narrow margin, OpenCV's refinement would choose the
-        # corners of the paper.
-        parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
-        return cv2.aruco.ArucoDetector(self._marker, parameters)
+    def _find(self, frame: Image, preset: _Preset, only: int | None = None) -> tuple[list[int], Floats]:
+        """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags in a gray frame.
 
-    def _find(self, finder: cv2.aruco.ArucoDetector, frame: Image, scale: float,
-              rereads: bool = False) -> tuple[list[int], Floats]:
-        """The ids and quadrilaterals, (n, 4, 2) float32 pixels, of possible tags, found in the scaled frame."""
-        scale = max(scale, 1 / min(frame.shape[:2]))  # at least one pixel must be left
-        scaled = _scaled(frame, scale)
-        corners, numbers, unread = finder.detectMarkers(scaled)
-        ids, quads = [] if numbers is None else numbers.ravel().tolist(), _stacked(corners)
-        if len(ids) > MAX_READ:
-            largest = np.argsort(-side_of(quads))[:MAX_READ]
-            ids, quads = [ids[number] for number in largest], quads[largest]
-        known, rejected = quads, _stacked(unread[:MAX_REREAD])
-        if len(rejected):
-            more, others = self._read_others(scaled, rejected, known)
+        ``only``: see search.
+        """
+        scale = preset.scale
+        image = _scaled(frame, scale)
+        quads = np.concatenate([_quads(image, *way, preset.shortest) for way in preset.passes])
+        quads = _largest(quads, MAX_READ)
+        numbers, quads = read_tags(image, quads, self._words, self._marker.markerSize, self._border,
+                                   self._corrected, MIN_CONTRAST)
+        is_read = numbers >= 0
+        ids, known, unread = numbers[is_read].tolist(), quads[is_read], quads[numbers == UNREAD]
+        quads = known
+        if len(unread) and only not in ids:
+            more, others = self._read_others(image, unread, known)
             if more:
                 ids, quads = ids + more, np.concatenate([known, others])
         quads = _unscaled(quads, scale)
-        if rereads and len(known) + len(rejected):
-            more, others = self._reread(frame, _unscaled(np.concatenate([known, rejected]), scale))
+        if preset.rereads and len(known) + len(unread):
+            more, others = self._reread(frame, _unscaled(np.concatenate([known, unread]), scale))
             ids, quads = ids + more, np.concatenate([quads, others])
-        if not self._ids:
+        wanted = self._ids if only is None else {only}
+        if not wanted:
             return ids, quads
-        wanted = [number for number, tag_id in enumerate(ids) if tag_id in self._ids]
-        return [ids[number] for number in wanted], quads[wanted]
+        kept = [number for number, tag_id in enumerate(ids) if tag_id in wanted]
+        return [ids[number] for number in kept], quads[kept]
 
     def _read_others(self, gray: Image, quads: Floats, known: Floats) -> tuple[list[int], Floats]:
-        """The ids and quadrilaterals, (n, 4, 2) float32, of tags that OpenCV finds but does not read.
+        """The ids and quadrilaterals, (n, 4, 2) float32, of tags that are found, but not read at once.
 
         These are white on black, or in the light on one side and in a shadow on the other. ``quads``: those
-        that it could not read. ``known``: those that it could, which are not read again.
+        that could not be read. ``known``: those that could, which are not read again.
         """
         count = self._marker.markerSize + 2 * self._border
         guesses = guess_tags(gray, quads, count, known, MIN_CONTRAST)
@@ -259,6 +255,10 @@ class Detector:
         """The tags among quadrilaterals, (n, 4, 2), moved onto their edges if these are found."""
         if not ids:
             return []
+        # The fit starts at whole pixels, for tags that are found and for those that are followed. Otherwise a
+        # tiny error of one fit would pass to the next one, and the errors of all frames would be alike.
+        is_large = needs_edges | (side_of(quads) > SMALL_PX)
+        quads = np.where(is_large[:, None, None], np.round(quads), quads).astype(np.float32)
         fitted, found, likeness, whole, cells = check_tags(frame, quads, self._cells_of(ids))
         far = np.array(frame.shape[1::-1], np.float32) - 1
         room = np.minimum(fitted, far - fitted).reshape(-1, 8).min(axis=1)  # as far is the frame's rim
@@ -267,7 +267,7 @@ class Detector:
         is_in_place = found if needs_edges else found | (room >= 1)
         good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > self._likeness)
                               & (whole > least) & (sides >= self._min_side) & is_quadrilateral(fitted))
-        if self._preset.rereads:
+        if self._preset.rereads or len(set(ids)) < len(ids):
             good = _without_duplicates(fitted, whole, good)
         self._cells.update((ids[number], cells[number]) for number in good)
         return [Tag(ids[number], fitted[number], float(likeness[number])) for number in good]
@@ -288,9 +288,16 @@ def _scaled(gray: Image, scale: float) -> Image:
     return cv2.resize(sharp, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC)
 
 
-def _stacked(quads: Sequence[Any]) -> Floats:
-    """(n, 4, 2) float32: the quadrilaterals that OpenCV found, (1, 4, 2) each."""
-    return np.concatenate(quads) if len(quads) else np.empty((0, 4, 2), np.float32)
+def _quads(image: Image, shrink: float, window: int, shortest: float) -> Floats:
+    """(n, 4, 2) float32: the quadrilaterals in an image, found in a smaller one; see _Preset."""
+    shrink = max(shrink, 1 / min(image.shape))  # at least one pixel must be left
+    small = _scaled(image, shrink)
+    return _unscaled(find_quads(small, window, shortest * max(small.shape)), shrink)
+
+
+def _largest(quads: Floats, most: int) -> Floats:
+    """So many of the quadrilaterals, (n, 4, 2), in the order that they have."""
+    return quads if len(quads) <= most else quads[np.sort(np.argsort(-side_of(quads), kind='stable')[:most])]
 
 
 def _unscaled(quads: Floats, scale: float) -> Floats:

@@ -1,8 +1,6 @@
 """Fitting tags to their edges in the frame, and checking that they are these tags; see tag_edges.c."""
 from __future__ import annotations
 
-import numpy as np
-
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.compiled import binding
 
@@ -57,9 +55,8 @@ def guess_tags(frame: Image, quads: Floats, count: int, known: Floats, contrast:
 
 
 def side_of(quads: Floats) -> Floats:
-    """(n,) pixels: the mean side of quadrilaterals, (n, 4, 2)."""
-    along = quads - quads[:, [1, 2, 3, 0]]
-    return np.hypot(along[..., 0], along[..., 1]).sum(axis=1) / 4
+    """(n,) float64, pixels: the mean side of quadrilaterals, (n, 4, 2)."""
+    return binding.find_sides(quads)
 
 
 def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:

@@ -23,7 +23,11 @@ from .sight import SeenArea
 from .tag_search import ANY_SIDE, FrameSearch, expected_places, found_tags
 from .texture import Texture
 
-SEARCH_S = 0.45        # the whole frame is searched at least this often, for new tags
+# The whole frame is searched at intervals of SEARCH_S: for new tags, for those that were moved, and to make the
+# places of known ones more exact. While all four are in sight, and there is nothing to learn, each search makes
+# the interval longer by as much, up to CALM times.
+SEARCH_S, CALM = 0.45, 4
+LATE_S = 0.1           # in a frame that was searched, the texture is not studied yet, unless it is late by this
 GAP_S = 0.5            # frames that are farther apart say nothing about the motion
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
 # errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
@@ -146,13 +150,16 @@ class AreaTracker:
         if self._layout is None:
             return Nearby({}, [], {}, frozenset(), ANY_SIDE)
         self._predict(passed, hold)
-        seen, missing = search.fit_expected(self._layout, self._motion)
         expected = expected_places(self._layout, self._motion)
+        seen, missing = search.fit_expected(self._layout, expected)
         others = search.find_near({tag_id: expected[tag_id] for tag_id in missing})
         lost = frozenset(missing) - {tag.id for tag in others}
         # The whole frame is searched at times, for new tags, displaced tags and another wall. A lost tag
         # may be displaced.
-        is_due = (self._clock.now - self._searched_at >= SEARCH_S or bool(self._displaced or lost - self._lost)
+        if search.is_done or not {*seen, *(tag.id for tag in others)} >= set(self._layout.ids):
+            self._calm = 1
+        interval = SEARCH_S * self._calm
+        is_due = (self._clock.now - self._searched_at >= interval or bool(self._displaced or lost - self._lost)
                   or not (seen or others or self._recognized))
         return Nearby(seen, others, expected, lost, search.smallest_side(
             [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
@@ -186,11 +193,13 @@ class AreaTracker:
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
         self._lost: frozenset[int] = frozenset()  # those of the four that were not found in the last frame
         self._further, self._new_layout = FurtherTags(), NewLayout()
-        # The last times of four events: the whole frame was searched, tags or texture located the area, tags
-        # located it, and it was located well enough.
-        self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
+        self._calm = 1            # see CALM
+        # The last times of five events: the whole frame was searched, the places of tags were learned, tags or
+        # texture located the area, tags located it, and it was located well enough.
+        self._searched_at = self._learned_at = -np.inf
+        self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
         if self._layout is not None:
-            self._searched_at = self._clock.now
+            self._searched_at = self._learned_at = self._clock.now
             self._take_in(self._layout, self._seen)
 
     def _counts(self, tag_id: int) -> bool:
@@ -226,17 +235,21 @@ class AreaTracker:
         self._seen = seen
         known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
         agreed, moved_on = self._take_in(layout, known)
-        if not tags:
-            return
-        # A few known ids may also occur on another wall.
-        if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
-            self._start(tags)
-            return
-        self._note_displaced(layout, set(known) - set(agreed))
-        if self._displaced:
-            if has_searched and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
+        if has_searched:
+            has_learned = len(seen) == len(known) and layout.is_exact
+            self._calm = min(self._calm + 1, CALM) if has_learned else 1
+        if tags:
+            # A few known ids may also occur on another wall.
+            if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
                 self._start(tags)
-        elif has_searched and self._motion is not None and len(agreed) >= 3:
+                return
+            self._note_displaced(layout, set(known) - set(agreed))
+        if self._displaced:
+            if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
+                self._start(tags)
+        elif self._motion is not None and len(agreed) >= 3 and (
+                has_searched or self._clock.now - self._learned_at >= SEARCH_S):
+            self._learned_at = self._clock.now
             self._further.learn(layout, self._motion, seen, agreed)
 
     def _note_displaced(self, layout: Layout, ids: set[int]) -> None:
@@ -298,7 +311,8 @@ class AreaTracker:
     def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
         """Learn the wall's texture while all four tags agree; correct the motion by it while too few agree."""
         self._recognized = False
-        if set(self._agreed) >= set(layout.ids) and self._texture.is_due(self._clock.now):
+        may_wait = LATE_S if self._searched_at == self._clock.now else 0
+        if set(self._agreed) >= set(layout.ids) and self._texture.is_due(self._clock.now - may_wait):
             self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
                                 self._clock.now)
         if (len(self._agreed) >= ENOUGH_TAGS or (self._agreed and motion.deviation.max() < OPEN_PX)

@@ -21,6 +21,7 @@ from .motion import AreaMotion
 
 UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 MEAN_OF = 20  # a tag's place is the running mean of about this many measurements
+EXACT = 8     # so many measurements make the place of a tag exact, compared with what is seen in a frame
 MIN_SIGHTINGS, RELEARN_S = 3, 0.5  # a new tag must be seen this many times; a new arrangement also this long
 SAME_PLACE_SIDES = 0.02  # a further tag is in its place if it is off by less than this, in its sides, plus 1 px
 
@@ -67,6 +68,11 @@ class Layout:
         ids = [tag.id for tag in tags]
         single = [tag for tag in tags if ids.count(tag.id) == 1]
         return cls(single, np.asarray(area.corners, np.float64), first)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether the places of all tags are means of EXACT measurements or more."""
+        return min(self._measured.values()) >= EXACT
 
     def quads(self, ids: Iterable[int]) -> Floats:
         """(n, 4, 2): the places of those tags."""

@@ -30,11 +30,12 @@ def measurement(layout: Layout, seen: Mapping[int, Tag],
     """
     tags = [seen[tag_id] for tag_id in ids]
     quads = np.array([tag.corners for tag in tags], np.float64)
-    side = side_of(quads)
-    soft = SOFT_SIDES * side * np.maximum(SHARP_LIKENESS - np.array([tag.likeness for tag in tags]), 0)
-    deviation = 0.15 + 0.002 * side + soft
-    bias = BIAS_PX * (SMALL_PX / side)**2 + soft
-    return (layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.repeat(deviation, 4), np.repeat(bias, 4))
+    deviations, biases = [], []
+    for tag, side in zip(tags, side_of(quads).tolist()):
+        soft = SOFT_SIDES * side * max(SHARP_LIKENESS - tag.likeness, 0)
+        deviations += [0.15 + 0.002 * side + soft] * 4
+        biases += [BIAS_PX * (SMALL_PX / side)**2 + soft] * 4
+    return layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.array(deviations), np.array(biases)
 
 
 def consistent_tags(layout: Layout, seen: Mapping[int, Tag], motion: AreaMotion, limit: float) -> list[int]:

@@ -22,7 +22,7 @@ EXPECTED_LIKENESS = 0.6   # a tag in its expected place must have more than this
 EXPECTED_OUTSIDE_PX = 2.0  # a tag that is expected to be this far out of the frame may be in it
 NEAR_SIDES = 1.0          # a missing tag is searched for this far around its place, in sides of the tag
 NEAR_SCALE = 2.0          # such a search is for tags smaller by this factor: the window is small, so it is fast
-SMALL_SIDE_PX = 12        # a fine search is for tags of at least this side
+SMALL_SIDE_PX = 16        # a fine search is for tags of at least this side
 ANY_SIDE = 0.0            # the wish for tags of any size
 
 
@@ -71,18 +71,23 @@ class FrameSearch:
         self._near: dict[int, list[Tag]] = {}  # what was found near the places of missing tags, as it was found
         self._tags = None if tags is None else undistorted_tags(tags, lens)
 
+    @property
+    def is_done(self) -> bool:
+        """Whether all tags in the frame are known already, so that ``find`` costs nothing."""
+        return self._tags is not None
+
     def reset(self) -> None:
         """Search as if this frame were the first one."""
         self._search.reset()
 
-    def fit_expected(self, layout: Layout, motion: AreaMotion | None) -> tuple[dict[int, Tag], list[int]]:
+    def fit_expected(self, layout: Layout, places: Mapping[int, Floats]) -> tuple[dict[int, Tag], list[int]]:
         """{id: Tag} of the tags in their expected places, and the ids of the four tags that are missing.
 
-        A tag is missing if it should be in the frame, but is not in its place.
+        A tag is missing if it should be in the frame, but is not in its place. ``places``: see expected_places.
         """
-        if motion is None:
+        if not places:
             return {}, []
-        expected = self._expected_in_frame(layout, motion)
+        expected = self._expected_in_frame(places)
         four = [tag_id for tag_id in layout.ids if tag_id in expected]
         seen = self._fit(four, expected)
         missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
@@ -98,14 +103,17 @@ class FrameSearch:
         """The tags found near their expected places, {id: (4, 2) pixels}."""
         if self._tags is not None:
             return [tag for tag in self._tags if tag.id in expected]
-        missing = {tag_id: quad for tag_id, quad in expected.items() if tag_id not in self._near}
-        for tag_id, quad in zip(missing, self._distorted(list(missing.values()))):
+        missing = [tag_id for tag_id in expected if tag_id not in self._near]
+        quads = self._distorted([expected[tag_id] for tag_id in missing])
+        self._near.update((tag.id, [tag]) for tag in self._detector.find_shifted(self.frame, missing, quads))
+        for tag_id, quad in zip(missing, quads):
+            if tag_id in self._near:
+                continue
             side = side_of(quad[None])[0]
             low = np.maximum(quad.min(axis=0) - NEAR_SIDES * side, 0).astype(int)
             high = np.minimum(quad.max(axis=0) + NEAR_SIDES * side + 1, self.frame.shape[1::-1]).astype(int)
-            tags = self._detector.search(self.frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE)
-            self._near[tag_id] = [replace(tag, corners=tag.corners + np.float32(low))
-                                  for tag in tags if tag.id == tag_id]
+            tags = self._detector.search(self.frame[low[1]:high[1], low[0]:high[0]], side / NEAR_SCALE, tag_id)
+            self._near[tag_id] = [replace(tag, corners=tag.corners + np.float32(low)) for tag in tags]
         return undistorted_tags([tag for tag_id in expected for tag in self._near[tag_id]], self.lens)
 
     def find(self, smallest: float, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
@@ -134,10 +142,9 @@ class FrameSearch:
                                  for number in np.flatnonzero(found)], self.lens)
         return {tag.id: tag for tag in tags}
 
-    def _expected_in_frame(self, layout: Layout, motion: AreaMotion) -> dict[int, Floats]:
+    def _expected_in_frame(self, places: Mapping[int, Floats]) -> dict[int, Floats]:
         """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
-        ids = list(layout.places)
-        quads = self._distorted(motion.project(layout.quads(ids)))
+        ids, quads = list(places), self._distorted(list(places.values()))
         inside = _within(quads, self.frame, EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
         return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
 

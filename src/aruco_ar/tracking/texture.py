@@ -40,7 +40,7 @@ MIN_LEFT = 0.4           # if a smaller share of the learned points is left, a n
 SHARPER = 1.3            # if the frame's contrast is this many times the template's, a new template is learned
 ERROR_PX = 0.15          # the least common error of points that fit together, in pixels of the frame
 INDEPENDENT_POINTS = 8   # all points count as much as this many, since the errors of neighbors are alike
-CHECKS_S = 0.1, 0.2, 0.3, 0.5, 1.0  # the times between checks after learning; the last one repeats
+CHECKS_S = 0.1, 0.2, 0.3, 0.5, 1.0, 2.0  # the times between checks after learning; the last one repeats
 LEARN_AGAIN_S = 1.0      # the wait before a new template is learned
 MEAN_OF = 20             # a point's place is the running mean of about this many checks
 

@@ -14,6 +14,7 @@ from typing import Sequence
 import numpy as np
 
 from aruco_ar.base.arrays import Floats
+from aruco_ar.base.recent import Recent
 from aruco_ar.tags.tag import square
 
 from .wall import Wall
@@ -27,6 +28,7 @@ INDEPENDENT_FRAMES = 2
 # The relative deviation of all sizes together. Views cannot reduce it: if all tags are
 # larger, everything is also farther away. It is 0 if a file gives the places of the tags.
 SIZE_DEVIATION = 0.001
+GROUPS = 16  # the groups of tags that one frame asks for are not many
 
 
 class Places:
@@ -40,6 +42,8 @@ class Places:
         self._sizes = np.array([tag.side for tag in tags])
         self._deviation = np.zeros((3 * len(tags), 0))
         self._size_deviation = SIZE_DEVIATION if wall is None else 0.0
+        # For each group of ids, what ``poses`` returned. Emptied when anything changes.
+        self._poses: Recent[tuple[int, ...], tuple[Floats, Floats, Floats]] = Recent(GROUPS)
 
     def __contains__(self, tag_id: int) -> bool:
         return tag_id in self._index
@@ -49,6 +53,12 @@ class Places:
 
     def poses(self, ids: Sequence[int]) -> tuple[Floats, Floats, Floats]:
         """The poses of those tags on the wall: rotations (n, 3, 3), centers (n, 3), deviations (n, 6, q)."""
+        key = tuple(ids)
+        if key not in self._poses:
+            self._poses[key] = self._poses_of(ids)
+        return self._poses[key]
+
+    def _poses_of(self, ids: Sequence[int]) -> tuple[Floats, Floats, Floats]:
         number = [self._index[tag_id] for tag_id in ids]
         # Contiguous: with strided arrays, NumPy's results may differ in the last digits.
         x, y, turn = np.ascontiguousarray(self._places[number].T)
@@ -76,6 +86,7 @@ class Places:
 
     def add(self, tag_id: int, place: Floats, size: float, exact: bool = False) -> None:
         """Add a tag at a place, (3,), that is a guess or, if ``exact``, fixed. ``size``: meters, its side."""
+        self._poses.clear()
         before = self._deviation.shape
         self._index[tag_id] = len(self._index)
         self._places = np.vstack([self._places, place])
@@ -100,6 +111,7 @@ class Places:
 
         ``own``: (q,), in units of the deviations that ``poses`` returned. ``covariance``: (q, q), of ``own``.
         """
+        self._poses.clear()
         base = self._base(ids)
         concerned = self._deviation @ base
         self._places = self._places + (concerned @ own[:-1]).reshape(-1, 3)
@@ -112,6 +124,7 @@ class Places:
 
     def forget(self, tag_id: int) -> None:
         """Forget a tag, but keep what was learned about the others."""
+        self._poses.clear()
         number = self._index.pop(tag_id)
         self._index = {other: place - (place > number) for other, place in self._index.items()}
         self._places = np.delete(self._places, number, axis=0)

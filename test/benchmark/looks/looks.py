@@ -117,11 +117,11 @@ def run_clips(clips):
                     for foreground in FOREGROUNDS]
         shares = []
         for number, frame in enumerate(frames):
-            results = [painter.paint(frame, number / rate) for painter in painters]
-            if results[0].area is not None:
-                (painted,), (kept_image,) = (result.images for result in results)
+            (sight, painted), (_, kept_image) = (painter.paint(frame, number / rate) for painter in painters)
+            area = sight.areas[0].area
+            if area is not None:
                 share, clear = kept(frame, painted, kept_image)
-                clear &= area_mask(frame, results[0].area)[..., 0] == 255
+                clear &= area_mask(frame, area)[..., 0] == 255
                 shares.append(share[clear].mean() if clear.any() else 0)
         tell('%-14s %8d %6.1f %% %6.1f %% %6.1f %%' % (
             os.path.basename(clip.path), len(shares), *(100 * np.array([

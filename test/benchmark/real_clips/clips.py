@@ -24,12 +24,16 @@ WRONG = 0.05               # times the longer side of the area: if a corner is f
 
 @dataclass(frozen=True)
 class Clip:
-    """A video, and the four tags that span the area. ``camera``: its calibration, as in the YAML file."""
+    """A video, and the four tags that span the area.
+
+    ``camera``: its calibration, as in the YAML file. ``all_ids``: of all tags in it, () if not known.
+    """
 
     path: str
     dictionary: str
     ids: tuple
     camera: Optional[dict] = None
+    all_ids: tuple = ()
 
     def frames(self):
         """A list of all frames, (h, w, 3) BGR, and the frames per second. Raises InputError."""
@@ -75,7 +79,8 @@ def clips_of(folder):
                             if os.path.isfile(place)), None)
         if path.lower().endswith(('.mp4', '.avi', '.mov', '.mkv', '.webm')) and description:
             with yaml_entries(description) as entries:
-                found.append(Clip(path, entries['dictionary'], tuple(entries['ids']), entries.get('camera')))
+                found.append(Clip(path, entries['dictionary'], tuple(entries['ids']), entries.get('camera'),
+                                  tuple(entries.get('all_ids', ()))))
     if not found:
         raise InputError('The folder "%s" has no video with a NAME.yaml that gives its dictionary and ids.'
                          % folder)

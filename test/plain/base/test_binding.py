@@ -15,6 +15,7 @@ from aruco_ar.compiled import binding
 from aruco_ar.compiled.compiler import compile_to
 from aruco_ar.painting.paint import put_in, warp
 from aruco_ar.painting.picture import Picture
+from aruco_ar.tags.quads import tag_words
 
 WIDTH, HEIGHT = 61, 47
 CORNERS = np.float32([[9, 8], [50, 5], [55, 40], [12, 36]])
@@ -59,6 +60,17 @@ def of_guess_tags():
         'frame': 255 - frame, 'quads': quads, 'others': quads + 30}
 
 
+def of_find_quads():
+    return lambda gray: binding.find_quads(gray, 7, 40), {
+        'gray': cv2.cvtColor(frame_with_tag()[0], cv2.COLOR_BGR2GRAY)}
+
+
+def of_read_tags():
+    frame, quads, _ = frame_with_tag()
+    return lambda frame, quads, words: binding.read_tags(frame, quads, words, 6, 1, 5, 12), {
+        'frame': frame, 'quads': np.concatenate([quads, quads + 20]), 'words': tag_words('DICT_6X6_250')}
+
+
 def of_draw_mask():
     return binding.draw_mask, {'frame': frame_with_tag()[0], 'corners': CORNERS, 'positions': positions()}
 
@@ -74,6 +86,68 @@ def of_warp_picture():
                   'positions': positions()}
 
 
+def of_find_sides():
+    return binding.find_sides, {'quads': np.float64([CORNERS, CORNERS + 3])}
+
+
+def of_find_convex():
+    return lambda quads: binding.find_convex(quads, 2), {'quads': np.float64([CORNERS, CORNERS[[1, 0, 2, 3]]])}
+
+
+POINTS = np.float64([[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1],
+                     [0.9, 0.9], [1.1, 0.9], [1.1, 1.1], [0.9, 1.1]])
+
+
+def of_start_motion():
+    motion = np.zeros(binding.MOTION)
+    motion[:8], motion[336:338] = CORNERS.ravel(), (30, 23)
+    return binding.start_motion, {'motion': motion, 'points': POINTS, 'deviation': np.full(8, 0.3),
+                                  'bias': np.full(8, 0.1)}
+
+
+def started():
+    """A motion, and a measurement of it: its points, pixels and their deviation."""
+    start, arrays = of_start_motion()
+    start(**arrays)
+    motion = arrays.pop('motion')
+    return {'motion': motion, 'points': POINTS, 'pixels': binding.project(motion, POINTS) + 0.2,
+            'deviation': arrays['deviation']}
+
+
+def of_predict_motion():
+    return lambda motion: binding.predict_motion(motion, 0.03, True), {'motion': started()['motion']}
+
+
+def of_jerk_motion():
+    return binding.jerk_motion, {'motion': started()['motion']}
+
+
+def of_correct_motion():
+    return lambda **arrays: binding.correct_motion(**arrays, limit=9), {**started(), 'bias': np.full(8, 0.1)}
+
+
+def of_unlikeliness():
+    return binding.unlikeliness, started()
+
+
+def of_project():
+    return binding.project, {key: array for key, array in started().items() if key in ('motion', 'points')}
+
+
+def of_mix_picture():
+    random = np.random.RandomState(3)
+    window, mask = (random.randint(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8) for _ in range(2))
+    picture = random.randint(0, 256, (HEIGHT, WIDTH, 4)).astype(np.uint8)
+    return lambda **arrays: binding.mix_picture(**arrays, opacity=0.7), {
+        'window': window, 'picture': picture, 'mask': mask}
+
+
+def of_light_picture():
+    _, arrays = of_mix_picture()
+    return lambda **arrays: binding.light_picture(**arrays, black=0.1), {
+        'picture': arrays['picture'], 'white': arrays['mask']}
+
+
 def of_refine_pose_pairs():
     points = np.float64([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]] * 2)
     turned = np.float64([cv2.Rodrigues(np.float64([0.3 * sign, 0.2, 0.1]))[0] for sign in (1, -1)])
@@ -84,6 +158,61 @@ def of_refine_pose_pairs():
         'points': points, 'rays': seen[..., :2] / seen[..., 2:],
         'weights': np.tile(1e3 * np.eye(2), (2, 4, 1, 1)),
         'rotations': np.tile(turned, (2, 1, 1, 1)), 'translations': shift + 0.01, 'spread': spread}
+
+
+def of_find_pose_pairs():
+    _, arrays = of_refine_pose_pairs()
+    return binding.find_pose_pairs, {name: arrays[name] for name in ('points', 'rays')}
+
+
+def poses(*axes, size=6):
+    """Rotations, translations and covariances with those axes in front."""
+    random = np.random.RandomState(4)
+    turns = [cv2.Rodrigues(turn)[0] for turn in random.normal(0, 1, (int(np.prod(axes)), 3))]
+    return {'rotations': np.reshape(turns, (*axes, 3, 3)), 'translations': random.normal(0, 1, (*axes, 3)),
+            'covariances': np.tile(np.diag(random.uniform(0.1, 1, size)), (*axes, 1, 1))}
+
+
+def of_weigh_poses():
+    memories = np.full((3, binding.BELIEF_SIZE), np.nan)
+    arrays = {**poses(3, 2), 'costs': np.float64([[1, 2], [3, 1], [0, 4]])}
+    binding.weigh_poses(**arrays, now=1.0, memories=memories)
+    return lambda **arrays: binding.weigh_poses(**arrays, now=1.1), {**arrays, 'memories': memories}
+
+
+def of_mix_poses():
+    others = {name: array[1:] for name, array in poses(4).items()}
+
+    def call(weights, **parts):
+        one, other = (tuple(parts[of + name] for name in others) for of in ('', 'other_'))
+        return binding.mix_poses(one, other, weights)
+    return call, {**poses(3), **{'other_' + name: array for name, array in others.items()},
+                  'weights': np.float64([0.1, 0.2, 0.5])}
+
+
+def of_place_tags():
+    wall, tags, random = poses(2, size=10), poses(3), np.random.RandomState(5)
+
+    def call(amounts, own_rotations, centers, spread, **wall):
+        return binding.place_tags(tuple(wall.values()), amounts, own_rotations, centers, spread)
+    return call, {**wall, 'amounts': random.normal(0, 1, (2, 4)), 'own_rotations': tags['rotations'],
+                  'centers': tags['translations'], 'spread': random.normal(0, 0.1, (3, 6, 4))}
+
+
+def of_off_others():
+    return lambda axes, bulge, **parts: binding.off_others(tuple(parts.values()), axes, bulge), {
+        **poses(3), 'axes': np.eye(3), 'bulge': 0.1 * np.eye(3)}
+
+
+def of_add_off():
+    random = np.random.RandomState(6)
+    return binding.add_off, {'off': random.normal(0, 1, (3, 3)), 'spread': np.tile(np.eye(3), (3, 1, 1)),
+                             'memories': np.zeros((3, binding.FLATNESS_SIZE))}
+
+
+def of_light_wall():
+    _, arrays = of_compare_wall()
+    return binding.light_wall, {'look': arrays['look'], 'whole': arrays['whole']}
 
 
 def of_compare_wall():
@@ -113,12 +242,20 @@ def of_learn_wall():
 
 
 MADE = {made.__name__[3:]: made for made in
-        (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_draw_mask,
-         of_warp_picture, of_refine_pose_pairs, of_compare_wall, of_learn_wall)}
+        (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_find_quads,
+         of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_convex, of_start_motion,
+         of_predict_motion, of_jerk_motion, of_correct_motion, of_unlikeliness, of_project,
+         of_mix_picture, of_light_picture, of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses,
+         of_mix_poses, of_place_tags, of_off_others, of_add_off, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
-CONVERTED = {'quads', 'others', 'cells', 'corners', 'to_picture', *of_refine_pose_pairs()[1]}
-WRITTEN = {('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')}
+CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'points', 'pixels', 'deviation',
+             'bias', *(argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
+                                             of_off_others, of_add_off)
+                       for argument in made()[1] if argument != 'memories')}
+WRITTEN = {('light_picture', 'picture'), ('weigh_poses', 'memories'), ('add_off', 'memories'),
+           *(('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')),
+           *((name, 'motion') for name in ('start_motion', 'predict_motion', 'jerk_motion', 'correct_motion'))}
 GRAY_TOO = {('draw_mask', 'frame'), ('warp_picture', 'mask'), *((name, 'frame') for name in OF_TAGS)}
 ARGUMENTS = [(name, argument) for name in MADE for argument in MADE[name]()[1]]
 
@@ -212,9 +349,16 @@ def test_an_array_of_another_shape_is_refused(name, argument):
         fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
                 ('warp_picture', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
                 ('warp_picture', 'mask'): other.shape == array.shape[:2],
+                ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},
                 **{(tags, 'quads'): other.shape == (0, 4, 2) for tags in OF_TAGS},
+                ('read_tags', 'quads'): other.shape[1:] == (4, 2),
+                ('read_tags', 'words'): other.shape[1:] == (4,),
+                ('find_sides', 'quads'): other.shape[1:] == (4, 2),
+                ('find_convex', 'quads'): other.shape[-2:] == (4, 2),
+                ('project', 'points'): other.shape[-1:] == (2,),
+                ('find_quads', 'gray'): other.ndim == 2 and other.size,
                 ('guess_tags', 'others'): other.shape == (0, 4, 2)}.get((name, argument))
         if fits:
             result_of(name, **{argument: other})
@@ -259,6 +403,68 @@ def test_a_cell_is_sampled_at_least_once_and_not_too_often(samples):
             call(frame, quads, cells, samples)
 
 
+@pytest.mark.parametrize('window', [1, 4, 17, 5.5])
+def test_a_window_is_an_odd_number_of_pixels(window):
+    with pytest.raises(InputError, match='cannot be %s pixels wide; give an odd number from 3 to 15' % window):
+        binding.find_quads(of_find_quads()[1]['gray'], window, 40)
+
+
+def test_an_image_that_is_searched_has_an_end():
+    with pytest.raises(InputError, match='is 40000 x 1 pixels large; give one of at most 32768 each way'):
+        binding.find_quads(np.zeros((1, 40000), np.uint8), 7, 40)
+
+
+@pytest.mark.parametrize('size', [(1, 1), (1, 300), (300, 1), (2, 3), (9, 8)])
+def test_an_image_may_be_tiny(size):
+    for gray in np.zeros(size, np.uint8), np.random.RandomState(1).randint(0, 256, size).astype(np.uint8):
+        assert len(binding.find_quads(gray, 15, 0)) <= gray.size
+
+
+def test_there_is_room_for_any_number_of_quadrilaterals():
+    """A dark square of 5 pixels in each tile of 8."""
+    gray = np.full((480, 640), 200, np.uint8)
+    gray.reshape(60, 8, 80, 8)[:, 1:6, :, 1:6] = 30
+    assert len(binding.find_quads(gray, 15, 10)) == 60 * 80 > binding.USUAL_QUADS
+
+
+@pytest.mark.parametrize('tag, words', [
+    ((0, 1, 5), 'size of a tag cannot be 0; choose a whole number from 1 to 8'), ((9, 1, 5), 'size of a tag'),
+    ((6, 0, 5), 'border of a tag cannot be 0; choose a whole number from 1 to 10'), ((6, 11, 5), 'border'),
+    ((6, 1, -1), 'number of corrected cells cannot be -1; choose a whole number from 0 to 36'),
+    ((6, 1, 37), 'number of corrected cells')])
+def test_a_tag_that_is_read_has_a_possible_size(tag, words):
+    _, arrays = of_read_tags()
+    with pytest.raises(InputError, match=words):
+        binding.read_tags(*arrays.values(), *tag, 12)
+
+
+def test_of_no_words_none_is_read():
+    frame, quads, _ = frame_with_tag()
+    assert binding.read_tags(frame, quads, np.zeros((0, 4)), 6, 1, 5, 12)[0].tolist() == [-1]
+    assert binding.read_tags(frame, quads, tag_words('DICT_6X6_250'), 6, 1, 5, 12)[0].tolist() == [3]
+    for border in range(1, 11):  # with any border
+        binding.read_tags(frame, quads, tag_words('DICT_6X6_250'), 6, border, 5, 12)
+
+
+@pytest.mark.parametrize('count', [0, 1, 5])
+def test_a_measurement_has_four_points_for_each_tag(count):
+    arrays = started()
+    arrays.update({key: array[:count] for key, array in arrays.items() if key != 'motion'})
+    with pytest.raises(InputError, match='has %d points; give four for each tag, of at least one tag' % count):
+        binding.unlikeliness(**arrays)
+
+
+def test_a_measurement_of_any_numbers_is_compared():
+    for place, deviation in (np.nan, 0.3), (1e300, 0.3), (0, 0), (0, 1e-300):
+        arrays = {**started(), 'bias': np.zeros(8)}
+        arrays['pixels'], arrays['deviation'] = np.full((8, 2), place), np.full(8, deviation)
+        binding.correct_motion(**arrays, limit=9)
+        arrays['motion'][:8] = 0  # an area without a size
+        binding.project(arrays['motion'], POINTS)
+        binding.correct_motion(**arrays, limit=9)
+        binding.predict_motion(arrays['motion'], 0.1, False)
+
+
 def test_no_tags_are_fitted():
     fitted, found, likeness = binding.fit_tags(frame_with_tag()[0], np.zeros((0, 4, 2)), np.zeros((0, 8, 8)))
     assert fitted.shape == (0, 4, 2) and found.shape == likeness.shape == (0,)
@@ -269,6 +475,7 @@ def test_a_quadrilateral_may_be_anywhere(quad):
     frame, quads, cells = frame_with_tag()
     assert not binding.fit_tags(frame, np.full_like(quads, quad), cells)[1].any()
     binding.fit_tags(frame, np.where(np.arange(8).reshape(1, 4, 2) == 3, quad, quads), cells)
+    binding.read_tags(frame, np.full_like(quads, quad), tag_words('DICT_6X6_250'), 6, 1, 5, 12)
     for name in OF_TAGS:
         result_of(name, quads=np.full_like(quads, quad))
     result_of('guess_tags', others=np.full_like(quads, quad))

@@ -1,11 +1,12 @@
 """The library in C: how it is found and compiled, and that one of another version is never used."""
 import os
+import re
 import shutil
 import subprocess
 import sys
 
 import pytest
-from aruco_ar.compiled.compiler import compile_to, flags
+from aruco_ar.compiled.compiler import HERE, compile_to, flags
 
 FIT = '''
 import cv2, numpy
@@ -22,13 +23,17 @@ OTHER = '''
 #include <stdlib.h>
 const char *unit5_version(void) { return "0123456789abcdef"; }
 const double unit5_nearest;
-const int unit5_plane_count, unit5_profile_count, unit5_block_width, unit5_block_height, unit5_levels;
+const int unit5_plane_count, unit5_profile_count, unit5_block_width, unit5_block_height, unit5_levels,
+    unit5_widest_window;
 const float unit5_profile_positions[1];
 void unit5_fit_tags(void) { abort(); }
 void unit5_draw_mask(void) { abort(); }
 void unit5_find_levels(void) { abort(); }
 void unit5_warp_picture(void) { abort(); }
+void unit5_mix_picture(void) { abort(); }
+void unit5_light_picture(void) { abort(); }
 void unit5_refine_pose_pairs(void) { abort(); }
+void unit5_light_wall(void) { abort(); }
 void unit5_compare_wall(void) { abort(); }
 void unit5_learn_wall(void) { abort(); }
 '''
@@ -134,7 +139,8 @@ def test_only_names_of_unit5_can_be_seen(tmp_path):
     shown = subprocess.run(['nm', '-D', '--defined-only', str(tmp_path / 'libunit5.so')], check=True, text=True,
                            stdout=subprocess.PIPE)
     names = {line.split()[-1] for line in shown.stdout.splitlines()}
-    assert len(names) == 18 and all(name.startswith('unit5_') for name in names)
+    with open(os.path.join(HERE, 'unit5.h')) as header:
+        assert names == set(re.findall(r'\bunit5_\w+', header.read()))
 
 
 @needs_compiler

@@ -61,6 +61,14 @@ def test_comparing_finds_what_the_same_in_numpy_finds(shape):
 
 
 @pytest.mark.parametrize('shape', SHAPES)
+def test_the_wall_in_a_light_is_rounded_and_limited(shape):
+    _, look, whole, _, _ = scene(shape)
+    look[0, 0] = -1, 300, 0.5
+    wanted = np.clip(look * whole, 0, 255)
+    assert np.abs(binding.light_wall(look, whole) - wanted).max() <= 0.5
+
+
+@pytest.mark.parametrize('shape', SHAPES)
 def test_learning_is_the_same_as_in_numpy(shape):
     seen, look, whole, variance, certain = scene(shape, 1)
     _, planes = compare(seen, look, whole, contrast_of(look, whole), variance, certain)

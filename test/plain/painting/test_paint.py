@@ -15,6 +15,7 @@ from aruco_ar import (
     overlay,
     subtract,
 )
+from aruco_ar.painting.paint import visible
 from aruco_ar.simulation.render import project
 from aruco_ar.simulation.robot import Camera
 from benchmark.course import Course
@@ -288,3 +289,14 @@ def test_fine_print_is_nearly_the_exact_mean_of_what_each_pixel_covers(corners, 
     exact = exact_mean(page, area.homography(1200, 800), inside)
     error = ((overlay(black, page, area)[inside] - exact)**2).mean()
     assert 10 * np.log10(255**2 / error) > least_db
+
+
+@pytest.mark.parametrize('channels', [3, 4])
+def test_a_mixture_is_exact_to_one_level(channels):
+    random = np.random.RandomState(0)
+    window, mask = (random.randint(0, 256, (37, 131, 3)).astype(np.uint8) for _ in range(2))
+    picture = random.randint(0, 256, (37, 131, channels)).astype(np.uint8)
+    hidden, shown = visible(window, picture, mask, 0.6)
+    cover = 0.6 * mask / 255 * (picture[..., 3:] / 255 if channels == 4 else 1)
+    assert np.abs(hidden - window * cover).max() < 1.5
+    assert np.abs(shown - picture[..., :3] * cover).max() < 1.5

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from aruco_ar import Detector, InputError, Lens, PoseEstimator, Tag
 from aruco_ar.geometry.plane_pose import rotation_matrices, rotation_vector
-from aruco_ar.poses.belief import Belief
+from aruco_ar.poses.belief import Belief, mixture
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from benchmark.simulated.poses import ALONE, FLIP, Others, past
@@ -188,6 +188,34 @@ def test_frames_with_the_same_stamp_are_accepted(random):
         tags = [tag_at(tag.id, true_pose(tag, *view), random) for tag in TAGS_WALL.tags]
         estimator.update(tags, PINHOLE, 7.0)
     assert set(estimator.camera().ids) == set(AREA)
+
+
+@pytest.mark.parametrize('noise', [0, 1e-6, 0.0005, 0.05])
+def test_a_tag_right_in_front_has_its_pose(noise, random):
+    # OpenCV's solvePnPGeneric gives wrong poses for some of these corners.
+    for number in range(1000):
+        side = random.uniform(10, 90)
+        corners = random.uniform(50, 500, 2) + side * np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+        pose, = PoseEstimator(SIDE).update([Tag(1, corners + random.normal(0, noise, (4, 2)))], PINHOLE, number)
+        assert pose.translation[2] == pytest.approx(SIDE * PINHOLE.matrix[0, 0] / side, rel=0.5 * noise + 1e-3)
+
+
+@pytest.mark.parametrize('angle', [0.3, 3.1])
+def test_a_covariance_allows_for_the_other_pose(angle):
+    leap = np.float64([0.1, -0.2, 0.3, *(angle * np.float64([2, -1, 2]) / 3)])
+    one = np.eye(3)[None], np.float64([[0, 0, 1]]), 0.01 * np.eye(6)[None]
+    other = rotation_matrices(leap[None, 3:]), one[1] + leap[:3], 0.02 * np.eye(6)[None]
+    covariance, weight = mixture(one, other, np.array([0.25]))
+    assert weight == 0.25
+    assert np.allclose(covariance[0], 0.0125 * np.eye(6) + 0.25 * np.outer(leap, leap))
+
+
+def test_two_poses_that_cannot_be_told_apart_are_one():
+    one = np.eye(3)[None], np.float64([[0, 0, 1]]), 0.01 * np.eye(6)[None]
+    other = rotation_matrices(np.float64([[0.03, 0, 0]])), one[1], 0.02 * np.eye(6)[None]
+    covariance, weight = mixture(one, other, np.array([0.5]))
+    assert weight == 0
+    assert np.array_equal(covariance, one[2])
 
 
 @pytest.mark.parametrize('value', [0, 0.0009, 10.1, -1, np.nan, np.inf, 'big', None])

@@ -35,6 +35,18 @@ def test_a_tag_is_fitted_to_a_fraction_of_a_pixel(shade, off):
     np.testing.assert_allclose(quads[0], CORNERS, atol=0.1 if shade else 0.05)
 
 
+@pytest.mark.parametrize('quad', [CORNERS, 0.25 * CORNERS + 30], ids=['near', 'far'])
+@pytest.mark.parametrize('cells', [(2, 0), (-1.9, 1.3), (0.3, -2), (1.8, 1.8)])
+def test_a_tag_that_is_off_by_up_to_two_cells_is_fitted_where_it_looks_like_itself(quad, cells):
+    detector, frame = Detector(), paint(quad)
+    off = quad + np.linalg.norm(quad[1] - quad[0]) / 8 * np.float32(cells)
+    assert not detector.find_at(frame, [7], off[None])
+    tag, = detector.find_shifted(frame, [7], off[None])
+    np.testing.assert_allclose(tag.corners, quad, atol=0.1)
+    assert not Detector(likeness=1).find_shifted(frame, [7], off[None])
+    assert not detector.find_shifted(frame, [8], off[None])
+
+
 def test_a_tag_seen_from_the_side_is_as_accurate():
     # It is three times as high as wide, and so are its cells and the margin.
     narrow = np.float32([[101.3, 70.7], [141.9, 83.2], [139.4, 190.8], [98.1, 207.5]])

@@ -4,7 +4,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from aruco_ar import InputError, Tracker
+from aruco_ar import Detector, InputError, Tracker
 from aruco_ar.simulation.robot import Path, Pose
 from aruco_ar.walls.wall import Poster
 from rig.accuracy.areas import USUAL, assert_never_wrong, follow, later, rms
@@ -29,6 +29,50 @@ def test_a_sudden_start_is_followed_at_once():
     path = Path(Pose(-2.2, 0.1, -0.05), ((1, 0, 0), (1, 0.3, 0.5)))
     errors = follow(Tracker(), drive(path, 45, **USUAL))
     assert errors[28:].max() < 0.7
+
+
+@pytest.fixture
+def searched(monkeypatch):
+    """The sizes of what is searched for tags of which nothing is known."""
+    sizes, search = [], Detector.search
+    monkeypatch.setattr(Detector, 'search', lambda self, frame, *args: sizes.append(frame.shape[:2])
+                        or search(self, frame, *args))
+    return sizes
+
+
+def test_a_camera_that_is_jerked_in_each_frame_is_followed_without_searches(searched):
+    tracker, random, (frame,) = Tracker(), np.random.RandomState(3), drive(STILL, 1, **USUAL)
+    for number in range(13):  # within the time after which the whole frame is searched
+        jerk = np.float32(random.uniform(-3, 3, 2) if number else (0, 0))
+        image = cv2.warpAffine(frame.image, np.float64([[1, 0, jerk[0]], [0, 1, jerk[1]]]), (640, 480),
+                               borderMode=cv2.BORDER_REPLICATE)
+        corners = tracker.update(image, number / 30).corners
+        assert len(tracker.tags) == 4
+        np.testing.assert_allclose(corners, frame.corners + jerk, atol=0.7)
+    assert not searched
+
+
+def test_searches_of_the_whole_frame_get_rare_while_there_is_nothing_to_learn(searched):
+    tracker, (frame,), (covered,) = Tracker(), drive(STILL, 1), drive(STILL, 1, lambda number: [2])
+    for number in range(100):
+        tracker.update(frame.image, number / 10)
+    assert 10 < len(searched) < 17 and set(searched) == {(480, 640)}
+    searched.clear()
+    tracker.update(covered.image, 10)
+    assert (480, 640) in searched  # the tag that was lost may have been moved
+
+
+@pytest.mark.parametrize('calm_s', [1, 12])
+def test_a_new_tag_locates_the_area_soon_after_it_was_hung(calm_s):
+    more = replace(WALL, tags=(*WALL.tags, replace(WALL.tags[0], id=90, x=0.0, y=WALL.tags[0].y)))
+    tracker, (before,), (after,) = Tracker(ids=WALL.area), drive(STILL, 1), drive(STILL, 1, wall=more)
+    (alone,) = drive(STILL, 1, lambda number: WALL.area, wall=more)
+    for number in range(10 * calm_s + 45):
+        tracker.update((before if number < 10 * calm_s else after).image, number / 10)
+    for number in range(40):
+        area = tracker.update(alone.image, calm_s + 4.5 + number / 10)
+    assert area is not None and tracker.located
+    assert np.abs(area.corners - alone.corners).max() < 5
 
 
 @pytest.mark.long

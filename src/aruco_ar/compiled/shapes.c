@@ -1,0 +1,30 @@
+/* Sizes and shapes of quadrilaterals, which are asked for several times in each frame. */
+#include "unit5.h"
+
+void unit5_find_sides(int64_t count, const double *quads, double *sides)
+{
+    for (int64_t number = 0; number < count; number++) {
+        const double *quad = quads + 8 * number;
+        sides[number] = 0;
+        for (int corner = 0; corner < 4; corner++) {
+            const double *at = quad + 2 * corner, *next = quad + 2 * ((corner + 1) % 4);
+            sides[number] += hypot(next[0] - at[0], next[1] - at[1]) / 4;
+        }
+    }
+}
+
+void unit5_find_convex(int64_t count, const double *quads, double least, uint8_t *convex)
+{
+    for (int64_t number = 0; number < count; number++) {
+        int left = 1, right = 1;
+        for (int corner = 0; corner < 4; corner++) {
+            const double *quad = quads + 8 * number, *at = quad + 2 * corner;
+            const double *before = quad + 2 * ((corner + 3) % 4), *after = quad + 2 * ((corner + 1) % 4);
+            double x = after[0] - before[0], y = after[1] - before[1];
+            double height = (x * (at[1] - before[1]) - y * (at[0] - before[0])) / fmax(hypot(x, y), 1e-9);
+            left &= height < -least;
+            right &= height > least;
+        }
+        convex[number] = left || right;
+    }
+}

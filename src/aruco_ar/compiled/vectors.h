@@ -1,0 +1,13 @@
+/* For loops that compilers can vectorize. */
+#pragma once
+
+/* A function is made twice: for every processor, and for those whose vectors have 32 bytes. Which one is called is
+   found out when the library is loaded. */
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__)
+#define FAST __attribute__((target_clones("avx2", "default")))
+#else
+#define FAST
+#endif
+
+/* A function that becomes a part of those that call it, so that it is as fast as they are. */
+#define INLINE static inline __attribute__((always_inline))

@@ -1,0 +1,1 @@
+"""Counting instructions, which shows a change of cost that a busy machine would hide."""
