@@ -27,7 +27,7 @@ PURPLE = (255, 0, 150)  # the color that the course uses
 SHIFT = 4
 
 AXIS_SIDES = 0.75    # the length of a drawn axis, in sides of the tag
-ID_ABOVE_PX = 22     # the id is written this far above the tag
+ID_AWAY_PX = 22      # the middle of an id is this far from its tag
 MAX_DRAWN_PX = 1e5   # OpenCV is not given positions beyond this
 
 
@@ -48,7 +48,8 @@ def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens
                area: Area | None = None) -> Image:
     """Outline every tag, draw the axes of every TagPose, and write every id above its tag.
 
-    The x axis is red, y green, z blue. ``lens``: the Lens of the frame, which
+    The x axis is red, y green, z blue. The id of a tag at the top of the frame
+    is below it, where it hides no axis. ``lens``: the Lens of the frame, which
     may be None if there are no poses. ``area``: an Area to outline too, or None.
     """
     image = _outlined(frame, tags)
@@ -58,8 +59,14 @@ def mark_poses(frame: Image, tags: Sequence[Tag], poses: Iterable[TagPose], lens
         if lens is not None:
             _draw_axes(image, pose, lens)
     for tag in tags:
-        write_text(image, str(tag.id), (tag.center[0], tag.corners[:, 1].min() - ID_ABOVE_PX))
+        _write_id(image, tag)
     return image
+
+
+def _write_id(image: Image, tag: Tag) -> None:
+    top, bottom = tag.corners[:, 1].min(), tag.corners[:, 1].max()
+    has_room = top > 1.5 * ID_AWAY_PX
+    write_text(image, str(tag.id), (tag.center[0], top - ID_AWAY_PX if has_room else bottom + ID_AWAY_PX))
 
 
 def _draw_axes(image: Image, pose: TagPose, lens: Lens) -> None:
