@@ -47,7 +47,11 @@ class _Array:
 
     @staticmethod
     def from_param(array: Any) -> Any:
-        return None if array is None else ctypes.c_void_p(array.ctypes.data)
+        if array is None:
+            return None
+        if array.flags.writeable and array.flags.c_contiguous and array.size:
+            return ctypes.byref(ctypes.c_char.from_buffer(array))  # in a third of the time
+        return ctypes.c_void_p(array.ctypes.data)
 
 
 def _function(name: str, *arguments: Any, result: Any = None) -> Any:
@@ -68,6 +72,7 @@ _find_quads = _function('find_quads', _IMAGE, _INT, _FLOAT, _LONG, _Array, resul
 _read_tags = _function('read_tags', _IMAGE, _INT, _Array, _INT, _INT, _INT, _Array, _INT, _FLOAT, _Array,
                        result=_INT)
 _find_sides = _function('find_sides', _LONG, _Array, _Array)
+_find_room = _function('find_room', _LONG, _Array, _INT, _INT, _Array)
 _find_convex = _function('find_convex', _LONG, _Array, _DOUBLE, _Array)
 _draw_mask = _function('draw_mask', _IMAGE, _Array, _Array, _LONG)
 _find_levels = _function('find_levels', _IMAGE, _INT, _INT, _Array, _Array, _LONG, _Array)
@@ -76,6 +81,7 @@ _start_motion = _function('start_motion', _Array, _LONG, *[_Array] * 3)
 _predict_motion = _function('predict_motion', _Array, _DOUBLE, _INT)
 _jerk_motion = _function('jerk_motion', _Array)
 _correct_motion = _function('correct_motion', _Array, _LONG, *[_Array] * 4, _DOUBLE, result=_INT)
+_find_deviation = _function('find_deviation', _Array, _Array)
 _unlikeliness = _function('unlikeliness', _Array, _LONG, *[_Array] * 3, result=_DOUBLE)
 _project = _function('project', _Array, _LONG, *[_Array] * 2)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
@@ -189,11 +195,18 @@ def read_tags(frame: Image, quads: Numbers, words: Numbers, size: int, border: i
 
 def find_sides(quads: Numbers) -> Floats:
     """See side_of in tags/edges.py."""
-    quads = _numbers(quads, np.float64)
-    check_array('quadrilaterals', quads, np.float64, (len(quads) if quads.ndim else 0, 4, 2))
+    quads = _quads('quadrilaterals', quads, np.float64)
     sides = np.empty(len(quads))
     _find_sides(len(quads), quads, sides)
     return sides
+
+
+def find_room(quads: Numbers, width: int, height: int) -> Floats:
+    """See room_of in tags/edges.py. ``width``, ``height``: of the frame."""
+    quads = _quads('quadrilaterals', quads, np.float64)
+    room = np.empty(len(quads))
+    _find_room(len(quads), quads, width, height, room)
+    return room
 
 
 def find_convex(quads: Numbers, least: float) -> Booleans:
@@ -269,6 +282,13 @@ def correct_motion(motion: Floats, points: Numbers, pixels: Numbers, deviation: 
     """See AreaMotion.correct in tracking/motion.py; changes ``motion``."""
     points, pixels, deviation, bias = _measurement(points, pixels, deviation, bias)
     return bool(_correct_motion(_motion(motion), len(points), points, pixels, deviation, bias, limit))
+
+
+def find_deviation(motion: Floats) -> Floats:
+    """See AreaMotion.deviation in tracking/motion.py."""
+    deviation = np.empty(4)
+    _find_deviation(_known_motion(motion), deviation)
+    return deviation
 
 
 def unlikeliness(motion: Floats, points: Numbers, pixels: Numbers, deviation: Numbers) -> float:
@@ -534,10 +554,10 @@ def _check_count(cells: int) -> None:
         raise InputError('A tag cannot be %s cells wide; choose from 1 to %d.' % (cells, MAX_CELLS))
 
 
-def _quads(name: str, quads: Any) -> Any:
+def _quads(name: str, quads: Any, dtype: Any = np.float32) -> Any:
     """Quadrilaterals, (n, 4, 2), checked."""
-    quads = _numbers(quads, np.float32)
-    check_array(name, quads, np.float32, (len(quads) if quads.ndim else 0, 4, 2))
+    quads = _numbers(quads, dtype)
+    check_array(name, quads, dtype, (len(quads) if quads.ndim else 0, 4, 2))
     return quads
 
 

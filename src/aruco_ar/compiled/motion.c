@@ -306,6 +306,19 @@ void unit5_project(const Motion *motion, int64_t count, const double *points, do
         map(to, points + 2 * point, pixels + 2 * point);
 }
 
+void unit5_find_deviation(const Motion *motion, double deviation[4])
+{
+    for (int corner = 0; corner < 4; corner++) {
+        double variance = 0;
+        for (int i = 2 * corner; i < 2 * corner + 2; i++) {
+            variance += motion->covariance[i][i];
+            for (int k = 0; k < 8; k++)
+                variance += motion->biased[i][k] * motion->biased[i][k];
+        }
+        deviation[corner] = sqrt(fmax(variance, 0));
+    }
+}
+
 double unit5_unlikeliness(const Motion *motion, int64_t count, const double *points, const double *pixels,
                           const double *deviation)
 {

@@ -13,6 +13,18 @@ void unit5_find_sides(int64_t count, const double *quads, double *sides)
     }
 }
 
+void unit5_find_room(int64_t count, const double *quads, int width, int height, double *room)
+{
+    for (int64_t number = 0; number < count; number++) {
+        room[number] = INFINITY;
+        for (int corner = 0; corner < 4; corner++) {
+            double x = quads[8 * number + 2 * corner], y = quads[8 * number + 2 * corner + 1];
+            double least = fmin(fmin(x, width - 1 - x), fmin(y, height - 1 - y));
+            room[number] = fmin(room[number], isfinite(x) && isfinite(y) ? least : -INFINITY);
+        }
+    }
+}
+
 void unit5_find_convex(int64_t count, const double *quads, double least, uint8_t *convex)
 {
     for (int64_t number = 0; number < count; number++) {

@@ -57,6 +57,9 @@ int unit5_read_tags(const Image *frame, int count, Point *quads, int cells, int 
 /* ``sides``: (count), written, the mean side of each. */
 void unit5_find_sides(int64_t count, const double *quads, double *sides);
 
+/* ``room``: (count), written, how far each is within a frame of that size, pixels; negative if a corner is outside. */
+void unit5_find_room(int64_t count, const double *quads, int width, int height, double *room);
+
 /* ``convex``: (count), written, whether all corners are more than ``least`` away from the line through their two
    neighbors, on the same side. */
 void unit5_find_convex(int64_t count, const double *quads, double least, uint8_t *convex);
@@ -106,6 +109,9 @@ void unit5_jerk_motion(Motion *motion);
 /* Returns 0, and changes nothing, if the measurement is more unlikely than the limit. */
 int unit5_correct_motion(Motion *motion, int64_t count, const double *points, const double *pixels,
                          const double *deviation, const double *bias, double limit);
+
+/* ``deviation``: (4), written. */
+void unit5_find_deviation(const Motion *motion, double deviation[4]);
 
 double unit5_unlikeliness(const Motion *motion, int64_t count, const double *points, const double *pixels,
                           const double *deviation);

@@ -11,7 +11,7 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import MARGIN, UNEVEN, check_tags, compare_tags, fit_tags, guess_tags, sample_cells, side_of
+from .edges import MARGIN, UNEVEN, check_tags, compare_tags, fit_tags, guess_tags, room_of, sample_cells, side_of
 from .quads import UNREAD, find_quads, read_tags, tag_words
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 
@@ -260,9 +260,7 @@ class Detector:
         is_large = needs_edges | (side_of(quads) > SMALL_PX)
         quads = np.where(is_large[:, None, None], np.round(quads), quads).astype(np.float32)
         fitted, found, likeness, whole, cells = check_tags(frame, quads, self._cells_of(ids))
-        far = np.array(frame.shape[1::-1], np.float32) - 1
-        room = np.minimum(fitted, far - fitted).reshape(-1, 8).min(axis=1)  # as far is the frame's rim
-        sides = side_of(fitted)
+        room, sides = room_of(fitted, frame), side_of(fitted)
         least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
         is_in_place = found if needs_edges else found | (room >= 1)
         good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > self._likeness)

@@ -59,6 +59,11 @@ def side_of(quads: Floats) -> Floats:
     return binding.find_sides(quads)
 
 
+def room_of(quads: Floats, frame: Image) -> Floats:
+    """(n,) float64, pixels: how far quadrilaterals, (n, 4, 2), are within a frame; negative if they reach out."""
+    return binding.find_room(quads, *frame.shape[1::-1])
+
+
 def sample_cells(frame: Image, quads: Floats, count: int, margin: int = 0) -> Floats:
     """The gray in the middle of each cell of quadrilaterals: (n, k) float32, row by row.
 

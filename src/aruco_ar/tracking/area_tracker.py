@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import dist
 from typing import Iterable, Mapping, Sequence
 
 import numpy as np
@@ -194,12 +195,11 @@ class AreaTracker:
         self._lost: frozenset[int] = frozenset()  # those of the four that were not found in the last frame
         self._further, self._new_layout = FurtherTags(), NewLayout()
         self._calm = 1            # see CALM
-        # The last times of five events: the whole frame was searched, the places of tags were learned, tags or
-        # texture located the area, tags located it, and it was located well enough.
-        self._searched_at = self._learned_at = -np.inf
-        self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
+        # The last times of four events: the whole frame was searched, tags or texture located the area, tags
+        # located it, and it was located well enough.
+        self._searched_at = self._located_at = self._tags_agreed_at = self._certain_at = -np.inf
         if self._layout is not None:
-            self._searched_at = self._learned_at = self._clock.now
+            self._searched_at = self._clock.now
             self._take_in(self._layout, self._seen)
 
     def _counts(self, tag_id: int) -> bool:
@@ -247,9 +247,7 @@ class AreaTracker:
         if self._displaced:
             if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
                 self._start(tags)
-        elif self._motion is not None and len(agreed) >= 3 and (
-                has_searched or self._clock.now - self._learned_at >= SEARCH_S):
-            self._learned_at = self._clock.now
+        elif self._motion is not None and len(agreed) >= 3 and has_searched:
             self._further.learn(layout, self._motion, seen, agreed)
 
     def _note_displaced(self, layout: Layout, ids: set[int]) -> None:
@@ -339,8 +337,9 @@ class AreaTracker:
         if not is_quadrilateral(corners):  # seen from behind, or along the wall
             self._motion = None
             return None
-        longer = np.hypot(*(corners - corners[[1, 2, 3, 0]]).T).max()
-        deviation = self._motion.deviation.max()
+        points = corners.tolist()
+        longer = max(map(dist, points, points[1:] + points[:1]))
+        deviation = max(self._motion.deviation.tolist())
         if self._located_at == self._clock.now and deviation < MAX_DEVIATION * longer:
             self._certain_at = self._clock.now
         held = self._clock.now - self._certain_at

@@ -20,8 +20,7 @@ from aruco_ar.base.arrays import Floats
 from aruco_ar.compiled import binding
 
 # Where the parts are in the array that is the state: those of the structure Motion in unit5.h.
-PLACE, SPEED, COVARIANCE, BIASED, MIDDLE = (
-    slice(0, 8), slice(8, 16), slice(16, 272), slice(272, 336), slice(336, 338))
+PLACE, SPEED, MIDDLE = slice(0, 8), slice(8, 16), slice(336, 338)
 
 
 class AreaMotion:
@@ -52,10 +51,7 @@ class AreaMotion:
         biases, which do not. Biases are large at a corner that is known only
         from a small tag far away.
         """
-        noise = self._state[COVARIANCE][:8 * 17:17]  # the first half of the diagonal
-        biased = self._state[BIASED].reshape(4, 2 * 8)
-        bias = np.einsum('ij,ij->i', biased, biased)
-        return np.asarray(np.sqrt(np.maximum(noise[::2] + noise[1::2] + bias, 0)))
+        return binding.find_deviation(self._state)
 
     @property
     def speed(self) -> float:

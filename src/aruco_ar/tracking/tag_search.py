@@ -6,11 +6,11 @@ from typing import Any, Callable, Mapping, Sequence
 
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners, undistort_corners
 from aruco_ar.tags.detector import Detector
-from aruco_ar.tags.edges import side_of
+from aruco_ar.tags.edges import room_of, side_of
 from aruco_ar.tags.tag import Tag
 
 from .layout import Layout
@@ -87,22 +87,21 @@ class FrameSearch:
         """
         if not places:
             return {}, []
-        expected = self._expected_in_frame(places)
-        four = [tag_id for tag_id in layout.ids if tag_id in expected]
-        seen = self._fit(four, expected)
+        seen = self._fit(layout.ids, places)
         missing = [tag_id for tag_id in layout.ids if tag_id not in seen]
-        others = [tag_id for tag_id in expected if tag_id not in layout.ids]
-        if missing and others:  # the tags nearest to a missing one show most about that corner of the area
-            gaps, places = layout.quads(missing).mean(axis=1), layout.quads(others).mean(axis=1)
-            distance = np.linalg.norm(places[:, None] - gaps, axis=2).min(axis=1)
+        if missing and len(places) > len(layout.ids):
+            others = self._in_frame([tag_id for tag_id in places if tag_id not in layout.ids], places)
+            # The tags nearest to a missing one show most about that corner of the area.
+            gaps, middles = layout.quads(missing).mean(axis=1), layout.quads(others).reshape(-1, 4, 2).mean(axis=1)
+            distance = np.linalg.norm(middles[:, None] - gaps, axis=2).min(axis=1)
             nearest = np.argsort(distance)[:MAX_SUBSTITUTES]
-            seen.update(self._fit([others[number] for number in nearest], expected))
-        return seen, [tag_id for tag_id in four if tag_id not in seen]
+            seen.update(self._fit([others[number] for number in nearest], places))
+        return seen, self._in_frame(missing, places)
 
     def find_near(self, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags found near their expected places, {id: (4, 2) pixels}."""
-        if self._tags is not None:
-            return [tag for tag in self._tags if tag.id in expected]
+        if self._tags is not None or not expected:
+            return [tag for tag in self._tags or () if tag.id in expected]
         missing = [tag_id for tag_id in expected if tag_id not in self._near]
         quads = self._distorted([expected[tag_id] for tag_id in missing])
         self._near.update((tag.id, [tag]) for tag in self._detector.find_shifted(self.frame, missing, quads))
@@ -131,22 +130,26 @@ class FrameSearch:
         """The side of the smallest tag that is expected, (4, 2) pixels each; ANY_SIDE if none is."""
         return float(side_of(self._distorted(expected)).min()) if len(expected) else ANY_SIDE
 
-    def _fit(self, ids: Sequence[int], expected: Mapping[int, Floats]) -> dict[int, Tag]:
-        """{id: Tag} of the tags that are where ``expected``, {id: (4, 2) pixels}, says."""
+    def _fit(self, ids: Sequence[int], places: Mapping[int, Floats]) -> dict[int, Tag]:
+        """{id: Tag} of those of the tags that are where ``places`` says."""
         if not ids:
             return {}
         quads, found, likeness = self._detector.fit(self.frame, ids,
-                                                    np.array([expected[tag_id] for tag_id in ids]))
-        found &= (likeness > EXPECTED_LIKENESS) & _within(quads, self.frame, 0)
-        tags = undistorted_tags([Tag(ids[number], quads[number], float(likeness[number]))
-                                 for number in np.flatnonzero(found)], self.lens)
+                                                    self._distorted([places[tag_id] for tag_id in ids]))
+        each = zip(ids, quads, *(one.tolist() for one in (
+            likeness, found, room_of(quads, self.frame), side_of(quads))))
+        tags = undistorted_tags([Tag(tag_id, quad, like) for tag_id, quad, like, is_found, room, side in each
+                                 if is_found and like > EXPECTED_LIKENESS and room >= 0 and side > MIN_SIDE_PX],
+                                self.lens)
         return {tag.id: tag for tag in tags}
 
-    def _expected_in_frame(self, places: Mapping[int, Floats]) -> dict[int, Floats]:
-        """{id: (4, 2) pixels}: where the known tags should be in the frame, without those too small to find."""
-        ids, quads = list(places), self._distorted(list(places.values()))
-        inside = _within(quads, self.frame, EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
-        return {ids[number]: quads[number] for number in np.flatnonzero(inside)}
+    def _in_frame(self, ids: Sequence[int], places: Mapping[int, Floats]) -> list[int]:
+        """The ids of those of the tags that should be in the frame, and are not too small to be found."""
+        if not ids:
+            return []
+        quads = self._distorted([places[tag_id] for tag_id in ids])
+        inside = (room_of(quads, self.frame) >= -EXPECTED_OUTSIDE_PX) & (side_of(quads) > MIN_SIDE_PX)
+        return [ids[number] for number in np.flatnonzero(inside)]
 
     def _distorted(self, quads: Sequence[Floats] | Floats) -> Floats:
         """(n, 4, 2): undistorted corners of tags, (n, 4, 2), in pixels of the frame."""
@@ -168,12 +171,6 @@ def undistorted_tags(tags: Sequence[Tag], lens: Lens | None) -> list[Tag]:
     quads = undistort_corners(lens, [tag.corners for tag in tags])
     return [replace(tag, corners=np.asarray(quad, np.float32)) for tag, quad in zip(tags, quads)
             if np.isfinite(quad).all()]
-
-
-def _within(quads: Floats, frame: Image, px: float) -> Booleans:
-    """(n,): which quadrilaterals, (n, 4, 2), are in the frame, or at most this many pixels out of it."""
-    room = np.minimum(quads, np.array(frame.shape[1::-1]) - 1 - quads).reshape(-1, 8).min(axis=1)
-    return np.asarray(room >= -px)
 
 
 def expected_places(layout: Layout, motion: AreaMotion | None) -> dict[int, Floats]:
