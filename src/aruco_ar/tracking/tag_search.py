@@ -9,7 +9,7 @@ import numpy as np
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tags.corner_rays import found_corners, undistort_corners
-from aruco_ar.tags.detector import Detector
+from aruco_ar.tags.detector import SEARCH_SIDE_PX, Detector
 from aruco_ar.tags.edges import room_of, side_of
 from aruco_ar.tags.tag import Tag
 
@@ -54,6 +54,16 @@ class TagSearch:
             known = {tag.id for tag in tags}
             tags += [tag for tag in self.detector.detect(frame) if tag.id not in known]
         return tags
+
+
+    def find_large(self, frame: Image, side: float) -> list[Tag]:
+        """The tags in a frame with sides of at least ``side`` pixels.
+
+        Only every other search enlarges a frame in which tags are small. This takes twice as long, and finds few
+        more.
+        """
+        self._searches += 1
+        return self.detector.search(frame, side if self._searches % 2 else max(side, SEARCH_SIDE_PX))
 
 
 class FrameSearch:
@@ -123,7 +133,7 @@ class FrameSearch:
         if self._tags is not None:
             return self._tags
         tags = self._search.find_all(self.frame, lambda some: is_enough(undistorted_tags(some, self.lens))) \
-            if smallest == ANY_SIDE else self._detector.search(self.frame, max(smallest, MIN_SIDE_PX))
+            if smallest == ANY_SIDE else self._search.find_large(self.frame, max(smallest, MIN_SIDE_PX))
         return undistorted_tags(tags, self.lens)
 
     def smallest_side(self, expected: Sequence[Floats]) -> float:
