@@ -11,7 +11,17 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
-from .edges import MARGIN, UNEVEN, check_tags, compare_tags, fit_tags, guess_tags, room_of, sample_cells, side_of
+from .edges import (
+    MARGIN,
+    UNEVEN,
+    check_tags,
+    compare_tags,
+    fit_tags,
+    guess_tags,
+    room_of,
+    sample_cells,
+    side_of,
+)
 from .quads import UNREAD, find_quads, read_tags, tag_words
 from .tag import MAX_BORDER_CELLS, Tag, get_dictionary, tag_cells
 

@@ -60,7 +60,7 @@ def side_of(quads: Floats) -> Floats:
 
 
 def room_of(quads: Floats, frame: Image) -> Floats:
-    """(n,) float64, pixels: how far quadrilaterals, (n, 4, 2), are within a frame; negative if they reach out."""
+    """(n,) float64, pixels: how far quadrilaterals, (n, 4, 2), are within a frame; negative outside of it."""
     return binding.find_room(quads, *frame.shape[1::-1])
 
 

@@ -55,12 +55,11 @@ class TagSearch:
             tags += [tag for tag in self.detector.detect(frame) if tag.id not in known]
         return tags
 
-
     def find_large(self, frame: Image, side: float) -> list[Tag]:
         """The tags in a frame with sides of at least ``side`` pixels.
 
-        Only every other search enlarges a frame in which tags are small. This takes twice as long, and finds few
-        more.
+        Only every other search enlarges a frame in which tags are small: it takes twice as long, and finds a
+        few more.
         """
         self._searches += 1
         return self.detector.search(frame, side if self._searches % 2 else max(side, SEARCH_SIDE_PX))
@@ -102,7 +101,7 @@ class FrameSearch:
         if missing and len(places) > len(layout.ids):
             others = self._in_frame([tag_id for tag_id in places if tag_id not in layout.ids], places)
             # The tags nearest to a missing one show most about that corner of the area.
-            gaps, middles = layout.quads(missing).mean(axis=1), layout.quads(others).reshape(-1, 4, 2).mean(axis=1)
+            gaps, middles = (layout.quads(ids).reshape(-1, 4, 2).mean(axis=1) for ids in (missing, others))
             distance = np.linalg.norm(middles[:, None] - gaps, axis=2).min(axis=1)
             nearest = np.argsort(distance)[:MAX_SUBSTITUTES]
             seen.update(self._fit([others[number] for number in nearest], places))

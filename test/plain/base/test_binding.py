@@ -90,6 +90,10 @@ def of_find_sides():
     return binding.find_sides, {'quads': np.float64([CORNERS, CORNERS + 3])}
 
 
+def of_find_room():
+    return lambda quads: binding.find_room(quads, 640, 480), {'quads': np.float64([CORNERS, CORNERS + 3])}
+
+
 def of_find_convex():
     return lambda quads: binding.find_convex(quads, 2), {'quads': np.float64([CORNERS, CORNERS[[1, 0, 2, 3]]])}
 
@@ -128,6 +132,10 @@ def of_correct_motion():
 
 def of_unlikeliness():
     return binding.unlikeliness, started()
+
+
+def of_find_deviation():
+    return binding.find_deviation, {'motion': started()['motion']}
 
 
 def of_project():
@@ -243,10 +251,11 @@ def of_learn_wall():
 
 MADE = {made.__name__[3:]: made for made in
         (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_find_quads,
-         of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_convex, of_start_motion,
-         of_predict_motion, of_jerk_motion, of_correct_motion, of_unlikeliness, of_project,
-         of_mix_picture, of_light_picture, of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses,
-         of_mix_poses, of_place_tags, of_off_others, of_add_off, of_light_wall, of_compare_wall, of_learn_wall)}
+         of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_convex,
+         of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
+         of_unlikeliness, of_project, of_mix_picture, of_light_picture, of_find_pose_pairs,
+         of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
+         of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'points', 'pixels', 'deviation',
@@ -356,6 +365,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('read_tags', 'quads'): other.shape[1:] == (4, 2),
                 ('read_tags', 'words'): other.shape[1:] == (4,),
                 ('find_sides', 'quads'): other.shape[1:] == (4, 2),
+                ('find_room', 'quads'): other.shape[1:] == (4, 2),
                 ('find_convex', 'quads'): other.shape[-2:] == (4, 2),
                 ('project', 'points'): other.shape[-1:] == (2,),
                 ('find_quads', 'gray'): other.ndim == 2 and other.size,

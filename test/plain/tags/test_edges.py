@@ -3,7 +3,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Detector, draw_tag
-from aruco_ar.tags.edges import fit_tags
+from aruco_ar.tags.edges import fit_tags, room_of
 from aruco_ar.tags.tag import tag_cells
 
 CORNERS = np.float32([[101.3, 80.7], [222.9, 90.2], [215.4, 205.8], [96.1, 199.5]])
@@ -100,3 +100,10 @@ def test_a_half_covered_tag_is_not_found():
 def test_nothing_is_found_without_a_tag(random):
     for frame in (np.full((280, 320), 127, np.uint8), random.randint(0, 256, (280, 320)).astype(np.uint8)):
         assert not fit_tags(frame, [CORNERS, CORNERS - 300], CELLS[[0, 0]])[1].any()
+
+
+def test_room_is_how_far_all_corners_are_within_the_frame():
+    frame = np.zeros((100, 200), np.uint8)
+    quad = np.array([[20.0, 30], [60, 30], [60, 70], [20, 70]])
+    moved = [quad, quad - [25, 0], quad + [0, 29], quad + [145, 0], quad * np.nan]
+    assert room_of(np.array(moved), frame).tolist() == [20, -5, 0, -6, -np.inf]
