@@ -35,8 +35,9 @@ def fit_picture(picture: Image | Picture, area: Area, fit: str) -> tuple[Floats,
 
 def _middle(width: int, height: int, across: float = 1, down: float = 1) -> Floats:
     """(4, 2) float32: the corners of the middle of a rectangle, ``across`` and ``down`` of its sides large."""
-    corners = 0.5 + 0.5 * np.array([[-across, -down], [across, -down], [across, down], [-across, down]])
-    return np.asarray(corners * (width, height), np.float32)
+    left, top = (0.5 - 0.5 * across) * width, (0.5 - 0.5 * down) * height
+    right, bottom = width - left, height - top
+    return np.array([[left, top], [right, top], [right, bottom], [left, bottom]], np.float32)
 
 
 def _ratio_in_frame(area: Area) -> float:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
+from math import ceil
 from typing import Sequence
 
 import cv2
@@ -76,12 +77,12 @@ class Area:
         touched = self.corners
         if self.positions is not None:
             touched = np.concatenate([touched, self._grid_inside(self.positions)])
-        low = np.maximum(np.floor(touched.min(axis=0)) - 1, 0).astype(int)
-        high = np.minimum(np.ceil(touched.max(axis=0)) + 2, frame.shape[1::-1]).astype(int)
-        if np.any(low >= high) or cv2.contourArea(self.undistorted) < MIN_AREA_PX:
+        columns, rows = map(_touched, touched.min(axis=0).tolist(), touched.max(axis=0).tolist(),
+                            frame.shape[1::-1])
+        if (columns.start >= columns.stop or rows.start >= rows.stop
+                or cv2.contourArea(self.undistorted) < MIN_AREA_PX):
             return frame[:0, :0], self
-        rows, columns = slice(low[1], high[1]), slice(low[0], high[0])
-        corners = self.corners - np.float32(low)
+        corners = self.corners - np.float32((columns.start, rows.start))
         return frame[rows, columns], Area(corners, self.ratio) if self.positions is None else replace(
             self, corners=corners, positions=self.positions[rows, columns])
 
@@ -143,6 +144,11 @@ class Area:
         y, x = np.nonzero(((places > 0) & (places < 1)).all(axis=2))
         inside = STEP_PX * np.column_stack([x, y])
         return np.concatenate([inside - STEP_PX, inside + STEP_PX])
+
+
+def _touched(least: float, most: float, size: int) -> slice:
+    """Of all rows or columns, those that something from ``least`` to ``most`` touches; none for NaN."""
+    return slice(int(min(max(0.0, least - 1), size)), ceil(min(max(0.0, most + 2), size)))
 
 
 def find_four_centers(tags: Sequence[Tag]) -> Floats | None:
