@@ -93,6 +93,8 @@ _mix_poses = _function('mix_poses', _LONG, *[_Array] * 8)
 _place_tags = _function('place_tags', _LONG, _INT, *[_Array] * 10, result=_INT)
 _off_others = _function('off_others', _LONG, *[_Array] * 7, result=_INT)
 _add_off = _function('add_off', _LONG, *[_Array] * 4)
+_measure_light = _function('measure_light', *[_Array] * 4, _INT, _INT, _Array, ctypes.POINTER(_FLOAT),
+                           result=_INT)
 _light_wall = _function('light_wall', _Array, _Array, _LONG, _Array)
 _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
                           result=_INT)
@@ -432,6 +434,22 @@ def add_off(off: Numbers, spread: Numbers, memories: Floats) -> Floats:
     squared = np.empty(count)
     _add_off(count, off, spread, memories, squared)
     return squared
+
+
+def measure_light(seen: Image, look: Floats, usable: Booleans, front: Booleans,
+                  light: Floats) -> tuple[Floats, float]:
+    """The light on the whole wall, (3,) float32, and that outside of shadows, or -1 if nothing shows it.
+
+    unit5.h says what the arguments are. ``light``: (3,), that before.
+    """
+    usable = _packed('usable pixels', usable, np.bool_, *_sized(usable))
+    size = usable.shape
+    seen, look = _packed('frame', seen, np.uint8, (*size, 3)), _packed('look', look, np.float32, (*size, 3))
+    front = _packed('pixels in front', front, np.bool_, size)
+    light, unshaded = _packed('light', light, np.float32, (3,)).copy(), _FLOAT()
+    if not _measure_light(seen, look, usable, front, size[1], size[0], light, ctypes.byref(unshaded)):
+        raise MemoryError
+    return light, unshaded.value
 
 
 def light_wall(look: Floats, whole: Floats) -> Image:

@@ -189,6 +189,13 @@ void unit5_add_off(int64_t count, const double *off, const double *spread, doubl
 
 extern const int unit5_plane_count;
 
+/* Measure the light on the whole wall, by a few of the pixels that are usable, and had nothing in front in the frame
+   before. ``seen``: BGR, the frame. ``look``: BGR, the wall. ``light``: that before, as factors of the look, and then the
+   one now. Writes ``unshaded``: the light outside of shadows. If too few pixels show the light, it stays as it was, and
+   ``unshaded`` is -1. */
+int unit5_measure_light(const uint8_t *seen, const float *look, const uint8_t *usable, const uint8_t *front, int width,
+                        int height, float light[3], float *unshaded);
+
 /* Write ``wall``: (count), BGR, how a wall of that ``look``, (count), BGR, looks in the light ``whole``. */
 void unit5_light_wall(const float *look, const float whole[3], int64_t count, uint8_t *wall);
 

@@ -21,6 +21,19 @@
 #define WEAK 0.5f          /* a pixel that differs by a larger share of what is allowed tells nothing about noise */
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
 
+/* Every SAMPLE_PX-th pixel is a sample of the light on the whole wall. Those that are darker than the share BRIGHT of
+   the percentile BRIGHT_PERCENT do not count: a glare changes black by a large factor. At least MIN_SAMPLE of all must
+   be free to show the light. */
+#define SAMPLE_PX 8
+#define BRIGHT 0.3f
+#define BRIGHT_PERCENT 90
+#define MIN_SAMPLE 0.05f
+/* If at least MIN_ALIKE of the samples have the color of the light before, up to ANOTHER_TINT, the others do not count:
+   a person in a red shirt has just come. */
+#define MIN_ALIKE 0.2f
+#define ANOTHER_TINT 0.2f
+#define UNSHADED_PERCENT 90  /* this percentile of the light at all samples is that outside of shadows */
+
 /* What unit5_compare_wall finds out about each pixel: planes of floats, one after the other. */
 enum { GRAY, WALL_GRAY, LIGHT, ERROR, EXCESS, STEP, NOISE, RIM, PLANES };
 const int unit5_plane_count = PLANES;
@@ -197,6 +210,91 @@ void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *pl
         learn_run(seen + 3 * at, back, light + at, error + at, excess + at, wall + at, certain + at,
                   count - at < RUN ? (int)(count - at) : RUN, passed, settle, rate, variance_rate, look + 3 * at,
                   variance + at, known + at, seconds + at);
+}
+
+/* The value that ``percent`` of values are below, by the selection of C. Hoare, 1961, which reorders them. */
+static float quantile(float *values, int64_t count, int percent)
+{
+    int64_t place = (count - 1) * percent / 100, first = 0, last = count - 1;
+    while (first < last) {
+        float pivot = values[(first + last) / 2];
+        int64_t up = first, down = last;
+        while (up <= down) {
+            while (values[up] < pivot)
+                up++;
+            while (pivot < values[down])
+                down--;
+            if (up <= down) {
+                float other = values[up];
+                values[up++] = values[down];
+                values[down--] = other;
+            }
+        }
+        if (place <= down)
+            last = down;
+        else if (place >= up)
+            first = up;
+        else
+            break;
+    }
+    return values[place];
+}
+
+int unit5_measure_light(const uint8_t *seen, const float *look, const uint8_t *usable, const uint8_t *front, int width,
+                        int height, float light[3], float *unshaded)
+{
+    int64_t most = (int64_t)((width + SAMPLE_PX - 1) / SAMPLE_PX) * ((height + SAMPLE_PX - 1) / SAMPLE_PX);
+    int64_t count = 0, kept = 0, alike = 0;
+    float *lights[3], *values = malloc(5 * sizeof(float) * most + 1), *grays = values + most;
+    float mean_before = larger(mean3(light[0], light[1], light[2]), MIN_LIGHT);
+    if (!values)
+        return 0;
+    for (int channel = 0; channel < 3; channel++)
+        lights[channel] = grays + (channel + 1) * most;
+    for (int y = 0; y < height; y += SAMPLE_PX)
+        for (int x = 0; x < width; x += SAMPLE_PX) {
+            int64_t at = (int64_t)y * width + x;
+            if (!usable[at] || front[at])
+                continue;
+            values[count] = grays[count] = look[3 * at] + look[3 * at + 1] + look[3 * at + 2];
+            for (int channel = 0; channel < 3; channel++)
+                lights[channel][count] = seen[3 * at + channel] / larger(look[3 * at + channel], 1);
+            count++;
+        }
+    *unshaded = -1;
+    if (count > MIN_SAMPLE * most) {
+        float least = BRIGHT * quantile(values, count, BRIGHT_PERCENT);
+        for (int64_t number = 0; number < count; number++) {
+            if (!(grays[number] >= least))
+                continue;
+            float off = 0, *own[3] = {lights[0] + number, lights[1] + number, lights[2] + number};
+            float mean = larger(mean3(*own[0], *own[1], *own[2]), MIN_LIGHT);
+            for (int channel = 0; channel < 3; channel++) {
+                off = larger(off, fabsf(*own[channel] / mean / (light[channel] / mean_before) - 1));
+                lights[channel][kept] = *own[channel];
+            }
+            values[kept] = off;
+            alike += off < ANOTHER_TINT;
+            kept++;
+        }
+        if (alike > MIN_ALIKE * kept) {
+            int64_t number = 0;
+            for (int64_t sample = 0; sample < kept; sample++)
+                if (values[sample] < ANOTHER_TINT) {
+                    for (int channel = 0; channel < 3; channel++)
+                        lights[channel][number] = lights[channel][sample];
+                    number++;
+                }
+            kept = number;
+        }
+        for (int64_t number = 0; number < kept; number++)
+            values[number] = mean3(lights[0][number], lights[1][number], lights[2][number]);
+        *unshaded = kept ? quantile(values, kept, UNSHADED_PERCENT) : -1;
+        for (int channel = 0; channel < 3 && kept; channel++)
+            light[channel] = larger(quantile(lights[channel], kept, 50), MIN_LIGHT);
+    }
+    free(values);
+    return 1;
 }
 
 FAST static void light_run(const float *restrict look, const float *restrict factors, int length,

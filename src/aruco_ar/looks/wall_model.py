@@ -36,17 +36,8 @@ NOISIEST = 4.0
 # otherwise the color may be that of a person.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 ANOTHER_COLOR, HARDLY = 1.5, 0.01
-SAMPLE_PX = 8                   # every eighth pixel is a sample of the light on the whole wall
-# Samples darker than this share of that percentile do not count: a glare changes black by a large factor.
-BRIGHT, BRIGHT_PERCENTILE = 0.3, 90
-# If at least MIN_ALIKE of the samples have the color of the light before, up to ANOTHER_TINT, the others do not
-# count: a person in a red shirt has just come.
-MIN_ALIKE, ANOTHER_TINT = 0.2, 0.2
-# This percentile of the light at all samples is that outside of shadows. It is remembered for about SHADE_S
-# seconds, since a shadow may fall on most of the wall.
-UNSHADED_PERCENTILE, SHADE_S = 90, 5.0
-MIN_SAMPLE = 0.05               # share of the samples that must be free to show the light
-MIN_LIGHT = 0.02                # least light, as a factor of the look
+SAMPLE_PX = 8                   # every eighth pixel is a sample of the noise on the whole wall
+SHADE_S = 5.0                   # the light outside of shadows is remembered: one may fall on most of the wall
 DIM = 0.2                       # in less light than this, the color of the light is uncertain
 NEAR_PART_PX = 12               # more than what is learned near things in front, on each side
 NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
@@ -145,9 +136,9 @@ class WallModel:
     def _compare(self, seen: Image, valid: Booleans, passed: float) -> Difference:
         """The Difference from the wall in the light of this frame."""
         usable = self._known & valid
-        sample = (usable & ~self._before)[::SAMPLE_PX, ::SAMPLE_PX]
-        if np.count_nonzero(sample) > MIN_SAMPLE * sample.size:
-            self._measure_light(seen, sample, passed)
+        self.light, now = binding.measure_light(seen, self.look, usable, self._before, self.light)
+        if now >= 0:
+            self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
         unshaded = max(1.0, self._unshaded / float(self.light.mean()))
         return difference(seen, self.look, self.light, self._variance, usable, unshaded)
 
@@ -165,21 +156,6 @@ class WallModel:
     def _unlit(self, seen: Image) -> Floats:
         """(h, w, 3) float32: a frame, (h, w, 3) uint8, in the light of the look."""
         return _times(np.asarray(seen, np.float32), 1 / self.light)
-
-    def _measure_light(self, seen: Image, sample: Booleans, passed: float) -> None:
-        """Measure the light on the whole wall. ``sample``: which of every SAMPLE_PX-th pixels may show it."""
-        colors, looks = (image[::SAMPLE_PX, ::SAMPLE_PX] for image in (seen, self.look))
-        gray = looks.sum(axis=2)
-        bright = sample & (gray >= BRIGHT * quantile(gray[sample], BRIGHT_PERCENTILE))
-        lights = (colors / np.maximum(looks, 1))[bright]
-        means = np.maximum(lights.mean(axis=1, keepdims=True), MIN_LIGHT)
-        tints = lights / means / (self.light / self.light.mean())
-        alike = np.abs(tints - 1).max(axis=1) < ANOTHER_TINT
-        if np.count_nonzero(alike) > MIN_ALIKE * len(alike):
-            lights = lights[alike]
-        self.light = np.asarray(np.maximum(quantile(lights, 50), MIN_LIGHT), np.float32)
-        now = float(quantile(lights.mean(axis=1), UNSHADED_PERCENTILE))
-        self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
 
     def _learn_wall(self, seen: Image, found: Difference, wall: Booleans, passed: float,
                     settle: float) -> None:

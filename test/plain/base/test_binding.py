@@ -236,6 +236,13 @@ def of_compare_wall():
         'usable': random.uniform(size=(HEIGHT, WIDTH)) < 0.9}
 
 
+def of_measure_light():
+    _, arrays = of_compare_wall()
+    return binding.measure_light, {
+        **{key: arrays[key] for key in ('seen', 'look', 'usable')}, 'front': ~arrays['usable'],
+        'light': arrays['whole']}
+
+
 def of_learn_wall():
     call, arrays = of_compare_wall()
     _, planes = call(**arrays)
@@ -255,7 +262,7 @@ MADE = {made.__name__[3:]: made for made in
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_mix_picture, of_light_picture, of_find_pose_pairs,
          of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
-         of_light_wall, of_compare_wall, of_learn_wall)}
+         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'points', 'pixels', 'deviation',

@@ -46,6 +46,32 @@ def in_numpy(seen, look, whole, variance, contrast):
     return [gray, wall_gray, light, error, excess, step, noise, rim], front
 
 
+def ranked(values, percent):
+    """The value that so many percent of n values, (n, ...), are below, of each column."""
+    return np.sort(values, axis=0)[(len(values) - 1) * percent // 100]
+
+
+@pytest.mark.parametrize('light', [(0.9, 1.0, 1.2), (1.5, 1.0, 0.6)])
+@pytest.mark.parametrize('shape', SHAPES)
+def test_the_light_is_that_of_the_same_in_numpy(shape, light):
+    seen, look, _, _, usable = scene(shape)
+    seen[:shape[0] // 2, :shape[1] // 2, 0] //= 3  # something of another color
+    front = np.arange(usable.size).reshape(shape) % 7 == 6
+    usable[0, 0] = len(look) > 1
+    got, unshaded = binding.measure_light(seen, look, usable, front, np.float32(light))
+    lights, grays, sample = (each[::8, ::8] for each in (
+        seen / np.maximum(look, 1), look.sum(axis=2), usable & ~front))
+    if not sample.any():
+        assert unshaded == -1 and got.tolist() == np.float32(light).tolist()
+        return
+    lights = lights[sample & (grays >= 0.3 * ranked(grays[sample], 90))]
+    means = np.maximum(lights.mean(axis=1, keepdims=True), 0.02)
+    alike = np.abs(lights / means / (np.float32(light) / np.mean(light)) - 1).max(axis=1) < 0.2
+    lights = lights[alike] if alike.sum() > 0.2 * len(alike) else lights
+    np.testing.assert_allclose(got, np.maximum(ranked(lights, 50), 0.02), rtol=1e-5)
+    np.testing.assert_allclose(unshaded, ranked(lights.mean(axis=1), 90), rtol=1e-5)
+
+
 @pytest.mark.parametrize('shape', SHAPES)
 def test_comparing_finds_what_the_same_in_numpy_finds(shape):
     seen, look, whole, variance, usable = scene(shape)
