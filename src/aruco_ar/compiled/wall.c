@@ -146,15 +146,15 @@ int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole
                        const float *variance, const uint8_t *usable, int width, int height, float darkest,
                        float lightest, float *planes, uint8_t *front)
 {
-    int64_t count = (int64_t)width * height;
+    int64_t count = (int64_t)width * height, done = 0;
     float *least = malloc(4 * sizeof(float) * width + 1), *most = least + width;  /* the light in three rows */
     if (!least)
         return 0;
-    for (int64_t at = 0; at < count; at += RUN)
-        compare_run(seen + 3 * at, look + 3 * at, whole, contrast + 3 * at, variance + at,
-                    count - at < RUN ? (int)(count - at) : RUN, count, planes + at);
     for (int y = 0; y < height; y++) {
         int64_t at = (int64_t)y * width;
+        for (; done < count && done < at + 2 * (int64_t)width; done += RUN)  /* while they are in the cache */
+            compare_run(seen + 3 * done, look + 3 * done, whole, contrast + 3 * done, variance + done,
+                        count - done < RUN ? (int)(count - done) : RUN, count, planes + done);
         const float *row = planes + LIGHT * count + at;
         const float *upper = y > 0 ? row - width : row, *lower = y < height - 1 ? row + width : row;
         for (int x = 0; x < width; x++) {

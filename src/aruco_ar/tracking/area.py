@@ -82,7 +82,7 @@ class Area:
         if (columns.start >= columns.stop or rows.start >= rows.stop
                 or cv2.contourArea(self.undistorted) < MIN_AREA_PX):
             return frame[:0, :0], self
-        corners = self.corners - np.float32((columns.start, rows.start))
+        corners = self.corners - np.array((columns.start, rows.start), np.float32)
         return frame[rows, columns], Area(corners, self.ratio) if self.positions is None else replace(
             self, corners=corners, positions=self.positions[rows, columns])
 
