@@ -73,6 +73,7 @@ _read_tags = _function('read_tags', _IMAGE, _INT, _Array, _INT, _INT, _INT, _Arr
                        result=_INT)
 _find_sides = _function('find_sides', _LONG, _Array, _Array)
 _find_room = _function('find_room', _LONG, _Array, _INT, _INT, _Array)
+_find_box = _function('find_box', _Array, _LONG, _INT, _INT, _INT, _Array, _Array)
 _find_convex = _function('find_convex', _LONG, _Array, _DOUBLE, _Array)
 _draw_mask = _function('draw_mask', _IMAGE, _Array, _Array, _LONG)
 _find_levels = _function('find_levels', _IMAGE, _INT, _INT, _Array, _Array, _LONG, _Array)
@@ -209,6 +210,23 @@ def find_room(quads: Numbers, width: int, height: int) -> Floats:
     room = np.empty(len(quads))
     _find_room(len(quads), quads, width, height, room)
     return room
+
+
+def find_box(positions: Image, step: int, to_area: Floats) -> Floats:
+    """(4,) float64: the least x and y, and the greatest ones, of the pixels of a grid that are in an area.
+
+    ``positions``: (h, w, 2) float32, the undistorted position of each pixel. ``step``: from one pixel of the
+    grid to the next. ``to_area``: (3, 3), from undistorted pixels to the area, the unit square. The least are
+    infinite if the area has none of these pixels.
+    """
+    positions = _rows('array of undistorted positions', positions, np.float32, *_sized(positions, 2)[1:])
+    to_area = _numbers(to_area, np.float64)
+    check_array('homography', to_area, np.float64, (3, 3))
+    if step < 1:
+        raise InputError('A grid cannot have a step of %s pixels; choose 1 or more.' % step)
+    box = np.empty(4)
+    _find_box(positions, positions.strides[0], positions.shape[1], positions.shape[0], step, to_area, box)
+    return box
 
 
 def find_convex(quads: Numbers, least: float) -> Booleans:

@@ -25,6 +25,27 @@ void unit5_find_room(int64_t count, const double *quads, int width, int height, 
     }
 }
 
+void unit5_find_box(const float *positions, int64_t row, int width, int height, int step, const double to_area[9],
+                    double box[4])
+{
+    const Positions all = {positions, row};
+    box[0] = box[1] = INFINITY;
+    box[2] = box[3] = -INFINITY;
+    for (int y = 0; y < height; y += step)
+        for (int x = 0; x < width; x += step) {
+            const float *at = position_of(&all, x, y);
+            double scale = to_area[6] * at[0] + to_area[7] * at[1] + to_area[8];
+            double u = (to_area[0] * at[0] + to_area[1] * at[1] + to_area[2]) / scale;
+            double v = (to_area[3] * at[0] + to_area[4] * at[1] + to_area[5]) / scale;
+            if (u > 0 && u < 1 && v > 0 && v < 1) {
+                box[0] = fmin(box[0], x);
+                box[1] = fmin(box[1], y);
+                box[2] = fmax(box[2], x);
+                box[3] = fmax(box[3], y);
+            }
+        }
+}
+
 void unit5_find_convex(int64_t count, const double *quads, double least, uint8_t *convex)
 {
     for (int64_t number = 0; number < count; number++) {

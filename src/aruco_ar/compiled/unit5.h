@@ -52,13 +52,19 @@ int64_t unit5_find_quads(const Image *image, int window, float shortest, int64_t
 int unit5_read_tags(const Image *frame, int count, Point *quads, int cells, int border, int words,
                     const uint64_t *dictionary, int corrected, float contrast, int *ids);
 
-/* shapes.c, for edges.py and ordering.py. ``quads``: (count, 4, 2). */
+/* shapes.c, for edges.py, ordering.py and area.py. ``quads``: (count, 4, 2). */
 
 /* ``sides``: (count), written, the mean side of each. */
 void unit5_find_sides(int64_t count, const double *quads, double *sides);
 
 /* ``room``: (count), written, how far each is within a frame of that size, pixels; negative if a corner is outside. */
 void unit5_find_room(int64_t count, const double *quads, int width, int height, double *room);
+
+/* Write ``box``: the least x and y, and the greatest ones, of every ``step``-th pixel in both directions that is in an
+   area; the least are infinite if none is. ``positions``: (height, width, 2), the undistorted position of each pixel, with
+   ``row`` bytes from one row to the next. ``to_area``: the homography from there to the area, the unit square. */
+void unit5_find_box(const float *positions, int64_t row, int width, int height, int step, const double to_area[9],
+                    double box[4]);
 
 /* ``convex``: (count), written, whether all corners are more than ``least`` away from the line through their two
    neighbors, on the same side. */

@@ -41,7 +41,7 @@ class Lens:
     distortion: Floats
     fisheye: bool = False
 
-    @property
+    @cached_property
     def bends(self) -> bool:
         """Whether it distorts: straight lines may look bent."""
         return self.fisheye or bool(np.any(self.distortion))

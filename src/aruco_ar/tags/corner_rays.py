@@ -11,6 +11,9 @@ from aruco_ar.geometry.lines import crossing
 
 from .tag import Tag
 
+# The line through these two points of an edge that is bent like a parabola is the one that fits all profiles.
+POINTS_OF_EDGE = np.mean(PROFILE_POSITIONS) + np.array([[-1.0], [1.0]]) * np.std(PROFILE_POSITIONS)
+
 
 def corner_rays(lens: Lens, quads: Numbers) -> Floats:
     """(n, 4, 2) float64: the rays to the corners of tags that were found at quads, (n, 4, 2) pixels.
@@ -48,9 +51,7 @@ def straight_corners(tag: Tag, lens: Lens | None) -> Floats:
 
 def found_corners(lens: Lens, rays: Floats) -> Floats:
     """(n, 4, 2) pixels: where the corners of tags are found that are seen along these rays, (n, 4, 2)."""
-    # The line through two points of an edge that is bent like a parabola is the line that fits all profiles.
-    along = np.mean(PROFILE_POSITIONS) + np.array([[-1.0], [1.0]]) * np.std(PROFILE_POSITIONS)
-    edges = rays[:, :, None] + (rays[:, [1, 2, 3, 0]] - rays)[:, :, None] * along
+    edges = rays[:, :, None] + (rays[:, [1, 2, 3, 0]] - rays)[:, :, None] * POINTS_OF_EDGE
     pixels = lens.project_rays(edges.reshape(-1, 2))[0].reshape(edges.shape)
     starts, directions = pixels[:, :, 0], pixels[:, :, 1] - pixels[:, :, 0]
     before = [3, 0, 1, 2]

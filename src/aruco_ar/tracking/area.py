@@ -11,6 +11,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
@@ -76,7 +77,7 @@ class Area:
         self.check_size(frame)
         touched = self.corners
         if self.positions is not None:
-            touched = np.concatenate([touched, self._grid_inside(self.positions)])
+            touched = np.concatenate([touched, self._box_inside(self.positions)])
         columns, rows = map(_touched, touched.min(axis=0).tolist(), touched.max(axis=0).tolist(),
                             frame.shape[1::-1])
         if (columns.start >= columns.stop or rows.start >= rows.stop
@@ -137,13 +138,10 @@ class Area:
         inner[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX] = 255
         return rectify(inner, self.homography(*size), size, self.lens) == 255
 
-    def _grid_inside(self, positions: Image) -> Floats:
-        """(n, 2) pixels of the frame: corners of the margins around the points of a grid in the area."""
-        grid = np.asarray(positions[::STEP_PX, ::STEP_PX], np.float64)
-        places = transform(homography_from(self.undistorted), grid)
-        y, x = np.nonzero(((places > 0) & (places < 1)).all(axis=2))
-        inside = STEP_PX * np.column_stack([x, y])
-        return np.concatenate([inside - STEP_PX, inside + STEP_PX])
+    def _box_inside(self, positions: Image) -> Floats:
+        """(2, 2) pixels: the box around the points of a grid that are in the area, with a margin; or (0, 2)."""
+        box = binding.find_box(positions, STEP_PX, homography_from(self.undistorted)).reshape(2, 2)
+        return box + [[-STEP_PX], [STEP_PX]] if np.isfinite(box[0, 0]) else box[:0]
 
 
 def _touched(least: float, most: float, size: int) -> slice:

@@ -13,6 +13,7 @@ import pytest
 from aruco_ar import Area, Detector, InputError, Lens, area_mask, draw_tag, overlay, subtract
 from aruco_ar.compiled import binding
 from aruco_ar.compiled.compiler import compile_to
+from aruco_ar.geometry.homography import homography_from
 from aruco_ar.painting.paint import put_in, warp
 from aruco_ar.painting.picture import Picture
 from aruco_ar.tags.quads import tag_words
@@ -92,6 +93,11 @@ def of_find_sides():
 
 def of_find_room():
     return lambda quads: binding.find_room(quads, 640, 480), {'quads': np.float64([CORNERS, CORNERS + 3])}
+
+
+def of_find_box():
+    return (lambda positions, to_area: binding.find_box(positions, 16, to_area),
+            {'positions': positions(), 'to_area': homography_from(CORNERS)})
 
 
 def of_find_convex():
@@ -258,17 +264,18 @@ def of_learn_wall():
 
 MADE = {made.__name__[3:]: made for made in
         (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_find_quads,
-         of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_convex,
+         of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_mix_picture, of_light_picture, of_find_pose_pairs,
          of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
          of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
-CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'points', 'pixels', 'deviation',
-             'bias', *(argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
-                                             of_off_others, of_add_off)
-                       for argument in made()[1] if argument != 'memories')}
+CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'points', 'pixels',
+             'deviation', 'bias', *(
+                 argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
+                                       of_off_others, of_add_off)
+                 for argument in made()[1] if argument != 'memories')}
 WRITTEN = {('light_picture', 'picture'), ('weigh_poses', 'memories'), ('add_off', 'memories'),
            *(('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')),
            *((name, 'motion') for name in ('start_motion', 'predict_motion', 'jerk_motion', 'correct_motion'))}
@@ -372,6 +379,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('read_tags', 'quads'): other.shape[1:] == (4, 2),
                 ('read_tags', 'words'): other.shape[1:] == (4,),
                 ('find_sides', 'quads'): other.shape[1:] == (4, 2),
+                ('find_box', 'positions'): other.ndim == 3 and other.shape[2] == 2,
                 ('find_room', 'quads'): other.shape[1:] == (4, 2),
                 ('find_convex', 'quads'): other.shape[-2:] == (4, 2),
                 ('project', 'points'): other.shape[-1:] == (2,),
