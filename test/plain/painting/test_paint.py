@@ -300,3 +300,12 @@ def test_a_mixture_is_exact_to_one_level(channels):
     cover = 0.6 * mask / 255 * (picture[..., 3:] / 255 if channels == 4 else 1)
     assert np.abs(hidden - window * cover).max() < 1.5
     assert np.abs(shown - picture[..., :3] * cover).max() < 1.5
+
+
+def test_the_window_of_an_area_has_all_that_a_lens_bends_out_of_the_box_of_its_corners():
+    corners = LENS.undistort(np.float32([[90, 60], [550, 60], [550, 420], [90, 420]]))
+    area, frame = Area.from_undistorted(np.float32(corners), lens=LENS), np.zeros((480, 640, 3), np.uint8)
+    window, part = area.window(frame)
+    assert window.shape[0] > 380 and window.shape[1] > 470  # its sides bulge
+    window[:] = area_mask(window, part)
+    np.testing.assert_array_equal(frame, area_mask(frame, area))
