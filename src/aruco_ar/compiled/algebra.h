@@ -1,4 +1,4 @@
-/* Vectors and small matrices, for poses. Matrices are row by row. */
+/* Vectors and small matrices. Matrices are row by row. */
 #pragma once
 
 #include <math.h>
@@ -58,6 +58,14 @@ static inline void turn_back(const double matrix[9], const double vector[3], dou
 {
     for (int axis = 0; axis < 3; axis++)
         turned[axis] = matrix[axis] * vector[0] + matrix[3 + axis] * vector[1] + matrix[6 + axis] * vector[2];
+}
+
+/* Where a homography maps a point of a plane. */
+static inline void map_point(const double to[9], double x, double y, double mapped[2])
+{
+    double scale = to[6] * x + to[7] * y + to[8];
+    mapped[0] = (to[0] * x + to[1] * y + to[2]) / scale;
+    mapped[1] = (to[3] * x + to[4] * y + to[5]) / scale;
 }
 
 /* The covariance, (rows, rows), of what depends by a jacobian, (rows, size), on numbers with a covariance, (size,

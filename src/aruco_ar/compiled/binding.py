@@ -349,8 +349,7 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     """
     size = _sized(white, 3)[1][:2]
     white = _rows('light', white, np.uint8, (*size, 3))
-    check_array('picture', picture, np.uint8, (*size, 3), (*size, 4), writes=True)
-    _check_contiguous('picture', picture)
+    _check_changed('picture', picture, np.uint8, (*size, 3), (*size, 4))
     if not 0 <= black <= 1:
         raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
     _light_picture(_image(picture), _image(white), round(255 * black))
@@ -509,8 +508,7 @@ def learn_wall(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certa
     for name, array, dtype, shape in (
             ('look', look, np.float32, (*size, 3)), ('variance', variance, np.float32, size),
             ('known wall', known, np.bool_, size), ('seconds', seconds, np.float32, size)):
-        check_array(name, array, dtype, shape, writes=True)
-        _check_contiguous(name, array)
+        _check_changed(name, array, dtype, shape)
     _learn_wall(seen, whole, planes, wall, certain, wall.size, passed, settle, rate, variance_rate, look,
                 variance, known, seconds)
 
@@ -543,9 +541,7 @@ def _known_motion(motion: Floats) -> Any:
 
 def _motion(motion: Floats) -> Floats:
     """A motion, checked: an array that a function in C may change."""
-    check_array('motion', motion, np.float64, (MOTION,), writes=True)
-    if not _is_packed(motion):
-        raise InputError('The motion is not contiguous, but it would be changed; give a copy, by .copy().')
+    _check_changed('motion', motion, np.float64, (MOTION,))
     return motion
 
 
@@ -560,8 +556,7 @@ def _poses(name: str, poses: Any, axes: tuple[int, ...], size: int = 6) -> Any:
 
 def _check_memories(memories: Any, size: int) -> None:
     """Check numbers that are remembered of objects, (n, size), and changed."""
-    check_array('memories', memories, np.float64, (len(memories), size), writes=True)
-    _check_contiguous('memories', memories)
+    _check_changed('memories', memories, np.float64, (len(memories), size))
 
 
 def _measurement(*arrays: Any) -> Any:
@@ -614,7 +609,9 @@ def _is_packed(array: Any) -> bool:
     return bool(array.flags.c_contiguous and array.flags.aligned)
 
 
-def _check_contiguous(name: str, array: Any) -> None:
+def _check_changed(name: str, array: Any, dtype: Any, *shapes: Shape) -> None:
+    """Check an array that a function in C changes."""
+    check_array(name, array, dtype, *shapes, writes=True)
     if not _is_packed(array):
         raise InputError('The %s is not contiguous, but it would be changed; give a copy, by .copy().' % name)
 

@@ -1,6 +1,7 @@
 /* The Kalman filter of an area's four corners and their speeds; motion.py says what it is for.
 
    It is in C since its many small matrices take much longer in NumPy than it takes to find the tags. */
+#include "algebra.h"
 #include "unit5.h"
 
 /* How much the speeds change within a second, as standard deviations. The model is a rigid camera that faces a plane,
@@ -162,13 +163,6 @@ static void homography_of(const Motion *motion, double to[9])
     memcpy(to, found, sizeof found);
 }
 
-static void map(const double to[9], const double point[2], double pixel[2])
-{
-    double scale = to[6] * point[0] + to[7] * point[1] + to[8];
-    pixel[0] = (to[0] * point[0] + to[1] * point[1] + to[2]) / scale;
-    pixel[1] = (to[3] * point[0] + to[4] * point[1] + to[5]) / scale;
-}
-
 /* Sum up a measurement, linearized at the corners. ``pixels``: NULL, or where the points are seen. Then also the
    ``gradient``, and the squares of what they are off, divided by their variances. ``before``: the predicted corners.
    ``bias``: NULL, or of each point. */
@@ -186,7 +180,7 @@ static void sum_up(const Motion *motion, int64_t count, const double *points, co
     invert(inverse);
     for (int64_t point = 0; point < count; point++) {
         double seen[2], moves[2][8], weight = 1 / (deviation[point] * deviation[point]);
-        map(to, points + 2 * point, seen);
+        map_point(to, points[2 * point], points[2 * point + 1], seen);
         moves_of(motion, seen[0], seen[1], moves[0], moves[1]);
         for (int axis = 0; axis < 2; axis++) {
             double slope[8] = {0}, off = pixels ? pixels[2 * point + axis] - seen[axis] : 0;
@@ -303,7 +297,7 @@ void unit5_project(const Motion *motion, int64_t count, const double *points, do
     double to[9];
     homography_of(motion, to);
     for (int64_t point = 0; point < count; point++)
-        map(to, points + 2 * point, pixels + 2 * point);
+        map_point(to, points[2 * point], points[2 * point + 1], pixels + 2 * point);
 }
 
 void unit5_find_deviation(const Motion *motion, double deviation[4])

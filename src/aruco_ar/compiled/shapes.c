@@ -1,4 +1,5 @@
 /* Sizes and shapes of quadrilaterals, which are asked for several times in each frame. */
+#include "algebra.h"
 #include "unit5.h"
 
 void unit5_find_sides(int64_t count, const double *quads, double *sides)
@@ -34,10 +35,9 @@ void unit5_find_box(const float *positions, int64_t row, int width, int height, 
     for (int y = 0; y < height; y += step)
         for (int x = 0; x < width; x += step) {
             const float *at = position_of(&all, x, y);
-            double scale = to_area[6] * at[0] + to_area[7] * at[1] + to_area[8];
-            double u = (to_area[0] * at[0] + to_area[1] * at[1] + to_area[2]) / scale;
-            double v = (to_area[3] * at[0] + to_area[4] * at[1] + to_area[5]) / scale;
-            if (u > 0 && u < 1 && v > 0 && v < 1) {
+            double place[2];
+            map_point(to_area, at[0], at[1], place);
+            if (place[0] > 0 && place[0] < 1 && place[1] > 0 && place[1] < 1) {
                 box[0] = fmin(box[0], x);
                 box[1] = fmin(box[1], y);
                 box[2] = fmax(box[2], x);

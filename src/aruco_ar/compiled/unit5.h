@@ -47,8 +47,8 @@ int64_t unit5_find_quads(const Image *image, int window, float shortest, int64_t
    1 to 10, and 1 to 8 cells within. ``dictionary``: (words, 4), the cells within the border as bits, row by row, the
    first one lowest, as they are seen from each of the tag's corners. ``corrected``: how many cells may be wrong.
    ``contrast``: the least one of the border of a tag that is white on black with what is around it, gray levels.
-   ``ids``: (count), written, -1 for no tag, -2 for no tag that is sure, or not the best reading of it. Changes ``quads``: (count,
-   4), those of tags begin at their own top left. */
+   ``ids``: (count), written, -1 for no tag, -2 for no tag that is sure, or not the best reading of it. Changes
+   ``quads``: (count, 4), those of tags begin at their own top left. */
 int unit5_read_tags(const Image *frame, int count, Point *quads, int cells, int border, int words,
                     const uint64_t *dictionary, int corrected, float contrast, int *ids);
 

@@ -17,7 +17,7 @@
 #define RIM_SHARE 0.6f
 #define WEAK_STEP 0.5f     /* a smaller step of the light is no evidence, and is not computed */
 #define SHARP 0.22f        /* the rim of a shadow is softer than this change of the light's logarithm in 3 pixels */
-#define MIN_LIGHT 0.02f
+#define MIN_LIGHT 0.02f    /* least light, as a factor of the look */
 #define WEAK 0.5f          /* a pixel that differs by a larger share of what is allowed tells nothing about noise */
 #define LIGHT_CHANGE 0.1f  /* the look is learned where the light differs less from that on the whole wall */
 
@@ -63,8 +63,8 @@ static inline void split_bytes(const uint8_t *restrict pixels, int length, Run *
 
 /* The part of unit5_compare_wall that looks at a pixel alone, for at most RUN pixels. */
 FAST static void compare_run(const uint8_t *seen_bytes, const float *looks, const float whole[3],
-                        const uint8_t *contrast_bytes, const float *restrict variance, int length, int64_t count,
-                        float *restrict planes)
+                             const uint8_t *contrast_bytes, const float *restrict variance, int length, int64_t count,
+                             float *restrict planes)
 {
     Run seen, look, contrast;
     split_bytes(seen_bytes, length, &seen);
@@ -102,7 +102,7 @@ FAST static void compare_run(const uint8_t *seen_bytes, const float *looks, cons
 
 /* The least and the most light around each pixel of a row, in the three rows that ``least`` and ``most`` stand for. */
 FAST static void around_row(const float *restrict least, const float *restrict most, int width, float *restrict low,
-                       float *restrict high)
+                            float *restrict high)
 {
     for (int end = 0; end < 2; end++) {  /* at the ends, there is a neighbor on one side only */
         int x = end ? width - 1 : 0, next = end ? x - (x > 0) : x + (x < width - 1);
@@ -118,7 +118,7 @@ FAST static void around_row(const float *restrict least, const float *restrict m
 /* The part of unit5_compare_wall that looks at a row and its neighbors, where the planes begin at the row. ``low``,
    ``high``: the least and the most light around each pixel; overwritten. */
 FAST static void compare_row(const uint8_t *restrict usable, int width, int64_t count, float darkest, float lightest,
-                        float *restrict low, float *restrict high, float *restrict planes, uint8_t *restrict front)
+                             float *restrict low, float *restrict high, float *restrict planes, uint8_t *restrict front)
 {
     const float *restrict lights = planes + LIGHT * count, *restrict excess = planes + EXCESS * count;
     const float *restrict noise = planes + NOISE * count, *restrict rim = planes + RIM * count;
@@ -172,10 +172,10 @@ int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole
 
 /* Learn at most RUN pixels. */
 FAST static void learn_run(const uint8_t *restrict seen, const float back[3], const float *restrict light,
-                      const float *restrict error, const float *restrict excess, const uint8_t *restrict wall,
-                      const uint8_t *restrict certain, int length, float passed, float settle, float rate,
-                      float variance_rate, float *restrict look, float *restrict variance, uint8_t *restrict known,
-                      float *restrict seconds)
+                           const float *restrict error, const float *restrict excess, const uint8_t *restrict wall,
+                           const uint8_t *restrict certain, int length, float passed, float settle, float rate,
+                           float variance_rate, float *restrict look, float *restrict variance, uint8_t *restrict known,
+                           float *restrict seconds)
 {
     float is_wall[RUN], is_certain[RUN], part[RUN], parts[3 * RUN], unlit[3 * RUN];
     for (int x = 0; x < length; x++) {
@@ -240,60 +240,89 @@ static float quantile(float *values, int64_t count, int percent)
     return values[place];
 }
 
+/* The light on a wall at samples: as factors of its blue, green and red. */
+typedef struct { float *channels[3]; int64_t count; } Lights;
+
+static void keep(Lights *lights, int64_t number)
+{
+    for (int channel = 0; channel < 3; channel++)
+        lights->channels[channel][lights->count] = lights->channels[channel][number];
+    lights->count++;
+}
+
+static float mean_light(const Lights *lights, int64_t number)
+{
+    return mean3(lights->channels[0][number], lights->channels[1][number], lights->channels[2][number]);
+}
+
+/* How much the color of the light at a sample differs from that of another light. */
+static float tint_of(const Lights *lights, int64_t number, const float other[3])
+{
+    float off = 0, mean = larger(mean_light(lights, number), MIN_LIGHT);
+    float other_mean = larger(mean3(other[0], other[1], other[2]), MIN_LIGHT);
+    for (int channel = 0; channel < 3; channel++)
+        off = larger(off, fabsf(lights->channels[channel][number] / mean / (other[channel] / other_mean) - 1));
+    return off;
+}
+
+/* Keep the samples where the wall is bright. ``grays``: of the wall there. ``spare``: room for as many. */
+static void keep_bright(Lights *lights, const float *grays, float *spare)
+{
+    int64_t count = lights->count;
+    memcpy(spare, grays, count * sizeof *spare);
+    float least = BRIGHT * quantile(spare, count, BRIGHT_PERCENT);
+    lights->count = 0;
+    for (int64_t number = 0; number < count; number++)
+        if (grays[number] >= least)
+            keep(lights, number);
+}
+
+/* Keep the samples whose light has nearly the color of another one, if these are enough. ``spare``: see keep_bright. */
+static void keep_alike(Lights *lights, const float other[3], float *spare)
+{
+    int64_t count = lights->count, alike = 0;
+    for (int64_t number = 0; number < count; number++) {
+        spare[number] = tint_of(lights, number, other);
+        alike += spare[number] < ANOTHER_TINT;
+    }
+    if (!(alike > MIN_ALIKE * count))
+        return;
+    lights->count = 0;
+    for (int64_t number = 0; number < count; number++)
+        if (spare[number] < ANOTHER_TINT)
+            keep(lights, number);
+}
+
 int unit5_measure_light(const uint8_t *seen, const float *look, const uint8_t *usable, const uint8_t *front, int width,
                         int height, float light[3], float *unshaded)
 {
     int64_t most = (int64_t)((width + SAMPLE_PX - 1) / SAMPLE_PX) * ((height + SAMPLE_PX - 1) / SAMPLE_PX);
-    int64_t count = 0, kept = 0, alike = 0;
-    float *lights[3], *values = malloc(5 * sizeof(float) * most + 1), *grays = values + most;
-    float mean_before = larger(mean3(light[0], light[1], light[2]), MIN_LIGHT);
-    if (!values)
+    float *spare = malloc(5 * sizeof(float) * most + 1), *grays = spare + most;
+    if (!spare)
         return 0;
-    for (int channel = 0; channel < 3; channel++)
-        lights[channel] = grays + (channel + 1) * most;
+    Lights lights = {{grays + most, grays + 2 * most, grays + 3 * most}, 0};
     for (int y = 0; y < height; y += SAMPLE_PX)
         for (int x = 0; x < width; x += SAMPLE_PX) {
             int64_t at = (int64_t)y * width + x;
             if (!usable[at] || front[at])
                 continue;
-            values[count] = grays[count] = look[3 * at] + look[3 * at + 1] + look[3 * at + 2];
+            grays[lights.count] = look[3 * at] + look[3 * at + 1] + look[3 * at + 2];
             for (int channel = 0; channel < 3; channel++)
-                lights[channel][count] = seen[3 * at + channel] / larger(look[3 * at + channel], 1);
-            count++;
+                lights.channels[channel][lights.count] = seen[3 * at + channel] / larger(look[3 * at + channel], 1);
+            lights.count++;
         }
     *unshaded = -1;
-    if (count > MIN_SAMPLE * most) {
-        float least = BRIGHT * quantile(values, count, BRIGHT_PERCENT);
-        for (int64_t number = 0; number < count; number++) {
-            if (!(grays[number] >= least))
-                continue;
-            float off = 0, *own[3] = {lights[0] + number, lights[1] + number, lights[2] + number};
-            float mean = larger(mean3(*own[0], *own[1], *own[2]), MIN_LIGHT);
-            for (int channel = 0; channel < 3; channel++) {
-                off = larger(off, fabsf(*own[channel] / mean / (light[channel] / mean_before) - 1));
-                lights[channel][kept] = *own[channel];
-            }
-            values[kept] = off;
-            alike += off < ANOTHER_TINT;
-            kept++;
-        }
-        if (alike > MIN_ALIKE * kept) {
-            int64_t number = 0;
-            for (int64_t sample = 0; sample < kept; sample++)
-                if (values[sample] < ANOTHER_TINT) {
-                    for (int channel = 0; channel < 3; channel++)
-                        lights[channel][number] = lights[channel][sample];
-                    number++;
-                }
-            kept = number;
-        }
-        for (int64_t number = 0; number < kept; number++)
-            values[number] = mean3(lights[0][number], lights[1][number], lights[2][number]);
-        *unshaded = kept ? quantile(values, kept, UNSHADED_PERCENT) : -1;
-        for (int channel = 0; channel < 3 && kept; channel++)
-            light[channel] = larger(quantile(lights[channel], kept, 50), MIN_LIGHT);
+    if (lights.count > MIN_SAMPLE * most) {
+        keep_bright(&lights, grays, spare);
+        keep_alike(&lights, light, spare);
+        for (int64_t number = 0; number < lights.count; number++)
+            spare[number] = mean_light(&lights, number);
+        if (lights.count)
+            *unshaded = quantile(spare, lights.count, UNSHADED_PERCENT);
+        for (int channel = 0; channel < 3 && lights.count; channel++)
+            light[channel] = larger(quantile(lights.channels[channel], lights.count, 50), MIN_LIGHT);
     }
-    free(values);
+    free(spare);
     return 1;
 }
 

@@ -150,7 +150,7 @@ static void divide_by_alpha(uint8_t pixel[4])
 
 /* Set ``length`` pixels to the mean of ``count`` samples of each. ``bytes``: see load_pair. */
 INLINE void mix_samples(uint8_t *pixel, int length, const Image *level, int channels, const Samples *samples,
-                               int count, int bytes, const Weights *weights)
+                        int count, int bytes, const Weights *weights)
 {
     for (int x = 0; x < length; x++, pixel += channels) {
         Pair sum = {0};
@@ -166,7 +166,7 @@ INLINE void mix_samples(uint8_t *pixel, int length, const Image *level, int chan
 
 /* Warp ``length`` pixels. ``u``, ``v``: where their middles are, in steps; see to_level. */
 INLINE void warp_run(uint8_t *pixels, int length, const Image *level, int channels, const float u[BLOCK_WIDTH],
-                            const float v[BLOCK_WIDTH], const Filter *filter, int count, const Weights *weights)
+                     const float v[BLOCK_WIDTH], const Filter *filter, int count, const Weights *weights)
 {
     float last_u = STEPS * (level->width - 1) - 1, last_v = STEPS * (level->height - 1) - 1;
     int lowest = STEPS * (level->height - 2) - 1, is_low = 0, row = level->row;
@@ -188,8 +188,8 @@ INLINE void warp_run(uint8_t *pixels, int length, const Image *level, int channe
 
 /* Warp what is shown of a block. ``h``: from the mask to steps in the level. */
 INLINE void warp_block(const Image *warped, const Image *level, int channels, const Block *block,
-                              const float h[9], const Positions *positions, const Filter *filter,
-                              const Weights *weights)
+                       const float h[9], const Positions *positions, const Filter *filter,
+                       const Weights *weights)
 {
     for (int row = 0; row < block->rows; row++) {
         int y = block->top + row, begin = block->begin[row], length = block->end[row] - begin;

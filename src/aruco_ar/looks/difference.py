@@ -139,11 +139,11 @@ def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
     gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
     # What is averaged in so large a window may be coarse before.
-    weight = coarse(np.maximum(largest_channel(contrast), NO_PATTERN) - NO_PATTERN, COARSE)
-    limited = np.clip(coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
-    moved = mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
-    moved /= (mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]
-    moved = fine(moved, (height, width))
+    weight = _coarse(np.maximum(largest_channel(contrast), NO_PATTERN) - NO_PATTERN, COARSE)
+    limited = np.clip(_coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
+    moved = _mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
+    moved /= (_mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]
+    moved = _fine(moved, (height, width))
     moved[..., 0] += np.arange(width, dtype=np.float32)
     moved[..., 1] += np.arange(height, dtype=np.float32)[:, None]
     aligned = cv2.remap(look, moved, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
@@ -182,19 +182,19 @@ def largest_channel(image: Image) -> Image:
     return cv2.max(cv2.max(blue, green), red)
 
 
-def mean_around(image: Floats, px: int) -> Floats:
+def _mean_around(image: Floats, px: int) -> Floats:
     """The mean of an image in a window of that width around each pixel."""
     return np.asarray(cv2.boxFilter(image, -1, (px, px)))
 
 
-def coarse(image: Image | Floats, factor: int) -> Floats:
+def _coarse(image: Image | Floats, factor: int) -> Floats:
     """A float32 image that is smaller by a factor: each pixel is a mean."""
     height, width = image.shape[:2]
     size = max(width // factor, 1), max(height // factor, 1)
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
-def fine(image: Floats, shape: tuple[int, ...]) -> Floats:
+def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
     """A coarse image at full size again, (h, w)."""
     return np.asarray(cv2.resize(image, shape[1::-1], interpolation=cv2.INTER_LINEAR))
 
@@ -220,9 +220,9 @@ def _connected(mask: Booleans, seeds: Booleans) -> Booleans:
 def _usual(light: Floats, free: Booleans) -> Floats:
     """(h, w) float32: the mean light around each pixel, where it is free; 1 where nothing is free."""
     weight = free.astype(np.float32)
-    sums, weights = (mean_around(coarse(image, COARSE), AROUND_PX // COARSE)
+    sums, weights = (_mean_around(_coarse(image, COARSE), AROUND_PX // COARSE)
                      for image in (light * weight, weight))
-    return fine((sums + 1e-3) / (weights + 1e-3), light.shape)
+    return _fine((sums + 1e-3) / (weights + 1e-3), light.shape)
 
 
 def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
@@ -237,20 +237,20 @@ def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where:
     if not where.any():
         return shows
     # The frame is smooth: half as many pixels across and down show a pattern as well.
-    grays = coarse(gray, HALF), coarse(wall.mean(axis=2, dtype=np.float32), HALF)
+    grays = _coarse(gray, HALF), _coarse(wall.mean(axis=2, dtype=np.float32), HALF)
     for px, least in WINDOWS:
         window = px // HALF
-        pattern, wall_pattern = (image - mean_around(image, window) for image in grays)
-        own, known = (np.maximum(mean_around(image * image, window), 0) for image in (pattern, wall_pattern))
-        both = mean_around(pattern * wall_pattern, window)
+        pattern, wall_pattern = (image - _mean_around(image, window) for image in grays)
+        own, known = (np.maximum(_mean_around(image * image, window), 0) for image in (pattern, wall_pattern))
+        both = _mean_around(pattern * wall_pattern, window)
         like = both > least * np.sqrt(own * known)
         like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
         if like.any():
             factor = both / np.maximum(known, PATTERN_LEVELS**2)
             fits = FIT * factor * np.sqrt(known)
-            color, wall_color = (mean_around(coarse(image, HALF), window) for image in (seen, wall))
+            color, wall_color = (_mean_around(_coarse(image, HALF), window) for image in (seen, wall))
             rest = color - factor[..., None] * wall_color  # the glare
-            rest, factor, fits, liked = (fine(image, where.shape)
+            rest, factor, fits, liked = (_fine(image, where.shape)
                                          for image in (rest, factor, fits, like.astype(np.float32)))
             off = largest_difference(seen - rest, factor[..., None] * wall)
             shows |= (liked >= 0.5) & (off < noise + fits)

@@ -5,7 +5,7 @@ wall stands still, though the camera moves.
 """
 from __future__ import annotations
 
-from typing import Any, Callable, NamedTuple
+from typing import Callable, NamedTuple
 
 import cv2
 import numpy as np
@@ -163,7 +163,9 @@ class WallModel:
         self._count = min(self._count + 1, MEAN_OF)
         binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
                            VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
-        usual = quantile(self._variance[::SAMPLE_PX, ::SAMPLE_PX].ravel(), 50)
+        sample = self._variance[::SAMPLE_PX, ::SAMPLE_PX].ravel()
+        middle = (sample.size - 1) // 2
+        usual = np.partition(sample, middle)[middle]  # np.median is slower
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 
     def _learn_front(self, seen: Image, labels: Integers, count: int, passed: float,
@@ -195,12 +197,6 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
-
-
-def quantile(values: Floats, percent: int) -> Any:
-    """The value that ``percent`` of n values, (n, ...), are below, of each column. np.percentile is slower."""
-    place = (len(values) - 1) * percent // 100
-    return np.partition(values, place, axis=0)[place]
 
 
 def _times(image: Floats, factors: Floats) -> Floats:

@@ -247,7 +247,7 @@ class AreaTracker:
         if self._displaced:
             if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
                 self._start(tags)
-        elif self._motion is not None and len(agreed) >= 3 and has_searched:
+        elif has_searched and self._motion is not None and len(agreed) >= 3:
             self._further.learn(layout, self._motion, seen, agreed)
 
     def _note_displaced(self, layout: Layout, ids: set[int]) -> None:

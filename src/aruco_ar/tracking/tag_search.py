@@ -109,8 +109,10 @@ class FrameSearch:
 
     def find_near(self, expected: Mapping[int, Floats]) -> list[Tag]:
         """The tags found near their expected places, {id: (4, 2) pixels}."""
-        if self._tags is not None or not expected:
-            return [tag for tag in self._tags or () if tag.id in expected]
+        if not expected:
+            return []
+        if self._tags is not None:
+            return [tag for tag in self._tags if tag.id in expected]
         missing = [tag_id for tag_id in expected if tag_id not in self._near]
         quads = self._distorted([expected[tag_id] for tag_id in missing])
         self._near.update((tag.id, [tag]) for tag in self._detector.find_shifted(self.frame, missing, quads))

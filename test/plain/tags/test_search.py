@@ -57,6 +57,15 @@ def test_the_thorough_search_finds_far_and_slanted_tags_that_the_normal_one_miss
     assert found['thorough'] > found['normal'] + 3
 
 
+@pytest.mark.parametrize('width, slant', [(9, 0), (15, 60)])
+def test_both_searches_find_tags_that_are_a_little_nearer(width, slant):
+    for search in ('normal', 'thorough'):
+        seen = [({tag.id for tag in Detector(search=search).detect(frame)}, set(ids))
+                for frame, ids in views(width, slant)]
+        assert all(found <= ids for found, ids in seen)
+        assert sum(len(found) for found, _ in seen) >= 0.85 * FRAMES * TAGS
+
+
 @pytest.mark.parametrize('search', SEARCHES)
 def test_near_tags_are_found_to_a_fraction_of_a_pixel(wall, search):
     for pose in Pose(-2.2, 0, 0), Pose(-1.9, 0.6, -0.3):
