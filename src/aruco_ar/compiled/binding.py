@@ -85,6 +85,9 @@ _correct_motion = _function('correct_motion', _Array, _LONG, *[_Array] * 4, _DOU
 _find_deviation = _function('find_deviation', _Array, _Array)
 _unlikeliness = _function('unlikeliness', _Array, _LONG, *[_Array] * 3, result=_DOUBLE)
 _project = _function('project', _Array, _LONG, *[_Array] * 2)
+_learn_patches = _function('learn_patches', _Array, *[_INT] * 3, *[_Array] * 2, result=_INT)
+_align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, *[_INT] * 2, *[_Array] * 3,
+                           result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
@@ -107,6 +110,8 @@ BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
 BELIEF_SIZE, FLATNESS_SIZE = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('belief_size', 'flatness_size'))
+WALL_LEVELS, PATCH_WIDTH, PATCH_SIZE = (
+    _INT.in_dll(_C, 'unit5_' + name).value for name in ('wall_levels', 'patch_width', 'patch_size'))
 PLANES = _INT.in_dll(_C, 'unit5_plane_count').value
 # The positions of the profiles along an edge: 0 is where the edge starts, 1 where it ends.
 PROFILE_POSITIONS = np.ctypeslib.as_array(
@@ -324,6 +329,40 @@ def project(motion: Floats, points: Numbers) -> Floats:
     pixels = np.empty(points.shape)
     _project(_known_motion(motion), points.size // 2, points, pixels)
     return pixels
+
+
+def learn_patches(image: Floats, points: Numbers) -> Floats:
+    """(WALL_LEVELS, n, PATCH_SIZE) float32: what align_patches needs of an image, around points, (n, 2).
+
+    ``image``: (h, w) float32, gray. Points are relative to its middle, in halves of its width.
+    """
+    image, points = _wall_image(image), _points(points)
+    patches = np.empty((WALL_LEVELS, len(points), PATCH_SIZE), np.float32)
+    if not _learn_patches(image, *image.shape[::-1], len(points), points, patches):
+        raise MemoryError
+    return patches
+
+
+def align_patches(image: Floats, patches: Floats, places: Numbers, usable: Booleans, coarsest: int,
+                  only_compare: bool = False) -> tuple[Floats, Floats, Floats]:
+    """See Texture in tracking/texture.py, and unit5.h: the warps, the likeness and what the patches are off.
+
+    These are (WALL_LEVELS, 3, 3) float64, (WALL_LEVELS, n) float32 and (WALL_LEVELS, n, 2) float32.
+    ``image``: (h, w) float32. ``places``: (n, 2). ``usable``: (n,) bool. ``coarsest``: the first level, 0 for
+    the finest; all is 0 for those above. ``only_compare``: whether the patches stay where they are.
+    """
+    image, places = _wall_image(image), _points(places)
+    count = len(places)
+    patches = _packed('patches', patches, np.float32, (WALL_LEVELS, count, PATCH_SIZE))
+    usable = _packed('usable patches', usable, bool, (count,))
+    if not 0 <= coarsest < WALL_LEVELS:
+        raise InputError('A wall has no level %s; choose from 0 to %d.' % (coarsest, WALL_LEVELS - 1))
+    warps, likeness = np.zeros((WALL_LEVELS, 3, 3)), np.zeros((WALL_LEVELS, count), np.float32)
+    off = np.zeros((WALL_LEVELS, count, 2), np.float32)
+    if not _align_patches(image, *image.shape[::-1], count, patches, places, usable, coarsest, only_compare,
+                          warps, likeness, off):
+        raise MemoryError
+    return warps, likeness, off
 
 
 def mix_picture(window: Image, picture: Image, mask: Image, opacity: float) -> tuple[Image, Image]:
@@ -569,6 +608,22 @@ def _measurement(*arrays: Any) -> Any:
     if not count or count % 4:
         raise InputError('A measurement has %d points; give four for each tag, of at least one tag.' % count)
     return points, pixels, deviation, bias
+
+
+def _wall_image(image: Any) -> Any:
+    """A gray image, (h, w) float32, checked."""
+    image = _packed('image', image, np.float32, ('h', 'w'))
+    if min(image.shape) < 2**(WALL_LEVELS - 1):
+        raise InputError('The image is %d x %d pixels large; give one of at least %d each way.'
+                         % (*image.shape[::-1], 2**(WALL_LEVELS - 1)))
+    return image
+
+
+def _points(points: Any) -> Any:
+    """Points, (n, 2) float64, checked."""
+    points = _numbers(points, np.float64)
+    check_array('points', points, np.float64, (len(points) if points.ndim else 0, 2))
+    return points
 
 
 def _frame(frame: Any) -> Any:

@@ -125,6 +125,23 @@ double unit5_unlikeliness(const Motion *motion, int64_t count, const double *poi
 /* ``points``: (count, 2). ``pixels``: (count, 2), written. */
 void unit5_project(const Motion *motion, int64_t count, const double *points, double *pixels);
 
+/* align.c, for texture.py. ``image``: (height, width), gray, and at least 2^(unit5_wall_levels - 1) pixels each way.
+   Positions are relative to its middle, in halves of its width. ``patches``: (wall_levels, count, patch_size). */
+
+extern const int unit5_wall_levels, unit5_patch_width, unit5_patch_size;
+
+/* Write ``patches``: what the image shows around ``points``, (count, 2). */
+int unit5_learn_patches(float *image, int width, int height, int count, const double *points, float *patches);
+
+/* Align patches of the wall with an image in which it is seen. ``places``: (count, 2), of the patches on the wall.
+   ``usable``: (count), which of them are used. ``coarsest``: the level to begin with, less than wall_levels; 0 is the
+   finest. ``only_compare``: whether they stay where they are. For these levels, writes ``warps``: (wall_levels, 3, 3),
+   the homography from the wall to the image, as it is known after each of them; ``likeness``: (wall_levels, count), the
+   correlations; and ``off``: (wall_levels, count, 2), how many pixels of that level each patch alone is off. */
+int unit5_align_patches(float *image, int width, int height, int count, const float *patches, const double *places,
+                        const uint8_t *usable, int coarsest, int only_compare, double *warps, float *likeness,
+                        float *off);
+
 /* mix.c, for paint.py. All images are of one size. ``window`` and ``mask`` are BGR, ``picture`` is BGR or BGRA.
    ``opacity``: 0 to 255. Writes ``hidden`` and ``shown``: (height, width, 3), the window's and the picture's colors,
    multiplied by how much the picture covers. */

@@ -16,11 +16,13 @@ from aruco_ar.tags.tag import Tag
 
 from .area import Area
 from .frame_clock import FrameClock
-from .layout import FurtherTags, Layout, NewLayout
+from .layout import FurtherTags, Layout, NewLayout, tolerance_of
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
 from .no_area import NEVER_SEEN, why_no_area
+from .sharpness import Sharpness
 from .sight import SeenArea
+from .strays import Strays
 from .tag_search import ANY_SIDE, FrameSearch, expected_places, found_tags
 from .texture import Texture
 
@@ -28,7 +30,7 @@ from .texture import Texture
 # places of known ones more exact. While all four are in sight, and there is nothing to learn, each search makes
 # the interval longer by as much, up to CALM times.
 SEARCH_S, CALM = 0.45, 4
-LATE_S = 0.1           # in a frame that was searched, the texture is not studied yet, unless it is late by this
+LATE_S = 0.1           # in a frame that was searched, the wall is not studied yet, unless it is late by this
 GAP_S = 0.5            # frames that are farther apart say nothing about the motion
 # A measurement that is more unlikely than this (see AreaMotion.unlikeliness) is not explained by
 # errors. If it is more unlikely than the second limit, a jerk of the camera does not explain it either.
@@ -40,9 +42,11 @@ MAX_DEVIATION = 0.029
 # moved by the second.
 MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
-# Texture is used if no tag agrees. It is also used if fewer than ENOUGH_TAGS agree and a corner's deviation is
-# above OPEN_PX. It is used for TEXTURE_S after the last tag, since the tags may have been taken off the wall.
-ENOUGH_TAGS, OPEN_PX, TEXTURE_S = 3, 2.0, 15.0
+# The wall's look is asked where the area is if motion has blurred a tag, if fewer than ENOUGH_TAGS are in their
+# places, if one of the four is not and a corner's deviation was above OPEN_PX, or if tags contradict what is
+# expected. But it is not asked later than LOOK_S after the last tag.
+ENOUGH_TAGS, OPEN_PX, LOOK_S = 3, 0.3, 15.0
+REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the tags are looked for anew
 
 
 @dataclass(frozen=True)
@@ -74,6 +78,7 @@ class AreaTracker:
             raise InputError('The value "%s" of upright is unknown; choose one of %s.'
                              % (upright, ', '.join(UPRIGHT)))
         self._ids, self._upright = frozenset(ids), upright
+        self._frame: Image | None = None  # while it is looked at
         self.reset()
 
     @property
@@ -108,8 +113,8 @@ class AreaTracker:
             return "The wall's texture shows it."
         if self._shown:
             return 'It is held in its predicted place, since nothing shows it at the moment.'
-        if self._clock.now - self._tags_agreed_at > TEXTURE_S:
-            return 'None of its tags has been in sight for %g s.' % TEXTURE_S
+        if self._clock.now - self._tags_agreed_at > LOOK_S:
+            return 'None of its tags has been in sight for %g s.' % LOOK_S
         return "Neither its tags nor the wall's texture show where it is."
 
     @property
@@ -153,7 +158,15 @@ class AreaTracker:
         self._predict(passed, hold)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
-        others = search.find_near({tag_id: expected[tag_id] for tag_id in missing})
+        self._frame = search.frame
+        self._recognized = False
+        if self._needs_look(self._layout, seen) and self._use_look(seen):
+            before, expected = expected, expected_places(self._layout, self._motion)
+            if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
+                seen, missing = search.fit_expected(self._layout, expected)
+        # While the wall's look is recognized, a tag is looked for beside its place only when it was just lost.
+        others = search.find_near({tag_id: expected[tag_id] for tag_id in missing
+                                   if not self._recognized or tag_id not in self._lost})
         lost = frozenset(missing) - {tag.id for tag in others}
         # The whole frame is searched at times, for new tags, displaced tags and another wall. A lost tag
         # may be displaced.
@@ -172,9 +185,11 @@ class AreaTracker:
         else:
             self._use_tags(self._layout, nearby, found)
             if self._motion is not None and not self._displaced:
-                self._use_texture(search.frame, self._layout, self._motion)
+                self._learn_look(search.frame, self._layout, self._motion)
+        self._frame = None
         area = self._area(hold)
         self._shown = area is not None
+        self._deviation = np.inf if self._motion is None else float(self._motion.deviation.max())
         return SeenArea(area, tuple(self.tags), tuple(self.repeated), self.located, self.explanation,
                         self.shortfall)
 
@@ -187,10 +202,14 @@ class AreaTracker:
         self._seen = {tag.id: tag for tag in tags}
         self._repeated = [tag for tag in tags if self._seen[tag.id] is not tag]
         self._texture = Texture(self._lens)
-        self._recognized = False  # whether the last frame showed the texture
+        self._recognized = False  # whether the last frame showed the wall's look
+        self._sharpness = Sharpness()
+        self._is_sharp = False    # whether all four tags agreed in the last frame, and were sharp
         self._agreed: list[int] = []  # the tags that agreed in the last frame
         self._layout = self._layout_of(tags)
         self._motion: AreaMotion | None = None
+        self._strays = Strays()
+        self._deviation = np.inf  # of the corners in the last frame, pixels
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
         self._lost: frozenset[int] = frozenset()  # those of the four that were not found in the last frame
         self._further, self._new_layout = FurtherTags(), NewLayout()
@@ -235,6 +254,8 @@ class AreaTracker:
         self._seen = seen
         known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
         agreed, moved_on = self._take_in(layout, known)
+        has_all = set(agreed) >= set(layout.ids)
+        self._is_sharp = has_all and self._sharpness.take_in(seen[tag_id] for tag_id in layout.ids)
         if has_searched:
             has_learned = len(seen) == len(known) and layout.is_exact
             self._calm = min(self._calm + 1, CALM) if has_learned else 1
@@ -243,15 +264,21 @@ class AreaTracker:
             if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
                 self._start(tags)
                 return
-            self._note_displaced(layout, set(known) - set(agreed))
+            self._note_displaced(layout, known, set(known) - set(agreed))
         if self._displaced:
             if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
                 self._start(tags)
-        elif has_searched and self._motion is not None and len(agreed) >= 3:
+        elif has_searched and self._motion is not None and len(agreed) >= 3 and (self._is_sharp or not has_all):
             self._further.learn(layout, self._motion, seen, agreed)
 
-    def _note_displaced(self, layout: Layout, ids: set[int]) -> None:
-        """Take in which tags are not in their places. Those that do not span the area are forgotten."""
+    def _note_displaced(self, layout: Layout, seen: Mapping[int, Tag], ids: set[int]) -> None:
+        """Take in which of the known tags, {id: Tag}, are not in their places.
+
+        Those that do not span the area are forgotten.
+        """
+        if self._recognized and self._motion is not None:
+            places = self._motion.project(layout.quads(ids)) if ids else ()
+            ids = self._strays.find(seen, dict(zip(ids, places)), self._clock.now)
         self._displaced |= ids
         for tag_id in self._displaced - set(layout.ids):
             layout.forget(tag_id)
@@ -275,8 +302,14 @@ class AreaTracker:
             return [], False
         if self._motion is None:
             return self._locate(layout, seen), False
-        if self._motion.correct(*measurement(layout, seen, seen), UNLIKELY):
+        if self._recognized:
+            in_place = self._in_place(layout, seen)
+            if len(seen) < 2 * len(in_place) < 2 * len(seen) and len(layout.locate(seen)[1]) < len(seen):
+                seen = in_place
+        if self._agrees(layout, seen):
             return list(seen), True
+        if not self._recognized and not self._displaced and self._frame is not None and self._use_look(seen):
+            return self._correct(layout, seen)
         # Not all tags are in their places. Perhaps some are, or all are after a jerk of the camera.
         for motion, limit in (self._motion, UNLIKELY), (self._motion.after_jerk(), UNLIKELY_AFTER_JERK):
             agreed = consistent_tags(layout, seen, motion, limit)
@@ -290,9 +323,36 @@ class AreaTracker:
                 return anew, False
         if agreed:
             moved_on, self._motion = motion is self._motion, motion
-            motion.correct(*measurement(layout, seen, agreed))
+            telling = self._telling({tag_id: seen[tag_id] for tag_id in agreed})
+            if telling:
+                motion.correct(*measurement(layout, seen, telling))
             return agreed, moved_on
         return [], False
+
+    def _in_place(self, layout: Layout, seen: Mapping[int, Tag]) -> dict[int, Tag]:
+        """Those of the tags, {id: Tag}, that are where the motion says."""
+        assert self._motion is not None
+        quads = np.array([tag.corners for tag in seen.values()])
+        off = np.linalg.norm(self._motion.project(layout.quads(seen)) - quads, axis=2).max(axis=1)
+        return {tag_id: tag for (tag_id, tag), fits in zip(seen.items(), off < tolerance_of(quads)) if fits}
+
+    def _telling(self, seen: Mapping[int, Tag]) -> Mapping[int, Tag]:
+        """Those of the tags, {id: Tag}, that correct the motion: all, or those that are sharp.
+
+        When motion blurs tags, the wall's look says better where they are.
+        """
+        if not self._recognized:
+            return seen
+        return {tag_id: tag for tag_id, tag in seen.items() if not self._sharpness.is_blurred(tag)}
+
+    def _agrees(self, layout: Layout, seen: Mapping[int, Tag]) -> bool:
+        """Whether tags, {id: Tag}, agree with the motion, which they correct then."""
+        assert self._motion is not None
+        telling = self._telling(seen)
+        if len(telling) < len(seen) and self._motion.unlikeliness(
+                *measurement(layout, seen, seen)[:3]) > UNLIKELY:
+            return False
+        return not telling or self._motion.correct(*measurement(layout, telling, telling), UNLIKELY)
 
     def _locate(self, layout: Layout, seen: Mapping[int, Tag], least: int = 1) -> list[int]:
         """Start the motion anew from one frame, in which at least ``least`` tags agree.
@@ -306,28 +366,38 @@ class AreaTracker:
         self._certain_at = -np.inf
         return agreed
 
-    def _use_texture(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
-        """Learn the wall's texture while all four tags agree; correct the motion by it while too few agree."""
-        self._recognized = False
-        may_wait = LATE_S if self._searched_at == self._clock.now else 0
-        if set(self._agreed) >= set(layout.ids) and self._texture.is_due(self._clock.now - may_wait):
-            self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
-                                self._clock.now)
-        if (len(self._agreed) >= ENOUGH_TAGS or (self._agreed and motion.deviation.max() < OPEN_PX)
-                or self._clock.now - self._tags_agreed_at > TEXTURE_S):
-            return
-        found = self._texture.find(frame, motion.corners)
+    def _needs_look(self, layout: Layout, seen: Mapping[int, Tag]) -> bool:
+        """Whether to ask the wall's look where the area is. ``seen``: {id: Tag}, the tags in their places."""
+        if self._motion is None or self._displaced or self._clock.now - self._tags_agreed_at > LOOK_S:
+            return False
+        return (len(seen) < ENOUGH_TAGS or self._has_blurred(seen)
+                or (self._deviation > OPEN_PX and not set(layout.ids) <= set(seen)))
+
+    def _has_blurred(self, seen: Mapping[int, Tag]) -> bool:
+        return any(self._sharpness.is_blurred(tag) for tag in seen.values())
+
+    def _use_look(self, seen: Mapping[int, Tag]) -> bool:
+        """Correct the motion by the wall's look, and return whether that was recognized.
+
+        ``seen``: {id: Tag}, the tags in their places.
+        """
+        assert self._motion is not None and self._frame is not None
+        found = self._texture.find(self._frame, self._motion.corners, float(self._motion.deviation.max()),
+                                   not seen or self._has_blurred(seen))
         if found is None:
-            return
-        if motion.correct(*found, UNLIKELY):
-            self._recognized = True
-        elif not self._agreed:  # perhaps a jerk of the camera
-            self._motion = motion.after_jerk()
-            self._recognized = self._motion.correct(*found, UNLIKELY_AFTER_JERK)
-            if not self._recognized:
-                self._motion = motion
-        if self._recognized:
-            self._located_at = self._clock.now
+            return False
+        for motion, limit in (self._motion, UNLIKELY), (self._motion.after_jerk(), UNLIKELY_AFTER_JERK):
+            if motion.correct(*found, limit):
+                self._motion, self._recognized, self._located_at = motion, True, self._clock.now
+                return True
+        return False
+
+    def _learn_look(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
+        """Learn the wall's look while all four tags agree, and are sharp."""
+        may_wait = LATE_S if self._searched_at == self._clock.now else 0
+        if self._is_sharp and self._texture.is_due(self._clock.now - may_wait):
+            self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
+                                float(motion.deviation.max()), self._clock.now)
 
     def _area(self, hold: float) -> Area | None:
         """The Area, if it is known well enough, or None."""

@@ -14,11 +14,13 @@ from rig import PACKAGE
 from benchmark.course import Course
 from benchmark.simulated.speed import timed
 
+from .jerks import with_jerks
 from .truth import Camera, truth_of
 
 CLIPS = os.path.join(PACKAGE, '..', 'shared', 'videos')
 KNOWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'known')  # YAML files of published clips
 USUAL_FRAMES_PER_S = 30.0  # if a video does not say
+JERKED_FRAMES_PER_S = 15    # of a clip with jerks, about
 WRONG = 0.05               # times the longer side of the area: if a corner is farther off, the area is wrong
 
 
@@ -143,16 +145,31 @@ def measure(clip, chart=None):
     truth, by = truth_of(frames, clip.dictionary, clip.ids, clip.lens((width, height)))
     course, ours = follow(clip, frames, rate)
     name = '%s, %d x %d, %d frames, by %s' % (os.path.basename(clip.path), width, height, len(frames), by)
+    rows = _print_rows(name, truth, course, ours)
+    _print_rows('  with jerks of the camera', *_with_jerks(clip, frames, truth, rate))
+    if chart is not None:
+        from benchmark.report.chart import draw  # needs matplotlib, which nothing else here does
+        stamps = np.arange(len(frames)) / rate
+        draw(chart, os.path.basename(clip.path), stamps, course.corners, ours.corners, truth)
+    return rows
+
+
+def _with_jerks(clip, frames, truth, rate):
+    """The truth, and what both methods find, if the camera jerks; see jerks.py. Only smeared frames count."""
+    step = max(round(rate / JERKED_FRAMES_PER_S), 1)
+    jerked, corners, smeared = with_jerks(frames[::step], truth[::step])
+    found = follow(clip, jerked, rate / step)
+    return (np.where(smeared[:, None, None], corners, np.nan), *found)
+
+
+def _print_rows(name, truth, course, ours):
+    """Print the lines of both methods, and return what they show."""
     rows = {'course': summary(course, truth), 'ours': summary(ours, truth)}
     for method, row in rows.items():
         tell('%-42s %-9s %5d %8d %6.2f %6.2f %6.1f %6d %6d %7.2f%s' % (
             name if method == 'course' else '', method, row['area'], row['compared'], row['rms'], row['wobble'],
             row['worst'], row['wrong'], row['turned'], row['ms'],
             ' = 1/%.1f' % (rows['course']['ms'] / row['ms']) if method == 'ours' else ''))
-    if chart is not None:
-        from benchmark.report.chart import draw  # needs matplotlib, which nothing else here does
-        stamps = np.arange(len(frames)) / rate
-        draw(chart, os.path.basename(clip.path), stamps, course.corners, ours.corners, truth)
     return rows
 
 
@@ -165,7 +182,9 @@ def run(folder, chart):
     print('\nReal clips: tags and area, on one thread. Errors are in pixels. The truth does not depend on the\n'
           'four tags: it comes from the other tags of the plane, or from its texture. wobble: the change of\n'
           'the error from frame to frame. wrong: a corner is off by more than 5 %% of the longer side.\n'
-          'turned: the picture jumps by a quarter turn.\n\n%s' % HEAD)
+          'turned: the picture jumps by a quarter turn. With jerks: in each 16th frame, some 15 a second, the\n'
+          'camera turns by 4.7 %% of the width in two frames, which smears them; only these are compared.\n\n%s'
+          % HEAD)
     base, suffix = os.path.splitext(chart)
     charts = ['%s-%s%s' % (base, os.path.splitext(os.path.basename(clip.path))[0], suffix) for clip in clips]
     for clip, path in progress(list(zip(clips, charts)), 'clips'):

@@ -148,6 +148,18 @@ def of_project():
     return binding.project, {key: array for key, array in started().items() if key in ('motion', 'points')}
 
 
+def of_learn_patches():
+    image = cv2.cvtColor(frame_with_tag()[0], cv2.COLOR_BGR2GRAY).astype(np.float32)
+    return binding.learn_patches, {'image': image, 'points': np.float64([[-0.7, -0.5], [0.1, 0.0], [0.9, 0.7]])}
+
+
+def of_align_patches():
+    learn, arrays = of_learn_patches()
+    return lambda **arrays: binding.align_patches(**arrays, coarsest=binding.WALL_LEVELS - 1), {
+        'image': arrays['image'], 'patches': learn(**arrays), 'places': arrays['points'] + 0.02,
+        'usable': np.array([True, True, False])}
+
+
 def of_mix_picture():
     random = np.random.RandomState(3)
     window, mask = (random.randint(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8) for _ in range(2))
@@ -266,13 +278,13 @@ MADE = {made.__name__[3:]: made for made in
         (of_fit_tags, of_compare_tags, of_check_tags, of_sample_cells, of_guess_tags, of_find_quads,
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
-         of_unlikeliness, of_project, of_mix_picture, of_light_picture, of_find_pose_pairs,
-         of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
-         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
+         of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
+         of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others,
+         of_add_off, of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
-CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'points', 'pixels',
-             'deviation', 'bias', *(
+CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'points', 'places',
+             'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
@@ -383,6 +395,9 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('find_room', 'quads'): other.shape[1:] == (4, 2),
                 ('find_convex', 'quads'): other.shape[-2:] == (4, 2),
                 ('project', 'points'): other.shape[-1:] == (2,),
+                ('learn_patches', 'points'): other.shape[1:] == (2,),
+                **{(name, 'image'): other.ndim == 2 and min(other.shape) >= 8
+                   for name in ('learn_patches', 'align_patches')},
                 ('find_quads', 'gray'): other.ndim == 2 and other.size,
                 ('guess_tags', 'others'): other.shape == (0, 4, 2)}.get((name, argument))
         if fits:
@@ -450,6 +465,28 @@ def test_there_is_room_for_any_number_of_quadrilaterals():
     gray = np.full((480, 640), 200, np.uint8)
     gray.reshape(60, 8, 80, 8)[:, 1:6, :, 1:6] = 30
     assert len(binding.find_quads(gray, 15, 10)) == 60 * 80 > binding.USUAL_QUADS
+
+
+@pytest.mark.parametrize('size', [(7, 30), (30, 7), (1, 1)])
+def test_a_wall_that_is_aligned_is_not_tiny(size):
+    with pytest.raises(InputError, match='is %d x %d pixels large; give one of at least 8' % size[::-1]):
+        binding.learn_patches(np.zeros(size, np.float32), np.zeros((1, 2)))
+    assert not binding.learn_patches(np.zeros((8, 8), np.float32), np.zeros((1, 2))).any()
+
+
+@pytest.mark.parametrize('level', [-1, 4])
+def test_a_wall_is_aligned_in_a_level_that_there_is(level):
+    _, arrays = of_align_patches()
+    with pytest.raises(InputError, match='has no level %d; choose from 0 to 3' % level):
+        binding.align_patches(**arrays, coarsest=level)
+
+
+@pytest.mark.parametrize('place', [np.nan, np.inf, 1e30, -5])
+def test_a_wall_may_be_aligned_anywhere(place):
+    _, arrays = of_align_patches()
+    result_of('align_patches', places=np.full_like(arrays['places'], place))
+    result_of('align_patches', image=np.full_like(arrays['image'], place))
+    binding.learn_patches(arrays['image'], np.full((3, 2), place))
 
 
 @pytest.mark.parametrize('tag, words', [

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from benchmark.real_clips import clips as real
+from benchmark.real_clips.jerks import with_jerks
 from benchmark.real_clips.truth import truth_of
 
 TRUTH_PX = 0.8  # the truth itself may be off by this much, and by more where few other tags show it
@@ -39,6 +40,20 @@ def test_the_area_sticks_and_is_never_wrong(filmed):
     least, rms, wobble = STICKS[name]
     assert ours['area'] >= least and ours['wrong'] == ours['turned'] == 0
     assert ours['rms'] < rms and ours['wobble'] < wobble
+
+
+@pytest.mark.clips
+def test_the_area_sticks_in_frames_that_a_jerk_of_the_camera_smears(filmed):
+    name, clip, frames, rate, truth = filmed
+    if name != 'board.mp4':
+        pytest.skip('in %s, most frames show too few tags for a truth' % name)
+    jerked, truth, smeared = with_jerks(frames[::2], truth[::2])
+    tracker, errors = Tracker(clip.dictionary, clip.ids), []
+    for number, frame in enumerate(jerked):
+        area = tracker.update(frame, 2 * number / rate)
+        if smeared[number]:
+            errors.append(np.linalg.norm(real.errors_of(area.corners[None], truth[number][None])[0], axis=1))
+    assert len(errors) == 10 and np.max(errors) < 2
 
 
 @pytest.mark.clips
