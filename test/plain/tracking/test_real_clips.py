@@ -13,7 +13,7 @@ TRUTH_PX = 0.8  # the truth itself may be off by this much, and by more where fe
 
 # All tests of a clip run in one process, since its truth takes long.
 @pytest.fixture(scope='module', params=[pytest.param(name, marks=pytest.mark.xdist_group(name))
-                                        for name in ('board.mp4', 'dark.mp4', 'turned.avi')])
+                                        for name in ('board.mp4', 'dark.mp4', 'pushed.mp4', 'turned.avi')])
 def filmed(request):
     """(name, Clip, frames, frames per second, truth) of a clip."""
     if not os.path.isdir(real.CLIPS):
@@ -24,8 +24,10 @@ def filmed(request):
     return request.param, clip, frames, rate, truth
 
 
-# For each clip: the least number of frames with an area, and the largest rms and wobble, pixels.
-STICKS = {'board.mp4': (161, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.25), 'turned.avi': (43, 0.6, 0.4)}
+# For each clip: the least number of frames with an area, and the largest rms and wobble, pixels. The lens of
+# pushed.mp4 bends the sheet, and a hand lifts a corner of it.
+STICKS = {'board.mp4': (161, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.25), 'pushed.mp4': (73, 2.2, 1.3),
+          'turned.avi': (43, 0.6, 0.4)}
 
 
 @pytest.mark.clips
@@ -59,7 +61,9 @@ def test_the_area_sticks_in_frames_that_a_jerk_of_the_camera_smears(filmed):
 @pytest.mark.clips
 @pytest.mark.parametrize('step', [1, 8], ids=['every frame', 'every eighth frame'])
 def test_a_corner_is_rarely_off_by_more_than_it_is_said_to_be(filmed, step):
-    _, clip, frames, rate, truth = filmed
+    name, clip, frames, rate, truth = filmed
+    if name == 'pushed.mp4':
+        pytest.skip('the lens of pushed.mp4, which is not known here, bends the sheet')
     tracker, beyond = Tracker(clip.dictionary, clip.ids), []
     for number in range(0, len(frames), step):
         area = tracker.update(frames[number], number / rate)

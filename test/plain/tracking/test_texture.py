@@ -56,15 +56,13 @@ def test_the_area_stays_while_the_camera_is_blurred_for_long(smear, most):
 
 @pytest.mark.long
 def test_a_tag_on_a_bent_corner_of_the_sheet_does_not_drag_the_area(painting):
-    """For a moment, one tag is seen beside its place; all others and the wall stay."""
+    """For a moment, one tag is seen beside its place. The wall and the other tags stay."""
     frames = list(drive(STILL, 75, wall=painting, noise=1.0))
-    quad = np.int32(frames[0].corners[2]) + [[-60, -60], [60, 60]]
-    (left, top), (right, bottom) = quad
+    (left, top), (right, bottom) = np.int32(frames[0].corners[2]) + [[-60, -60], [60, 60]]
     for frame in frames[60:66]:
-        part = frame.image[top:bottom, left:right].copy()
-        frame.image[top - 8:bottom - 8, left + 8:right + 8] = part
+        frame.image[top - 10:bottom - 10, left + 10:right + 10] = frame.image[top:bottom, left:right].copy()
     errors = follow(Tracker(), frames)
-    assert not np.isnan(errors).any() and errors.max() < 1.5
+    assert not np.isnan(errors).any() and errors.max() < 1
 
 
 @pytest.mark.long
