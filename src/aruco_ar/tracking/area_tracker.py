@@ -278,7 +278,7 @@ class AreaTracker:
         """
         if self._recognized and self._motion is not None:
             places = self._motion.project(layout.quads(ids)) if ids else ()
-            ids = self._strays.find(seen, dict(zip(ids, places)), self._clock.now)
+            ids = self._strays.moved(seen, dict(zip(ids, places)))
         self._displaced |= ids
         for tag_id in self._displaced - set(layout.ids):
             layout.forget(tag_id)
@@ -304,9 +304,14 @@ class AreaTracker:
             return self._locate(layout, seen), False
         if self._recognized:
             in_place = self._in_place(layout, seen)
-            if len(seen) < 2 * len(in_place) < 2 * len(seen) and len(layout.locate(seen)[1]) < len(seen):
+            if self._strays.note(set(self._telling(seen)) - set(in_place), self._clock.now):
+                # The wall was learned when these tags were elsewhere, or seemed so.
+                self._texture, self._recognized = Texture(self._lens), False
+            elif len(seen) < 2 * len(in_place) < 2 * len(seen) and len(layout.locate(seen)[1]) < len(seen):
                 seen = in_place
         if self._agrees(layout, seen):
+            if not self._recognized:
+                self._strays.note((), self._clock.now)
             return list(seen), True
         if not self._recognized and not self._displaced and self._frame is not None and self._use_look(seen):
             return self._correct(layout, seen)
