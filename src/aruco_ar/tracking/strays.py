@@ -10,7 +10,7 @@ from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
 
 FAR = 0.5      # a tag that is farther off than this, in its sides, was moved
-STAYS_S = 0.5  # if a tag is off for this long, it does not only seem so
+STAYS_S = 0.4  # if a tag is off for this long, it does not only seem so
 
 
 class Strays:
