@@ -8,6 +8,7 @@
 
 #include "algebra.h"
 #include "unit5.h"
+#include "vectors.h"
 
 #define PATCH 12          /* pixels along each side of a patch */
 #define PIXELS (PATCH * PATCH)
@@ -30,11 +31,9 @@ const int unit5_wall_levels = LEVELS, unit5_patch_width = PATCH, unit5_patch_siz
 
 typedef struct { int width, height; float *pixels; } Level;
 
-/* Four pixels side by side, of which the processor computes all at once. */
-typedef float Four __attribute__((vector_size(16), aligned(4), may_alias));
+/* Four pixels side by side, anywhere in memory. */
+typedef Four Pixels __attribute__((aligned(4), may_alias));
 _Static_assert(PATCH % 4 == 0, "pixels are computed by fours");
-
-static float sum_of(Four values) { return values[0] + values[1] + values[2] + values[3]; }
 
 /* Make all levels of an image of floats, in which the first one stays. Returns NULL, or what is to be freed. */
 static float *make_levels(float *image, int width, int height, Level made[LEVELS])
@@ -88,14 +87,15 @@ static void take(const Level *image, Point middle, float gray[PIXELS])
     const float *row = image->pixels + (int64_t)top * width + left;
     for (int j = 0; j < PATCH; j++, row += width)
         for (int i = 0; i < PATCH; i += 4, gray += 4)
-            *(Four *)gray = weights[0] * *(const Four *)(row + i) + weights[1] * *(const Four *)(row + i + 1)
-                + weights[2] * *(const Four *)(row + width + i) + weights[3] * *(const Four *)(row + width + i + 1);
+            *(Pixels *)gray = weights[0] * *(const Pixels *)(row + i) + weights[1] * *(const Pixels *)(row + i + 1)
+                + weights[2] * *(const Pixels *)(row + width + i) + weights[3] * *(const Pixels *)(row + width + i + 1);
 }
 
 /* Make the mean 0 and the deviation 1. Returns the deviation that it was. */
 static float normalize(float gray[PIXELS])
 {
-    Four *fours = (Four *)gray, sums = {0}, squares = {0};
+    Pixels *fours = (Pixels *)gray;
+    Four sums = {0}, squares = {0};
     for (int i = 0; i < PIXELS / 4; i++)
         sums += fours[i];
     float mean = sum_of(sums) / PIXELS;
@@ -152,8 +152,8 @@ static Seen compare_patch(const Level *image, const Patch *patch, Point at)
     take(image, at, gray);
     Seen seen = {.deviation = normalize(gray)};
     Four product = {0}, across = {0}, down = {0};
-    const Four *own = (const Four *)patch->gray, *right = (const Four *)patch->slopes[0];
-    const Four *below = (const Four *)patch->slopes[1], *here = (const Four *)gray;
+    const Pixels *own = (const Pixels *)patch->gray, *right = (const Pixels *)patch->slopes[0];
+    const Pixels *below = (const Pixels *)patch->slopes[1], *here = (const Pixels *)gray;
     for (int i = 0; i < PIXELS / 4; i++) {
         Four more = here[i] - own[i];
         product += here[i] * own[i];

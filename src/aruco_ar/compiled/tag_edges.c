@@ -7,6 +7,7 @@
    This is in C because it would need hundreds of calls of NumPy for each frame. */
 #include "tag_cells.h"
 #include "unit5.h"
+#include "vectors.h"
 
 #define PROFILES 12       /* profiles along each edge */
 #define FIRST 0.08f       /* the positions of the first and the last profile along the edge, 0 to 1: a rounded */
@@ -37,8 +38,7 @@ const float unit5_profile_positions[PROFILES] = {
     POSITION(0), POSITION(1), POSITION(2), POSITION(3), POSITION(4), POSITION(5),
     POSITION(6), POSITION(7), POSITION(8), POSITION(9), POSITION(10), POSITION(11)};
 
-/* Four profiles side by side, of which the processor computes all at once. */
-typedef float Four __attribute__((vector_size(16)));
+/* Profiles are computed by fours. */
 typedef int FourInts __attribute__((vector_size(16)));
 #define FOURS (PROFILES / 4)
 _Static_assert(PROFILES % 4 == 0, "profiles are computed by fours");
@@ -47,7 +47,6 @@ typedef Four Gray[SAMPLES][FOURS];
 typedef struct { float middle, slope; Four off[FOURS]; } Line;
 
 static Four numbers_of(int four) { return (Four){4 * four, 4 * four + 1, 4 * four + 2, 4 * four + 3}; }
-static float sum_of(Four values) { return values[0] + values[1] + values[2] + values[3]; }
 static Four larger_of(Four a, Four b)
 {
     FourInts first = a > b;

@@ -122,17 +122,21 @@ class Texture:
         multiple of four. It is None if too few points are recognized.
         """
         points = self._points
-        if points is None or np.count_nonzero(points.confirmed >= MIN_CONFIRMED) < MIN_POINTS:
+        if points is None:
             return None
-        scale, found = self._template.scale(corners), None
         usable = points.confirmed >= MIN_CONFIRMED
+        if np.count_nonzero(usable) < MIN_POINTS:
+            return None
         usable &= self._template.in_sight(points.seen, corners, frame.shape)
+        scale, found = self._template.scale(corners), None
+        rectified = self._template.rectified(frame, corners)
         if deviation < NEAR_PX * scale and not is_blurred:
-            found = self._align(points, frame, corners, usable, NEAR_LEVEL, False)
+            found = self._align(points, rectified, corners, usable, NEAR_LEVEL, False)
         if found is None:
-            found = self._align(points, frame, corners, usable, FAR_LEVEL, deviation > FAR_PX * scale)
+            found = self._align(points, rectified, corners, usable, FAR_LEVEL, deviation > FAR_PX * scale)
         if found is not None and found.moved > FAR_PX:  # once more, so that no patch is turned or resized
-            found = self._align(points, frame, found.corners, usable, NEAR_LEVEL, True)
+            rectified = self._template.rectified(frame, found.corners)
+            found = self._align(points, rectified, found.corners, usable, NEAR_LEVEL, True)
         if found is None:
             return None
         count = np.count_nonzero(found.good) // 4 * 4
@@ -141,17 +145,16 @@ class Texture:
         return (places, transform(homography_to(found.corners), places), np.full(count, error),
                 np.full(count, self._bias))
 
-    def _align(self, points: _Points, frame: Image, corners: Floats, usable: Booleans, level: int,
+    def _align(self, points: _Points, rectified: Floats, corners: Floats, usable: Booleans, coarsest: int,
                is_far: bool) -> _Fit | None:
         """Align the usable points, (n,) bool, with a frame, as finely as it shows them.
 
-        ``corners``: see find. ``level``: the coarsest one that is used. ``is_far``: whether the corners may be
-        far off.
+        ``rectified``: the frame, by ``corners``, for which see find. ``coarsest``: the level to begin with.
+        ``is_far``: whether the corners may be far off.
         """
         template = self._template
         warps, likeness, off = binding.align_patches(
-            template.rectified(frame, corners), points.patches,
-            template.relative(template.from_plane(points.places)), usable, level)
+            rectified, points.patches, template.relative(template.from_plane(points.places)), usable, coarsest)
         length = np.hypot(off[..., 0], off[..., 1])
         good = usable & (likeness > USABLE_LIKENESS) & (length < OUTLIER_PX)
         counts, count = good.sum(axis=1).tolist(), np.count_nonzero(usable)
