@@ -249,9 +249,11 @@ class FrameNode:
     @fault_barrier
     def _log_silence(self):
         """Log why no frames arrive, if the reason is not the one that was logged last."""
-        self._silent_since = time.monotonic()  # look again after another SILENCE_S
+        self._silent_since = asked = time.monotonic()  # look again after another SILENCE_S
         self._frame_problem = None  # it is older than the silence
         silence = self._explain_no_frames()
+        if self._silent_since != asked:
+            return  # while the master was asked, a frame arrived
         if silence != self._silence:
             self._silence = silence
             sentence, is_fine = silence

@@ -1,7 +1,13 @@
 """What a node reports about its health, from the frames that arrived, were answered, and were dropped."""
+import threading
+from types import SimpleNamespace
+
 import pytest
 from aruco_node.health import diagnostics as health
 from aruco_node.health.diagnostics import OK, WARN, FrameCount
+from aruco_node.nodes import frame_node
+from aruco_node.nodes.frame_node import FrameNode
+from sensor_msgs.msg import Image
 
 
 @pytest.fixture
@@ -83,3 +89,26 @@ def test_without_frames_the_rate_is_zero(clock):
     clock[0] += 6
     values = count.report()[2]
     assert (values['frame rate (Hz)'], values['tags in sight']) == ('0.0', 0)
+
+
+class NodeOfASilentCamera(FrameNode):
+    """What a FrameNode needs to tell of silence, without ROS. A frame arrives while it asks why, if wanted."""
+
+    def __init__(self, frame_arrives):
+        self._topic, self._message_class, self._processing = '/camera', Image, threading.Lock()
+        self._silence = None
+        self._frame_arrives = frame_arrives
+
+    def _explain_no_frames(self):
+        if self._frame_arrives:
+            self._on_message(None)
+        return 'Waiting for frames.', False
+
+
+@pytest.mark.parametrize('frame_arrives', [False, True])
+def test_silence_is_not_told_if_a_frame_arrives_while_its_reason_is_asked_for(monkeypatch, frame_arrives):
+    told = []
+    monkeypatch.setattr(frame_node, 'rospy', SimpleNamespace(logwarn=lambda *line: told.append(line)))
+    node = NodeOfASilentCamera(frame_arrives)
+    node._log_silence()
+    assert told == ([] if frame_arrives else [('%s', 'Waiting for frames.')])
