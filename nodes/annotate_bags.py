@@ -33,7 +33,7 @@ FOLDER = SOURCE if os.path.isdir(SOURCE) else HERE  # of the exercises; an insta
 EXERCISES = [number.replace('_', '.')
              for number in sorted(re.findall(r'\bexercise(5_\d+)\.py\b', ' '.join(os.listdir(FOLDER))))]
 # These parameters of nodes do not affect what is made of bags.
-OF_NODES = ('image_transport', 'folder', 'scale', 'areas', 'wall', 'camera_info', 'tag_frame', 'wall_frame',
+OF_NODES = ('image_transport', 'folder', 'scale', 'areas', 'camera_info', 'tag_frame', 'wall_frame',
             'robot_frame')
 PARAMETERS = [name for name in parameters_of(BagSettings) if name not in OF_NODES]
 
@@ -76,8 +76,9 @@ def settings(argv):
             given[name[1:]] = yaml.safe_load(text)
         except (yaml.YAMLError, ValueError):
             given[name[1:]] = text
-    if isinstance(given.get('picture'), str) and os.path.exists(given['picture']):
-        given['picture'] = os.path.abspath(given['picture'])  # otherwise it may be a picture of the package
+    for name in 'picture', 'wall':
+        if isinstance(given.get(name), str) and os.path.exists(given[name]):
+            given[name] = os.path.abspath(given[name])  # otherwise it may be a file of the package
     return read(BagSettings, given.get)
 
 
@@ -97,6 +98,7 @@ def main(argv):
             print('annotate_bags: %s' % fault, file=sys.stderr)
         task = Task(exercise(args.exercise), settings(argv), FOLDER)
         check_picture(task)
+        task.settings.remembered_wall()  # raises if it cannot be read
         jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
         began = time.monotonic()
         with locked(args.out), workers(args.scheduler, args.workers) as client:

@@ -40,7 +40,8 @@ class TagPoses(CameraNode):
     without_lens = 'Tags are found, but no poses: %s.'
 
     def __init__(self):
-        super().__init__(['image'], PoseSettings, True, lambda settings: PoseRunner(*settings))
+        super().__init__(['image'], PoseSettings, True,
+                         lambda settings: PoseRunner(settings[0], in_thread=True))
         self._publishers = {topic[1:]: self.advertise(topic, kind) for topic, kind, _ in TOPICS}
         self.result_topics = [publisher.resolved_name for publisher in self._publishers.values()]
         self._robot = Robot(self.settings.robot_frame, lambda: self._is_heard('robot_pose'))

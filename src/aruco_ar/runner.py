@@ -10,6 +10,7 @@ from .geometry.lens import Lens
 from .looks.hanging import Hanging
 from .painting.picture import Picture
 from .settings.settings import DetectionSettings, PictureSettings
+from .tracking.learned_wall import LearnedWall
 from .tracking.observer import FOUND, NEEDED, Observer, is_same_area
 from .tracking.sight import SeenArea, Sight
 
@@ -25,17 +26,18 @@ class Runner:
     """Runs an Exercise on the frames of a camera, once for each area."""
 
     def __init__(self, exercise: Exercise, settings: Sequence[DetectionSettings],
-                 open_source: Callable[[str], Source], previous: Runner | None = None) -> None:
+                 open_source: Callable[[str], Source], previous: Runner | None = None,
+                 in_thread: bool = False) -> None:
         """``settings``: the node's parameters, for each area.
 
         ``open_source``: a function that opens the Source that the parameter ``picture`` names. ``previous``:
         the Runner with the settings before a change. What it has learned and its sources are kept, as far as
-        their own settings are unchanged. Raises InputError.
+        their own settings are unchanged. ``in_thread``: see Observer. Raises InputError.
         """
-        self._exercise, self._open_source = exercise, open_source
+        self._exercise, self._open_source, self._in_thread = exercise, open_source, in_thread
         self._observer: Observer = Observer(settings, FOUND if TAGS in exercise.needs else NEEDED,
                                             AREA in exercise.needs,
-                                            None if previous is None else previous._observer)
+                                            None if previous is None else previous._observer, in_thread)
         opens = open_source if PICTURE in exercise.needs else None
         before: Sequence[_Canvas | None] = [None] * len(settings) if previous is None else previous._canvases
         self._canvases: list[_Canvas] = [_Canvas(own, opens, kept) for own, kept in zip(settings, before)]
@@ -63,7 +65,11 @@ class Runner:
 
     def changed(self, settings: Sequence[DetectionSettings]) -> Runner:
         """A new Runner with changed settings. This one is unchanged. Raises InputError."""
-        return Runner(self._exercise, settings, self._open_source, self)
+        return Runner(self._exercise, settings, self._open_source, self, self._in_thread)
+
+    def learned_walls(self) -> list[LearnedWall]:
+        """See Observer."""
+        return self._observer.learned_walls()
 
     def reset(self) -> None:
         """Forget all that was learned from frames."""

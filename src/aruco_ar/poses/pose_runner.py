@@ -11,6 +11,7 @@ from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.settings.settings import LEARN, PoseSettings
 from aruco_ar.tags.tag import DICTIONARIES
+from aruco_ar.tracking.learned_wall import LearnedWall
 from aruco_ar.tracking.observer import FOLLOWED, Observer
 from aruco_ar.tracking.sight import Sight
 from aruco_ar.walls.wall import Wall, load_wall
@@ -46,16 +47,19 @@ class Poses:
 class PoseRunner:
     """Estimates the poses in each frame of a camera, as a Runner runs an exercise."""
 
-    def __init__(self, settings: PoseSettings, previous: PoseRunner | None = None) -> None:
+    def __init__(self, settings: PoseSettings, previous: PoseRunner | None = None,
+                 in_thread: bool = False) -> None:
         """``previous``: the PoseRunner with the settings before a change. It keeps what is still of use.
 
-        Raises InputError if there is no such wall, or if its tags are of another dictionary.
+        ``in_thread``: see Observer. Raises InputError if there is no such wall, or if its tags are of another
+        dictionary.
         """
-        self._settings = settings
+        self._settings, self._in_thread = settings, in_thread
         self._lens_check: LensCheck = LensCheck() if previous is None else previous._lens_check
         self._others = {tag_id for tag_id, _ in settings.tag_sizes}  # tags of another size than most
         self._observer: Observer = Observer([settings], FOLLOWED,
-                                            previous=None if previous is None else previous._observer)
+                                            previous=None if previous is None else previous._observer,
+                                            in_thread=in_thread)
         self._wall: Wall | None
         self._estimator: PoseEstimator
         self._watch: WallWatch
@@ -87,7 +91,11 @@ class PoseRunner:
     def changed(self, settings: Sequence[PoseSettings]) -> PoseRunner:
         """A new PoseRunner with changed settings of its one area. This one is unchanged. Raises InputError."""
         own, = settings
-        return PoseRunner(own, self)
+        return PoseRunner(own, self, self._in_thread)
+
+    def learned_walls(self) -> list[LearnedWall]:
+        """See Observer."""
+        return self._observer.learned_walls()
 
     def reset(self) -> None:
         """Forget all that was learned from frames."""
@@ -101,8 +109,9 @@ class PoseRunner:
 
 
 def _load_wall(settings: PoseSettings) -> Wall | None:
-    """The Wall that settings name; None if it is learned."""
-    return None if settings.wall == LEARN else load_wall(in_package(settings.wall))
+    """The Wall that settings name; None if the places of its tags are learned."""
+    is_learned = settings.wall == LEARN or settings.is_wall_remembered
+    return None if is_learned else load_wall(in_package(settings.wall))
 
 
 def _check_dictionary(settings: PoseSettings, wall: Wall | None) -> None:

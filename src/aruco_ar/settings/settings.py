@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from aruco_ar.base.errors import InputError
+from aruco_ar.base.files import in_package
 from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, MAX_BORDER_CELLS, SIDE_M, tag_cells
+from aruco_ar.walls.remembered import WALL_SUFFIX, RememberedWall, load_remembered
 
 from .declaration import MAX_TEXT, Number, Settings, choice, number, parameters_of, parsed, text
 
@@ -99,6 +101,16 @@ class AreaSettings(LensSettings):
     upright: str = choice(
         'tags', UPRIGHT,
         "where the top of the picture is. tags: at the tags' own tops. image: at the top of the frame")
+    wall: str = text(
+        LEARN, 'learn, or the path of a file that ~save_wall wrote',
+        'what is known of the wall at first. learn: nothing. A file: what had been learned when the service '
+        '~save_wall wrote it')
+
+    def remembered_wall(self) -> RememberedWall | None:
+        """The RememberedWall that ``wall`` names, or None. Raises InputError if the file cannot be used."""
+        if self.wall == LEARN:
+            return None
+        return load_remembered(in_package(self.wall), self.dictionary, self.border)
 
 
 @dataclass(frozen=True)
@@ -162,9 +174,17 @@ class PoseSettings(AreaSettings):
         (), 'none, or ids and sides in meters, such as 7: 0.1, 8: 0.25',
         'sides of the tags that have another side than tag_size', _sizes, _sizes_as_text)
     wall: str = text(
-        LEARN, 'learn, or the path of a YAML file, which may be within the package',
-        'file that says where the tags are on the wall, as config/wall.yaml does. learn: this is learned from '
-        'the frames')
+        LEARN, 'learn, or the path of a file, which may be within the package',
+        'what is known of the wall at first. learn: nothing. A YAML file: where the tags are, as in '
+        'config/wall.yaml. A file that the service ~save_wall wrote: what had been learned of the area')
+
+    @property
+    def is_wall_remembered(self) -> bool:
+        """Whether ``wall`` names a file that ~save_wall wrote, and no YAML file."""
+        return self.wall.lower().endswith(WALL_SUFFIX)
+
+    def remembered_wall(self) -> RememberedWall | None:
+        return super().remembered_wall() if self.is_wall_remembered else None
 
     def __post_init__(self) -> None:
         """Raises InputError for a wrong value, and for a tag that has a size but is not in the dictionary."""

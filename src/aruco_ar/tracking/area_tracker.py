@@ -5,18 +5,23 @@ from dataclasses import dataclass
 from math import dist
 from typing import Iterable, Mapping, Sequence
 
+import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
+from aruco_ar.geometry.homography import transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
 from aruco_ar.settings.settings import UPRIGHT
 from aruco_ar.tags.tag import Tag
+from aruco_ar.walls.remembered import RememberedWall
 
 from .area import Area
+from .features import Views
 from .frame_clock import FrameClock
-from .layout import FurtherTags, Layout, NewLayout, tolerance_of
+from .layout import EXACT, UNIT_SQUARE, FurtherTags, Layout, NewLayout, tolerance_of
+from .learned_wall import LearnedWall
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
 from .no_area import NEVER_SEEN, why_no_area
@@ -25,6 +30,7 @@ from .sight import SeenArea
 from .strays import Strays
 from .tag_search import ANY_SIDE, FrameSearch, expected_places, found_tags
 from .texture import Texture
+from .wall_search import WallSearch
 
 # The whole frame is searched at intervals of SEARCH_S: for new tags, for those that were moved, and to make the
 # places of known ones more exact. While all four are in sight, and there is nothing to learn, each search makes
@@ -44,8 +50,8 @@ MAX_HELD_DEVIATION, MAX_HELD_MOVE = 0.03, 0.045
 ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
 # The wall's look is asked where the area is if motion has blurred a tag, if fewer than ENOUGH_TAGS are in their
 # places, if one of the four is not and a corner's deviation was above OPEN_PX, or if tags contradict what is
-# expected. But it is not asked later than LOOK_S after the last tag.
-ENOUGH_TAGS, OPEN_PX, LOOK_S = 3, 0.3, 15.0
+# expected.
+ENOUGH_TAGS, OPEN_PX = 3, 0.3
 REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the tags are looked for anew
 
 
@@ -70,14 +76,22 @@ class Nearby:
 class AreaTracker:
     """Tracks one area through a sequence of frames; see Tracker, which is one that also searches the frames.
 
-    ``ids``: those of the area's tags, or none for any. ``upright``: see Tracker.
+    ``ids``: those of the area's tags, or none for any. ``upright``: see Tracker. ``wall``: the RememberedWall
+    that is known from the first frame on, or None. ``in_thread``: see WallSearch. Raises InputError.
     """
 
-    def __init__(self, ids: Iterable[int] = (), upright: str = 'tags') -> None:
+    def __init__(self, ids: Iterable[int] = (), upright: str = 'tags', wall: RememberedWall | None = None,
+                 in_thread: bool = False) -> None:
         if upright not in UPRIGHT:
             raise InputError('The value "%s" of upright is unknown; choose one of %s.'
                              % (upright, ', '.join(UPRIGHT)))
         self._ids, self._upright = frozenset(ids), upright
+        self._wall, self._in_thread = wall, in_thread
+        if wall is not None and self._ids not in (frozenset(), frozenset(wall.ids)):
+            raise InputError('The remembered wall has its area between the tags %s, not between %s. Give these '
+                             'ids, or none.' % (_listed(wall.ids), _listed(sorted(self._ids))))
+        if wall is not None and wall.look is not None:
+            Texture.remembered(wall.look, None)  # raises if it does not fit
         self._frame: Image | None = None  # while it is looked at
         self.reset()
 
@@ -113,8 +127,6 @@ class AreaTracker:
             return "The wall's texture shows it."
         if self._shown:
             return 'It is held in its predicted place, since nothing shows it at the moment.'
-        if self._clock.now - self._tags_agreed_at > LOOK_S:
-            return 'None of its tags has been in sight for %g s.' % LOOK_S
         return "Neither its tags nor the wall's texture show where it is."
 
     @property
@@ -153,14 +165,16 @@ class AreaTracker:
             search.reset()
         passed = self._clock.advance(stamp)
         self._shape, self._lens = shape, search.lens
+        if self._layout is None and self._wall is not None:
+            self._recall(self._wall)
         if self._layout is None:
             return Nearby({}, [], {}, frozenset(), ANY_SIDE)
         self._predict(passed, hold)
+        self._frame = search.frame
+        self._recognized = self._motion is None and self._find_wall(search.frame)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
-        self._frame = search.frame
-        self._recognized = False
-        if self._needs_look(self._layout, seen) and self._use_look(seen):
+        if not self._recognized and self._needs_look(self._layout, seen) and self._use_look(seen):
             before, expected = expected, expected_places(self._layout, self._motion)
             if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
                 seen, missing = search.fit_expected(self._layout, expected)
@@ -193,6 +207,13 @@ class AreaTracker:
         return SeenArea(area, tuple(self.tags), tuple(self.repeated), self.located, self.explanation,
                         self.shortfall)
 
+    def learned(self) -> LearnedWall:
+        """What was learned of the wall so far. Raises InputError if that is not enough to know it again."""
+        places = {} if self._layout is None or self._displaced else self._layout.measured_places()
+        if self._layout is None or not places.keys() >= set(self._layout.ids):
+            raise InputError('The wall is not known yet. Show all four tags, sharp, for some seconds.')
+        return LearnedWall(tuple(self._layout.ids), places, self._texture.look, self._views.copy())
+
     def shows_area(self, tags: Sequence[Tag]) -> bool:
         """Whether these tags, with undistorted corners, span the area."""
         return self._layout_of(tags) is not None
@@ -201,7 +222,8 @@ class AreaTracker:
         """Start anew, with the area that these tags span, if they span one."""
         self._seen = {tag.id: tag for tag in tags}
         self._repeated = [tag for tag in tags if self._seen[tag.id] is not tag]
-        self._texture = Texture(self._lens)
+        self._texture, self._views = Texture(self._lens), Views()
+        self._wall_search: WallSearch | None = None  # for a wall that is remembered
         self._recognized = False  # whether the last frame showed the wall's look
         self._sharpness = Sharpness()
         self._is_sharp = False    # whether all four tags agreed in the last frame, and were sharp
@@ -220,6 +242,27 @@ class AreaTracker:
         if self._layout is not None:
             self._searched_at = self._clock.now
             self._take_in(self._layout, self._seen)
+
+    def _recall(self, wall: RememberedWall) -> None:
+        """Begin with what is remembered of a wall."""
+        self._layout = Layout(wall.ids, wall.places, EXACT)
+        if wall.look is not None:
+            self._texture = Texture.remembered(wall.look, self._lens)
+            self._wall_search = WallSearch(wall.features, self._in_thread)
+
+    def _find_wall(self, frame: Image) -> bool:
+        """Find a remembered wall without tags, and start the motion there. Returns whether it was found."""
+        if self._wall_search is None or self._displaced:
+            return False
+        corners = self._wall_search.find(frame, self._lens, self._clock.now)
+        # Features may deceive, so the look is compared as closely as if the wall could be anywhere.
+        found = None if corners is None else self._texture.find(frame, corners, np.inf, True)
+        if found is None:
+            return False
+        homography = np.asarray(cv2.findHomography(*found[:2])[0], np.float64)
+        self._motion = AreaMotion(transform(homography, UNIT_SQUARE), self._shape[::-1], *found)
+        self._located_at, self._certain_at = self._clock.now, -np.inf
+        return True
 
     def _counts(self, tag_id: int) -> bool:
         return not self._ids or tag_id in self._ids
@@ -373,7 +416,7 @@ class AreaTracker:
 
     def _needs_look(self, layout: Layout, seen: Mapping[int, Tag]) -> bool:
         """Whether to ask the wall's look where the area is. ``seen``: {id: Tag}, the tags in their places."""
-        if self._motion is None or self._displaced or self._clock.now - self._tags_agreed_at > LOOK_S:
+        if self._motion is None or self._displaced:
             return False
         return (len(seen) < ENOUGH_TAGS or self._has_blurred(seen)
                 or (self._deviation > OPEN_PX and not set(layout.ids) <= set(seen)))
@@ -403,6 +446,7 @@ class AreaTracker:
         if self._is_sharp and self._texture.is_due(self._clock.now - may_wait):
             self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
                                 float(motion.deviation.max()), self._clock.now)
+            self._views.take_in(frame, motion.corners, self._lens)
 
     def _area(self, hold: float) -> Area | None:
         """The Area, if it is known well enough, or None."""
@@ -429,3 +473,7 @@ class AreaTracker:
         ordered = order_coordinates(corners)
         on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
         return Area.from_undistorted(ordered, 1 / ratio if on_its_side else ratio, self._lens)
+
+
+def _listed(ids: Iterable[int]) -> str:
+    return ','.join(map(str, ids))

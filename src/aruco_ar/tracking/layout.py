@@ -41,18 +41,10 @@ class Layout:
     the wall.
     """
 
-    def __init__(self, tags: Sequence[Tag], corners: Floats, first: int | None = None) -> None:
-        """Make a Layout of tags in one frame. ``corners``: (4, 2), the area's. ``first``: see from_tags."""
-        near = [min(tags, key=lambda tag: np.linalg.norm(tag.center - corner)) for corner in corners]
-        to_plane = homography_from(corners)
-        tops = {_top_of(transform(to_plane, np.asarray(tag.corners, np.float64))) for tag in near}
-        ids = [tag.id for tag in near]
-        turn = tops.pop() if len(tops) == 1 else ids.index(first) if first in ids else 0
-        self.ids = ids[turn:] + ids[:turn]
-        to_plane = homography_from(np.roll(corners, -turn, axis=0))
-        self.places = {tag.id: transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in tags}
-        # The first measurement does not count, since a search finds corners less exactly than tracking does.
-        self._measured = dict.fromkeys(self.places, 0)
+    def __init__(self, ids: Sequence[int], places: Mapping[int, Floats], measured: int = 0) -> None:
+        """``ids``, ``places``: see above. ``measured``: of how many measurements each place is the mean."""
+        self.ids, self.places = list(ids), dict(places)
+        self._measured = dict.fromkeys(self.places, measured)
         self.ratio = ratio_of(self.quads(self.ids))
 
     @classmethod
@@ -67,12 +59,26 @@ class Layout:
             return None
         ids = [tag.id for tag in tags]
         single = [tag for tag in tags if ids.count(tag.id) == 1]
-        return cls(single, np.asarray(area.corners, np.float64), first)
+        corners = np.asarray(area.corners, np.float64)
+        near = [min(single, key=lambda tag: np.linalg.norm(tag.center - corner)) for corner in corners]
+        to_plane = homography_from(corners)
+        tops = {_top_of(transform(to_plane, np.asarray(tag.corners, np.float64))) for tag in near}
+        ids = [tag.id for tag in near]
+        turn = tops.pop() if len(tops) == 1 else ids.index(first) if first in ids else 0
+        to_plane = homography_from(np.roll(corners, -turn, axis=0))
+        # The first measurement does not count, since a search finds corners less exactly than tracking does.
+        return cls(ids[turn:] + ids[:turn],
+                   {tag.id: transform(to_plane, np.asarray(tag.corners, np.float64)) for tag in single})
 
     @property
     def is_exact(self) -> bool:
         """Whether the places of all tags are means of EXACT measurements or more."""
         return min(self._measured.values()) >= EXACT
+
+    def measured_places(self) -> dict[int, Floats]:
+        """``places`` of the tags that were measured repeatedly."""
+        return {tag_id: place for tag_id, place in self.places.items()
+                if self._measured[tag_id] >= MIN_SIGHTINGS}
 
     def quads(self, ids: Iterable[int]) -> Floats:
         """(n, 4, 2): the places of those tags."""

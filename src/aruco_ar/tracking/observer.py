@@ -11,6 +11,7 @@ from aruco_ar.tags.tag import Tag
 
 from .area_tracker import AreaTracker
 from .followed_tags import FollowedTags
+from .learned_wall import LearnedWall
 from .sight import Sight
 from .tag_search import FrameSearch, TagSearch
 from .tracker import see_areas
@@ -24,12 +25,13 @@ class Observer:
     """Makes the Sight of each frame. Nothing else searches the frames of a camera for tags."""
 
     def __init__(self, settings: Sequence[DetectionSettings], tags: str = NEEDED, tracks: bool = True,
-                 previous: Observer | None = None) -> None:
+                 previous: Observer | None = None, in_thread: bool = False) -> None:
         """``settings``: those of each area; AreaSettings if it is tracked.
 
         ``tags``: which are wanted in each frame, NEEDED, FOUND or FOLLOWED. ``tracks``: whether the areas are
         tracked. ``previous``: the Observer with the settings before a change. What it has learned is kept, as
-        far as is_same_area. Raises InputError.
+        far as is_same_area. ``in_thread``: whether a remembered wall is searched for in a thread of its own, so
+        that no frame is late. Raises InputError.
         """
         for own in settings:
             Detector(**own.of_detector())  # raises if the dictionary does not have the ids
@@ -44,11 +46,13 @@ class Observer:
             FOUND: lambda frame, stamp: detector.detect(frame),
             FOLLOWED: FollowedTags(detector).find}[tags]
         self._areas = [own for own in settings if tracks and isinstance(own, AreaSettings)]
-        self._trackers = [AreaTracker(own.ids, own.upright) for own in self._areas]
-        known = [] if previous is None else zip(previous._areas, previous._trackers)
-        for number, (before, tracker) in enumerate(known):
-            if is_same_area(before, self._areas[number]):
-                self._trackers[number] = tracker
+        before = [] if previous is None else list(zip(previous._areas, previous._trackers))
+        self._trackers: list[AreaTracker] = []
+        for number, own in enumerate(self._areas):
+            if number < len(before) and is_same_area(before[number][0], own):
+                self._trackers.append(before[number][1])
+            else:
+                self._trackers.append(AreaTracker(own.ids, own.upright, own.remembered_wall(), in_thread))
 
     def look(self, frame: Image, stamp: float, lens: Lens | None = None) -> Sight:
         """The Sight of a frame, (h, w, 3) BGR uint8.
@@ -64,6 +68,10 @@ class Observer:
             [tag for tag in found if self._ids is None or tag.id in self._ids]
         return Sight(frame, stamp, lens, bending, tuple(tags), tuple(areas))
 
+    def learned_walls(self) -> list[LearnedWall]:
+        """What was learned of the wall of each area. Raises InputError if one is not known well enough."""
+        return [tracker.learned() for tracker in self._trackers]
+
     def reset(self) -> None:
         """Forget all that was learned of the areas."""
         self._search.reset()
@@ -73,4 +81,5 @@ class Observer:
 
 def is_same_area(before: AreaSettings, after: AreaSettings) -> bool:
     """Whether what was learned of an area is of use after a change of its settings."""
-    return before.of_detector() == after.of_detector() and before.upright == after.upright
+    return (before.of_detector() == after.of_detector() and before.upright == after.upright
+            and before.wall == after.wall)

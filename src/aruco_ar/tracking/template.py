@@ -17,19 +17,23 @@ PATCH_PX, COARSEST = binding.PATCH_WIDTH, 2**(binding.WALL_LEVELS - 1)
 
 
 class Template:
-    """The view of an area that is at ``corners``, (4, 2) pixels, in the frame in which it is learned.
+    """The view of an area.
 
-    Its pixels are about as large there as those of the frame, or larger. ``lens``: that of all frames, or None.
-    With a lens, corners and tags are undistorted pixels.
+    ``inner``: (2,) pixels, the area's size in it. ``size``: its own width and height, pixels.
     """
 
-    def __init__(self, corners: Floats, lens: Lens | None) -> None:
+    def __init__(self, inner: Floats, lens: Lens | None) -> None:
+        """``lens``: that of all frames, or None. With a lens, corners and tags are undistorted pixels."""
+        self.inner, self._lens = inner, lens
+        width, height = (np.ceil(inner * (1 + 2 * MARGIN) / COARSEST).astype(int) * COARSEST).tolist()
+        self.size: tuple[int, int] = (width, height)
+
+    @classmethod
+    def of(cls, corners: Floats, lens: Lens | None) -> Template:
+        """The view with pixels as large as those of a frame with these corners, (4, 2), about, or larger."""
         sides = _sides(corners)
         size = np.array([sides[[0, 2]].mean(), sides[[1, 3]].mean()])
-        # (2,) pixels: the area's size in this view.
-        self.inner = size * min(1, MAX_LENGTH_PX / (1 + 2 * MARGIN) / size.max())
-        width, height = (np.ceil(self.inner * (1 + 2 * MARGIN) / COARSEST).astype(int) * COARSEST).tolist()
-        self._size, self._lens = (width, height), lens
+        return cls(size * min(1, MAX_LENGTH_PX / (1 + 2 * MARGIN) / size.max()), lens)
 
     @staticmethod
     def fits(corners: Floats) -> bool:
@@ -50,22 +54,22 @@ class Template:
 
     def relative(self, points: Floats) -> Floats:
         """(n, 2): pixels of this view, relative to its middle, in halves of its width; see align.c."""
-        return (2 * np.asarray(points, np.float64) + 1 - self._size) / self._size[0]
+        return (2 * np.asarray(points, np.float64) + 1 - self.size) / self.size[0]
 
     def absolute(self, points: Floats) -> Floats:
         """(n, 2): the inverse of ``relative``."""
-        return (points * self._size[0] + self._size - 1) / 2
+        return (points * self.size[0] + self.size - 1) / 2
 
     def rectified(self, frame: Image, corners: Floats) -> Floats:
         """(h, w) float32: this view of an area in a frame, gray, 0 beyond the frame."""
         to_plane = np.array([[1 / self.inner[0], 0, 0.5 / self.inner[0] - MARGIN],
                              [0, 1 / self.inner[1], 0.5 / self.inner[1] - MARGIN], [0, 0, 1]])
-        seen = rectify(frame, homography_to(corners) @ to_plane, self._size, self._lens)
+        seen = rectify(frame, homography_to(corners) @ to_plane, self.size, self._lens)
         return np.asarray(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
     def draw_papers(self, tags: Floats, corners: Floats) -> Image:
         """(h, w) uint8: white where this view shows the papers of tags, (n, 4, 2) pixels, in a frame."""
-        region = np.zeros(self._size[::-1], np.uint8)
+        region = np.zeros(self.size[::-1], np.uint8)
         centers = tags.mean(axis=1, keepdims=True)
         papers = transform(homography_from(corners), centers + PAPER_SIDES * (tags - centers))
         for paper in self.from_plane(papers):

@@ -18,10 +18,12 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.errors import InputError
 from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
+from aruco_ar.walls.remembered import Look
 
 from .layout import UNIT_SQUARE
 from .template import Template
@@ -57,17 +59,19 @@ class _Points(NamedTuple):
     """Points of the wall. All is in their order.
 
     ``seen``: (n, 2) pixels of the template, where they were learned. ``places``: (n, 2), in the plane of the
-    area. ``patches``: see binding.learn_patches. ``confirmed``: (n,), how often tags have confirmed each.
+    area. ``patches``: see binding.learn_patches. ``on_tags``: (n,), which are on a tag. ``confirmed``: (n,),
+    how often tags have confirmed each.
     """
 
     seen: Floats
     places: Floats
     patches: Floats
+    on_tags: Booleans
     confirmed: Floats
 
     def chosen(self, which: Booleans) -> _Points:
         return _Points(self.seen[which], self.places[which], np.ascontiguousarray(self.patches[:, which]),
-                       self.confirmed[which])
+                       self.on_tags[which], self.confirmed[which])
 
 
 class _Fit(NamedTuple):
@@ -92,6 +96,33 @@ class Texture:
         self._lens = lens
         self._due = -np.inf
         self._points: _Points | None = None
+        self._image: Image  # the area, from straight ahead, in the frame in which it was learned
+        self._is_remembered = False  # whether it was learned long ago, so that it is learned anew when possible
+
+    @classmethod
+    def remembered(cls, look: Look, lens: Lens | None) -> Texture:
+        """The texture that was learned once. Raises InputError if the look's image does not have its size."""
+        self = cls(lens)
+        self._template, self._image, self._bias = Template(look.inner, lens), look.image, look.bias
+        if look.image.shape[::-1] != self._template.size:
+            raise InputError('The look of a wall is %d x %d pixels large, and should be %d x %d. Save the wall '
+                             'again.' % (*look.image.shape[::-1], *self._template.size))
+        self._points = _Points(
+            look.points, look.places,
+            binding.learn_patches(np.asarray(look.image, np.float32), self._template.relative(look.points)),
+            look.on_tags, np.full(len(look.points), MIN_CONFIRMED))
+        self._is_remembered = True
+        return self
+
+    @property
+    def look(self) -> Look | None:
+        """What is to be remembered; None if too little has been learned."""
+        if self._points is None:
+            return None
+        points = self._points.chosen(self._points.confirmed >= MIN_CONFIRMED)
+        if len(points.seen) < MIN_POINTS:
+            return None
+        return Look(self._image, self._template.inner, points.seen, points.places, points.on_tags, self._bias)
 
     def is_due(self, now: float) -> bool:
         """Whether ``study`` has something to do at that time, seconds."""
@@ -106,8 +137,9 @@ class Texture:
         seconds, a time at which it is due.
         """
         self._due = now + LEARN_AGAIN_S
-        if self._points is None:
+        if self._points is None or self._is_remembered:
             self._points, self._bias = self._learn(frame, corners, tags), deviation
+            self._is_remembered = False
         else:
             self._points = self._confirm(self._points, frame, corners)
         if self._points is not None:
@@ -128,15 +160,12 @@ class Texture:
         if np.count_nonzero(usable) < MIN_POINTS:
             return None
         usable &= self._template.in_sight(points.seen, corners, frame.shape)
-        scale, found = self._template.scale(corners), None
+        scale = self._template.scale(corners)
         rectified = self._template.rectified(frame, corners)
-        if deviation < NEAR_PX * scale and not is_blurred:
-            found = self._align(points, rectified, corners, usable, NEAR_LEVEL, False)
-        if found is None:
-            found = self._align(points, rectified, corners, usable, FAR_LEVEL, deviation > FAR_PX * scale)
-        if found is not None and found.moved > FAR_PX:  # once more, so that no patch is turned or resized
-            rectified = self._template.rectified(frame, found.corners)
-            found = self._align(points, rectified, found.corners, usable, NEAR_LEVEL, True)
+        found = self._fit(points, frame, rectified, corners, usable, deviation, is_blurred)
+        if found is None:  # tags may be covered, or taken down
+            usable &= ~points.on_tags
+            found = self._fit(points, frame, rectified, corners, usable, deviation, is_blurred)
         if found is None:
             return None
         count = np.count_nonzero(found.good) // 4 * 4
@@ -144,6 +173,19 @@ class Texture:
         error = np.sqrt(ERROR_PX**2 * count / INDEPENDENT_POINTS + OVERLAP * (scale * found.off)**2)
         return (places, transform(homography_to(found.corners), places), np.full(count, error),
                 np.full(count, self._bias))
+
+    def _fit(self, points: _Points, frame: Image, rectified: Floats, corners: Floats, usable: Booleans,
+             deviation: float, is_blurred: bool) -> _Fit | None:
+        """Find the usable points, (n,) bool, in a frame. For the other arguments see find and _align."""
+        scale, found = self._template.scale(corners), None
+        if deviation < NEAR_PX * scale and not is_blurred:
+            found = self._align(points, rectified, corners, usable, NEAR_LEVEL, False)
+        if found is None:
+            found = self._align(points, rectified, corners, usable, FAR_LEVEL, deviation > FAR_PX * scale)
+        if found is not None and found.moved > FAR_PX:  # once more, so that no patch is turned or resized
+            rectified = self._template.rectified(frame, found.corners)
+            found = self._align(points, rectified, found.corners, usable, NEAR_LEVEL, True)
+        return found
 
     def _align(self, points: _Points, rectified: Floats, corners: Floats, usable: Booleans, coarsest: int,
                is_far: bool) -> _Fit | None:
@@ -175,19 +217,21 @@ class Texture:
         """Choose points in a frame; None if there are too few."""
         if not Template.fits(corners):
             return None
-        self._template = template = Template(corners, self._lens)
+        self._template = template = Template.of(corners, self._lens)
         inside = template.draw_inside(corners, frame.shape)
         papers = cv2.bitwise_and(template.draw_papers(tags, corners), inside)
         self._wall_region = cv2.subtract(inside, papers)
         rectified = template.rectified(frame, corners)
+        self._image = np.asarray(rectified, np.uint8)
         self._contrast, self._checks = self._contrast_of(rectified), 0
         seen = on_tags = _points_in(rectified, papers, MAX_TAG_POINTS)
         if self._contrast >= MIN_CONTRAST:
             seen = np.concatenate([on_tags, _points_in(rectified, self._wall_region, MAX_POINTS)])
         self._learned = len(seen)
-        confirmed = np.where(np.arange(len(seen)) < len(on_tags), MIN_CONFIRMED, 0)
+        is_on_tag = np.arange(len(seen)) < len(on_tags)
         patches = binding.learn_patches(rectified, template.relative(seen))
-        return _Points(seen, template.to_plane(seen), patches, confirmed) if len(seen) else None
+        return _Points(seen, template.to_plane(seen), patches, is_on_tag,
+                       np.where(is_on_tag, MIN_CONFIRMED, 0)) if len(seen) else None
 
     def _confirm(self, points: _Points, frame: Image, corners: Floats) -> _Points | None:
         """The points without those that are not in their places; None if the wall should be learned anew."""

@@ -6,8 +6,9 @@ from typing import Any, Iterable, Sequence
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.settings.settings import HOLD_S
+from aruco_ar.settings.settings import HOLD_S, LEARN
 from aruco_ar.tags.detector import Detector
+from aruco_ar.walls.remembered import load_remembered
 
 from .area import Area
 from .area_tracker import AreaTracker
@@ -25,20 +26,22 @@ class Tracker(AreaTracker):
     ``dictionary``, ``ids``: see Detector. ``hold``: seconds, 0 or more. When
     the area cannot be located well enough, it is kept for at most this time.
     ``upright``: the picture's top is at the tags' own tops (``tags``) or at the
-    frame's top (``image``). ``detection``: further arguments of Detector, such
-    as ``search``, for frames in which no area is expected. Raises InputError
-    for any other value.
+    frame's top (``image``). ``wall``: the path of a file that ``save_wall``
+    wrote, with which the wall is known from the first frame on, or ``learn``.
+    ``detection``: further arguments of Detector, such as ``search``, for frames
+    in which no area is expected. Raises InputError for any other value.
     """
 
     def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), hold: float = HOLD_S,
-                 upright: str = 'tags', **detection: Any) -> None:
+                 upright: str = 'tags', wall: str = LEARN, **detection: Any) -> None:
         if not isinstance(hold, (int, float)) or not hold >= 0:
             raise InputError('An area cannot be held for %s; give seconds, 0 or more.' % (hold,))
         ids = frozenset(ids)
         Detector(dictionary, ids)  # raises if the dictionary does not have these ids
         # It searches for all ids, since other tags on the same plane help to locate the four.
         self._search, self._hold = TagSearch(dictionary, **detection), hold
-        super().__init__(ids, upright)
+        self._tags_are = dictionary, float(detection.get('border', 1.0))
+        super().__init__(ids, upright, None if wall == LEARN else load_remembered(wall, *self._tags_are))
 
     def reset(self) -> None:
         super().reset()
@@ -54,6 +57,13 @@ class Tracker(AreaTracker):
         """
         seen, = see_areas([self], [self._hold], FrameSearch(self._search, frame, lens), stamp)
         return seen.area
+
+    def save_wall(self, path: str) -> None:
+        """Write what was learned of the wall to a file. This takes some tenths of a second.
+
+        Raises InputError if the wall is not known well enough yet, or if the file cannot be written.
+        """
+        self.learned().remembered(*self._tags_are).save(path)
 
 
 def see_areas(trackers: Sequence[AreaTracker], holds: Sequence[float], search: FrameSearch,

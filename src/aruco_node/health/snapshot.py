@@ -14,6 +14,13 @@ from .faults import note_fault
 WAIT_S = 5.0  # a call of the service waits this long for a frame
 
 
+def new_path(folder, ending):
+    """The full path of a file to write into a folder. Its name begins with the node's name and the time."""
+    # Not the time of a frame, which recurs while a bag is played in a loop.
+    return os.path.join(os.path.abspath(path_of(folder)), '%s_%s_%s' % (
+        rospy.get_name()[1:].replace('/', '_'), datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3], ending))
+
+
 class SnapshotService:
     """The service ~snapshot: saves the next frame, and what the node makes of it, as PNG."""
 
@@ -58,14 +65,10 @@ class SnapshotService:
 
     def _write(self):
         """Write the files, all or none. Returns their paths. Raises InputError if they cannot be written."""
-        folder = os.path.abspath(path_of(self._folder()))
-        # The name has this time and not the frame's own, which recurs while a bag is played in a loop.
-        start = '%s_%s' % (rospy.get_name()[1:].replace('/', '_'),
-                           datetime.now().strftime('%Y-%m-%d_%H-%M-%S.%f')[:-3])
-        paths = []
+        start, paths = new_path(self._folder(), ''), []
         try:
             for name, image in sorted(self._images.items()):
-                path = os.path.join(folder, '%s_%s.png' % (start, name))
+                path = '%s%s.png' % (start, name)
                 write_whole(path, cv2.imencode('.png', image)[1].tobytes())
                 paths.append(path)
         except InputError:

@@ -20,6 +20,7 @@ from aruco_node.parameters.settings import LensSettings, load_areas
 
 from .camera_lens import NO_CAMERA_INFO, CameraLens
 from .frame_node import Answer, FrameNode
+from .wall_saving import save_walls
 
 
 @dataclass(frozen=True)
@@ -156,6 +157,7 @@ class CameraNode(FrameNode):
         super().offer_services()
         if self._tracks:
             rospy.Service('~reset', Trigger, self._on_reset, error_handler=note_fault)
+            rospy.Service('~save_wall', Trigger, self._on_save_wall, error_handler=note_fault)
 
     def _update_lens(self, frame):
         if self._calibration is None:
@@ -200,3 +202,12 @@ class CameraNode(FrameNode):
     def _on_reset(self, request):
         self.between_frames(self.reset)
         return TriggerResponse(True, 'What was learned about the wall is forgotten.')
+
+    def _on_save_wall(self, request):
+        learned = []
+        try:
+            self.between_frames(lambda: learned.extend(self.runner.learned_walls()))
+            return TriggerResponse(True, save_walls(learned, self._settings_of_areas(self.settings),
+                                                    self.settings.folder))
+        except InputError as error:
+            return TriggerResponse(False, str(error))

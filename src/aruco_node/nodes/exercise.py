@@ -31,7 +31,7 @@ class ExerciseNode(CameraNode):
 
     def __init__(self, exercise, kind_of_settings):
         super().__init__(exercise.topics, kind_of_settings, AREA in exercise.needs,
-                         lambda settings: Runner(exercise, settings, open_picture))
+                         lambda settings: Runner(exercise, settings, open_picture, in_thread=True))
         self._subscribed = set()  # the TopicPictures that may be subscribed
 
     def look(self, frame, stamp, is_searched):

@@ -55,15 +55,16 @@ def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
     """The Manual of a CameraNode.
 
     ``topics``: private names of its images. ``settings``: the class of its parameters. ``learns``: whether it
-    has the service ~reset. ``subscribes``, ``publishes``: its further rows.
+    has the services ~reset and ~save_wall. ``subscribes``, ``publishes``: its further rows.
     """
     info = [(CAMERA_INFO, 'sensor_msgs/CameraInfo', 'the calibration of the camera')]
-    reset = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall')] if learns else []
+    of_wall = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall'),
+               ('~save_wall', 'std_srvs/Trigger', 'writes what was learned about it into a file, for ~wall')]
     return Manual(
         CAMERA_TOPICS + info * issubclass(settings, LensSettings) + list(subscribes),
         image_topics(topics) + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] +
         list(publishes),
-        FRAME_SERVICES + reset, settings)
+        FRAME_SERVICES + of_wall * learns, settings)
 
 
 def image_topics(topics):

@@ -27,7 +27,7 @@ from .parameters import AUTO, read, switch
 
 TOPIC = 'topic:'  # before the name of an image topic, in place of a picture's path
 OLD_NAMES = {'image_transport': 'transport'}  # {parameter: its former name}, which launch files keep
-AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright'
+AREA_ENTRIES = 'ids', 'picture', 'fit', 'opacity', 'hold', 'upright', 'wall'
 ID = '{id}'  # stands for the id in the name of a tag's TF frame
 PINHOLE, FISHEYE = 'pinhole', 'fisheye'
 MAX_AREAS = 50  # a limit, since each area takes the memory of its picture
@@ -48,7 +48,7 @@ class FrameSettings(Settings):
         "topic that the frames are read from. raw: the camera's own topic. compressed: its topic /compressed, "
         'as JPEG or PNG. auto: raw, unless only compressed is published', live=False)
     folder: str = text(
-        '~/unit5-snapshots', 'the path of a folder', 'folder into which the service ~snapshot saves images')
+        '~/unit5-snapshots', 'the path of a folder', 'folder into which services of the node write files')
 
 
 @dataclass(frozen=True)
@@ -148,6 +148,12 @@ class PoseSettings(settings.PoseSettings, AreaSettings):
 @dataclass(frozen=True)
 class BagSettings(PoseSettings, PictureSettings):
     """The parameters of annotate_bags."""
+
+    wall: str = text(settings.AreaSettings.wall, 'learn, or the path of a file that ~save_wall wrote',
+                     parameters_of(settings.AreaSettings)['wall'].what)
+
+    def remembered_wall(self):
+        return settings.AreaSettings.remembered_wall(self)
 
 
 def load_areas(path):

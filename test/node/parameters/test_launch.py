@@ -15,7 +15,8 @@ SCRIPT = runpy.run_path(os.path.join(package_folder(), 'script', 'remake', 'laun
 FILES, FOLDER, argument_of = SCRIPT['FILES'], SCRIPT['FOLDER'], SCRIPT['argument_of']
 # The values that a file gives to some nodes, whatever its argument of that name says.
 EXERCISES = ['exercise5_%d' % number for number in range(2, 7)]
-FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw')}
+FIXED = {('base_station', 'transport'): dict.fromkeys(EXERCISES, 'raw'),
+         **{(name, 'wall'): dict.fromkeys(EXERCISES, 'learn') for name in ('all', 'demo', 'base_station')}}
 
 
 def fail(name, sentence):
