@@ -1,15 +1,21 @@
 #!/usr/bin/env python3
-"""~snapshot saves a frame and its result, and ~reset forgets what was learned."""
+"""~snapshot saves a frame and its result, ~reset forgets what was learned, and ~save_wall keeps it."""
+import itertools
 import os
+import re
 import tempfile
 import threading
 import time
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import rospy
 import rostest
-from rig.nodes.case import CAMERA, GRAY, NodeTest, change, scene
+from aruco_ar.walls.wall import Poster
+from rig import PACKAGE
+from rig.accuracy.drives import SLOW, WALL, drive
+from rig.nodes.case import CAMERA, GRAY, NodeTest, change, picture_file, scene
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger
@@ -114,6 +120,37 @@ class Services(NodeTest):
                 np.testing.assert_array_equal(self.answer_to(frame), frame)
             self.assert_painted(self.answer_to(scene()), scene())
             self.assert_painted(self.answer_to(two), two)
+
+    def test_a_saved_wall_is_known_without_its_tags(self):
+        os.makedirs(self.folder)
+        red = picture_file(self.folder, 'red.png', np.full((30, 40, 3), (0, 0, 255), np.uint8))
+        self.start_with_camera('exercise5_6', '_folder:=' + self.folder, '_picture:=' + red)
+        refused = self.call('/exercise5_6/save_wall')
+        self.assertFalse(refused.success)
+        self.assertIn('Show all four tags', refused.message)
+        wall = replace(WALL, quiet=0.4, posters=(Poster(PACKAGE + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
+        for frame in drive(SLOW, 75, wall=wall, noise=1.0):
+            self.answer_to(frame.image)
+        answer = self.call('/exercise5_6/save_wall')
+        self.assertTrue(answer.success, answer.message)
+        path, again = re.fullmatch('Wrote (.*). With wall:=(.*), the area is found by any of its tags, and '
+                                   'also without them.', answer.message).groups()
+        self.assertTrue(path == again and os.path.dirname(path) == self.folder, answer.message)
+        self.assertEqual(change('/exercise5_6', wall=path + '.gone')['wall'], 'learn')
+        self.node.wait_for('wall.npz.gone" cannot be read')
+        self.assertTrue(self.call('/exercise5_6/reset').success)
+        without = list(drive(SLOW, 30, lambda number: WALL.area, wall=wall, noise=1.0))
+        for frame in without:
+            np.testing.assert_array_equal(self.answer_to(frame.image), frame.image)
+        self.assertEqual(change('/exercise5_6', wall=path)['wall'], path)
+        for frame in itertools.islice(itertools.cycle([*without, *without[::-1]]), 1000):
+            image = self.answer_to(frame.image)  # the search takes some frames
+            if np.any(image != frame.image):
+                break
+        area = cv2.fillConvexPoly(np.zeros((480, 640), np.uint8), np.int32(np.round(frame.corners)), (1,))
+        inside, near = cv2.erode(area, np.ones((9, 9))) > 0, cv2.dilate(area, np.ones((9, 9))) > 0
+        np.testing.assert_array_equal(image[inside], np.broadcast_to((0, 0, 255), image[inside].shape))
+        np.testing.assert_array_equal(image[~near], frame.image[~near])
 
 
 if __name__ == '__main__':
