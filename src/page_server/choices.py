@@ -2,6 +2,7 @@
 import asyncio
 import gc
 import os
+import re
 import threading
 from concurrent.futures import ThreadPoolExecutor
 
@@ -10,7 +11,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import package_folder
 from aruco_ar.painting.picture_file import decode_picture, open_header, resize
 from aruco_ar.painting.sources import open_source
-from aruco_ar.settings.settings import FOREGROUNDS, GRAINS, LIGHTS, TAGS
+from aruco_ar.settings.settings import FOREGROUNDS, GRAINS, LEARN, LIGHTS, TAGS
 from aruco_ar.simulation.figures import NOBODY
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import image_from_frame, jpeg_from_frame
@@ -22,6 +23,7 @@ from dynamic_reconfigure.srv import Reconfigure
 from PIL.Image import DecompressionBombError
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
+from std_srvs.srv import Trigger
 
 EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6'
 PAINTER, SIMULATION = EXERCISES[-1:], ('wall_camera',)
@@ -31,6 +33,9 @@ FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
 # The nodes that have each switch's parameter, and its values for off and on.
 SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
             'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
+# The switch that has a wall remembered: the nodes that then know it. Their parameter names its file.
+WALL, KNOWING = 'wall', EXERCISES[-2:]
+SAVED = re.compile(r'Wrote (.+)\. With wall:=\1,')  # what the service ~save_wall answers
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
@@ -112,6 +117,7 @@ class Choices:
         self._worker = ThreadPoolExecutor(1, 'pictures')  # decodes and shrinks what is in memory
         # These wait for the file system, which may hang. The event loop never does.
         self._folder, self._reader = ThreadPoolExecutor(1, 'folder'), ThreadPoolExecutor(1, 'reader')
+        self._saver = ThreadPoolExecutor(1, 'saver')  # waits for a node
         self._package = package_folder()
         self._files, self._listing = [], None
         self._nodes = {name: RemoteParameters(name, on_change) for name in EXERCISES + SIMULATION}
@@ -129,10 +135,12 @@ class Choices:
             return next((values[name][parameter] for name in nodes if parameter in values[name]), None)
         picture = value('picture', PAINTER)
         switches = {name: (value(name, nodes), on) for name, (nodes, (_, on)) in SWITCHES.items()}
+        wall = value(WALL, KNOWING)
         return {'pictures': self.pictures(), 'picture': None if picture is None else self._name_of(picture),
                 'sliders': _known({name: value(name, nodes) for name, nodes in SLIDERS.items()}),
                 'fields': _known({name: value(name, nodes) for name, nodes in FIELDS.items()}),
-                'switches': {name: now == on for name, (now, on) in switches.items() if now is not None}}
+                'switches': {**{name: now == on for name, (now, on) in switches.items() if now is not None},
+                             **({} if wall is None else {WALL: wall != LEARN})}}
 
     def pictures(self):
         """The sorted names of the files in images/, and of the picture that was dropped last.
@@ -196,10 +204,28 @@ class Choices:
             await self._set(FIELDS[name], **{name: taken})
 
     async def switch(self, name, on):
-        """Turn a switch on or off. Other names are ignored. Raises InputError if its node is not running."""
-        if isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
+        """Turn a switch on or off. Other names are ignored.
+
+        Raises InputError if its node is not running, or if there is no wall to remember yet.
+        """
+        if name == WALL and isinstance(on, bool):
+            await self._set(KNOWING, wall=await self._save_wall() if on else LEARN)
+        elif isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
             nodes, values = SWITCHES[name]
             await self._set(nodes, **{name: values[on]})
+
+    async def _save_wall(self):
+        """Have the painter write what it has learned of the wall. Returns the path. Raises InputError."""
+        node = self._nodes[PAINTER[0]].name
+        try:
+            answer = await asyncio.wait_for(_in(self._saver, rospy.ServiceProxy(node + '/save_wall', Trigger)),
+                                            ANSWER_S)
+        except (rospy.ServiceException, asyncio.TimeoutError):
+            raise InputError('%s does not answer. Start it, or look at its log.' % node) from None
+        path = SAVED.match(answer.message)
+        if not answer.success or path is None:
+            raise InputError(answer.message)
+        return path[1]
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""

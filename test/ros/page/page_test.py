@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """The page in a real browser: moving pictures, and choosing what is painted."""
+import os
 import re
+import tempfile
 
 import cv2
 import numpy as np
@@ -8,6 +10,7 @@ import rospy
 import rostest
 from aruco_ar import Area
 from geometry_msgs.msg import PolygonStamped
+from rig.nodes.case import change
 from rig.nodes.topics import until
 from rig.page.browser import BrowserTest
 from rig.processes.started import WAIT_S
@@ -168,6 +171,27 @@ class Page(BrowserTest):
             for value, turn in (on, switch.check), (off, switch.uncheck):
                 turn()
                 until(lambda: rospy.get_param('/' + name) == value)
+
+    def test_a_wall_is_remembered_in_a_file_and_forgotten(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        change('/exercise5_6', folder=folder.name)
+        switch = self.page.get_by_label('The wall is remembered')
+
+        def wall():
+            return rospy.get_param('/exercise5_6/wall')
+
+        def is_remembered():
+            switch.check()
+            until(lambda: wall() != 'learn' or not switch.is_checked())  # unchecked: it is not known well yet
+            return wall() != 'learn'
+        until(is_remembered)
+        path = wall()
+        self.assertEqual([path], [os.path.join(folder.name, name) for name in os.listdir(folder.name)])
+        until(lambda: rospy.get_param('/exercise5_5/wall') == path)
+        self.assertTrue(switch.is_checked())
+        switch.uncheck()
+        until(lambda: wall() == rospy.get_param('/exercise5_5/wall') == 'learn')
 
     def test_fields_change_how_the_area_is_filled_and_which_tags_count(self):
         fit = self.page.get_by_label('How it fills the area')
