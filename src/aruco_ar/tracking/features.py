@@ -17,7 +17,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.walls.remembered import DESCRIPTOR, MAX_FEATURES, Features
 
 MAX_LENGTH_PX = 640      # the longer side of a frame in which features are looked for
-MAX_COUNT = 600          # in a frame
+TAUGHT, SEARCHED = 600, 400  # features of a frame, at most, to learn the wall from, and to find it by
 CONTRAST = 0.01          # the least contrast of a feature: see cv2.SIFT. Dark walls have little
 MAX_VIEWS = 8            # frames that are kept
 APART = 0.05             # least difference of these: see _shape_of
@@ -88,9 +88,9 @@ def gray_of(frame: Image) -> Gray:
     return Gray(cv2.resize(gray, size, interpolation=cv2.INTER_AREA) if scale < 1 else gray, scale)
 
 
-def find_features(gray: Gray) -> tuple[Floats, Image]:
-    """The features of a frame: (n, 2) float64, pixels of the whole frame, and (n, DESCRIPTOR) uint8."""
-    finder = cv2.SIFT.create(MAX_COUNT, contrastThreshold=CONTRAST)
+def find_features(gray: Gray, most: int) -> tuple[Floats, Image]:
+    """At most so many features of a frame: (n, 2) pixels of the whole frame, and (n, DESCRIPTOR) uint8."""
+    finder = cv2.SIFT.create(most, contrastThreshold=CONTRAST)
     keys, descriptors = finder.detectAndCompute(gray.image, NO_ARRAY)
     if descriptors is None:
         return np.empty((0, 2)), np.empty((0, DESCRIPTOR), np.uint8)
@@ -105,7 +105,7 @@ def undistorted(pixels: Floats, lens: Lens | None) -> Floats:
 
 def _features_in(view: _View) -> tuple[Floats, Image, Floats]:
     """The features in a view: places, descriptors, and how large SAME_PX are there, as a share of the area."""
-    pixels, descriptors = find_features(view.gray)
+    pixels, descriptors = find_features(view.gray, TAUGHT)
     pixels = undistorted(pixels, view.lens)
     places = transform(homography_from(view.corners), pixels)
     size = SAME_PX / view.gray.scale / sqrt(cv2.contourArea(np.asarray(view.corners, np.float32)))

@@ -13,7 +13,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.walls.remembered import Features
 
-from .features import Gray, find_features, gray_of, undistorted
+from .features import SEARCHED, Gray, find_features, gray_of, undistorted
 from .layout import UNIT_SQUARE
 
 SEARCH_S = 0.7           # from one search to the next. Each takes some hundredths of a second
@@ -73,12 +73,14 @@ class WallSearch:
         They are told apart as in D. Lowe, Distinctive image features from scale-invariant keypoints, 2004,
         section 7.1.
         """
-        pixels, descriptors = find_features(gray)
+        pixels, descriptors = find_features(gray, SEARCHED)
         wall = self._features
         if len(pixels) < MIN_FEATURES or len(wall.places) < NEIGHBORS:
             return None
         places, seen = [], []
-        for matches in cv2.BFMatcher(cv2.NORM_L2).knnMatch(descriptors, wall.descriptors, k=NEIGHBORS):
+        # OpenCV compares floats three times as fast as bytes.
+        of_frame, of_wall = np.asarray(descriptors, np.float32), np.asarray(wall.descriptors, np.float32)
+        for matches in cv2.BFMatcher(cv2.NORM_L2).knnMatch(of_frame, of_wall, k=NEIGHBORS):
             best, *rest = matches
             place = wall.places[best.trainIdx]
             other = next((match for match in rest

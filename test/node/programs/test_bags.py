@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
+from dataclasses import replace
 
 import av
 import cv2
@@ -17,11 +18,13 @@ import pytest
 import rosbag
 import rospy
 from aruco_ar import Tracker
+from aruco_ar.walls.wall import Poster
 from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
-from rig.accuracy.drives import FRAMES_PER_S, LIVELY, drive
+from rig.accuracy.areas import follow
+from rig.accuracy.drives import FRAMES_PER_S, LIVELY, WALL, drive
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header
@@ -288,12 +291,31 @@ def test_each_camera_is_processed_once_whatever_the_names_of_its_topics(package,
 @pytest.mark.parametrize('arguments, words', [
     (['_fit:=wide'], 'fit'), (['_scale:=2'], '"_scale"'), (['ids:=1,2,3,4'], '"ids"'), (['_ids:={a'], '~ids'),
     (['--workers', '0'], '--workers'),
-    (['_picture:=no.png'], 'no.png'), (['--piece', '0'], '--piece'),
+    (['_picture:=no.png'], 'no.png'), (['_wall:=config/wall.yaml'], 'wall.yaml" is damaged, or is none that'),
+    (['--piece', '0'], '--piece'),
     (['--scheduler', 'tcp://127.0.0.1:9'], 'tcp://127.0.0.1:9 does not answer')])
 def test_wrong_arguments_are_explained(package, recorded, tmp_path, arguments, words):
     output = annotate(package, tmp_path, recorded, *arguments, code=2 if arguments[0][0] == '-' and
                       arguments[0] != '--scheduler' else 1)
     assert words in output and 'Traceback' not in output
+
+
+def test_a_remembered_wall_is_painted_without_its_tags(package, tmp_path):
+    wall = replace(WALL, quiet=0.4, posters=(Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
+    tracker = Tracker()
+    follow(tracker, drive(LIVELY, 75, wall=wall, noise=1.0))
+    tracker.save_wall(str(tmp_path / 'wall.npz'))
+    frames = list(drive(LIVELY, 30, lambda number: WALL.area, wall=wall, noise=1.0))
+    record(str(tmp_path / 'bare.bag'), [frame.image for frame in frames], 1, *JPEG)
+    cv2.imwrite(str(tmp_path / 'red.png'), np.full((20, 30, 3), (0, 0, 255), np.uint8))
+    annotate(package, tmp_path / 'out', tmp_path / 'bare.bag', '_wall:=%s' % (tmp_path / 'wall.npz'),
+             '_picture:=%s' % (tmp_path / 'red.png'))
+    with rosbag.Bag(str(tmp_path / 'out' / 'bare.bag')) as bag:
+        painted = [frame_from_compressed(message) for _, message, _ in bag.read_messages([PAINTED])]
+    assert len(painted) == len(frames)
+    for image, frame in zip(painted, frames):
+        x, y = frame.corners.mean(axis=0).astype(int)
+        np.testing.assert_allclose(image[y, x], (0, 0, 255), atol=12)
 
 
 def test_no_bag_is_overwritten(package, recorded, tmp_path):
