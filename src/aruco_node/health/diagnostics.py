@@ -69,7 +69,7 @@ class FrameCount:
         self._tags = 0 if looks_for_tags else None
         self._tag_seen, self._area_seen = time.monotonic(), None
         self._has_area = None  # whether the last frame has one; None before the first frame, and after a pause
-        self.misses_tags = False  # whether no tag was in sight for NO_TAGS_S at the last report
+        self.misses_tags = False  # whether at the last report no tag was in sight for NO_TAGS_S, nor an area
 
     def forget_last_frames(self):
         """Forget what is true only of the last frames. Frames of a pause do not count as dropped."""
@@ -148,7 +148,7 @@ class FrameCount:
             values[AREA_SEEN] = NONE_SEEN if area_seen is None else '%.1f' % (now - area_seen)
             if has_area is not None:
                 values['area in the last frame'] = YES if has_area else NO
-        self.misses_tags = tags is not None and unseen > NO_TAGS_S
+        self.misses_tags = tags is not None and not has_area and unseen > NO_TAGS_S
         if len(problems) > 1:  # a single one is told by the log
             return WARN, '%d of %d frames within %d s could not be used. %s' % (
                 len(problems), len(problems) + len(recent), WINDOW_S, problems[-1]), values

@@ -18,14 +18,17 @@ def clock(monkeypatch):
     return now
 
 
-def run_frames(count, clock, period, pipeline, numbers, tags=4):
-    """Let these frames arrive, one each ``period``; each is answered after ``pipeline`` seconds."""
+def run_frames(count, clock, period, pipeline, numbers, tags=4, has_area=None):
+    """Let these frames arrive, one each ``period``; each is answered after ``pipeline`` seconds.
+
+    ``has_area``: None if it is so with tags alone.
+    """
     count.forget_last_frames()
     for number in numbers:
         began = clock[0]
         missing = count.on_arrival(number)
         clock[0] += pipeline
-        count.on_answer(began, None, missing, tags, tags > 0)
+        count.on_answer(began, None, missing, tags, tags > 0 if has_area is None else has_area)
         clock[0] += period - pipeline
 
 
@@ -52,6 +55,13 @@ def test_a_node_with_time_to_spare_is_not_reported_as_slow(clock):
     run_frames(count, clock, 0.1, 0.005, range(0, 90, 3))
     level, sentence, _ = count.report()
     assert level == WARN and 'did not arrive' in sentence and 'Slow' not in sentence
+
+
+@pytest.mark.parametrize('has_area, level', [(False, WARN), (True, OK)])
+def test_missing_tags_are_reported_unless_the_wall_is_known_without_them(clock, has_area, level):
+    count = FrameCount()
+    run_frames(count, clock, 0.1, 0.02, range(150), tags=0, has_area=has_area)
+    assert count.report()[0] == level and count.misses_tags != has_area
 
 
 def test_frames_that_cannot_be_used_are_counted_and_told_while_they_come(clock):
