@@ -1,4 +1,5 @@
 """The tags vanish from what is painted."""
+import os
 from dataclasses import replace
 
 import cv2
@@ -6,10 +7,13 @@ import numpy as np
 import pytest
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Pose, wall_to_camera
-from test_looks import BENT, FRAMES_PER_S, STRAIGHT, Drive, core, is_kept, painted, stage
+from rig import PACKAGE
+from test_looks import BENT, FRAMES_PER_S, STRAIGHT, Drive, core, is_kept, painted, stage, with_sheet
 
 pytestmark = pytest.mark.long
 CLEAR = 0, 0, 0, 0  # a picture that cannot be seen, and so hides no part of the tags
+ON_SHEET_PX = (175, 175), (625, 175), (625, 475), (175, 475)  # where tags are on a sheet
+BOARD = os.path.join(PACKAGE, '..', 'shared', 'videos', 'board.mp4')
 
 
 def tags_in(image):
@@ -87,6 +91,56 @@ def test_the_cover_takes_the_light_of_the_wall(wall):
         frame, truth = (np.uint8(np.round(image * factor)) for image in (frame, truth))
         image = painted(hides, frame, number)
         assert decibels(image, truth, around.at(number)) > 33
+
+
+def test_the_edge_of_a_shadow_goes_on_where_a_tag_was(wall):
+    drive, bare, hides = Drive(wall), Drive(without_tags(wall)), stage(CLEAR, tags='hide')
+    around = Surroundings(wall)
+    for number in range(24):
+        (frame, _), (truth, _) = drive.frame(number), bare.frame(number)
+        shade = np.zeros(frame.shape[:2], np.float32)
+        cv2.fillPoly(shade, [np.int32([[0, 0], [40 + 20 * number, 0], [20 * number, 480], [0, 480]])], 1)
+        light = 1 - 0.45 * cv2.GaussianBlur(shade, (0, 0), 4)[..., None]
+        frame, truth = (np.uint8(np.round(image * light)) for image in (frame, truth))
+        assert decibels(painted(hides, frame, number), truth, around.at(number)) > 29
+
+
+@pytest.fixture
+def sheets(wall, tmp_path):
+    """The wall with a white sheet, dark fields near its tags, and the same without the tags."""
+    sheet = np.full((600, 800, 3), 244, np.uint8)  # as white as the paper of the tags
+    for x, y in ON_SHEET_PX:
+        cv2.rectangle(sheet, (x + 60, y - 70), (x + 130, y + 70), (40, 40, 40), -1)   # right beside the margin
+        cv2.rectangle(sheet, (x - 130, y + 60), (x - 60, y + 130), (40, 40, 40), -1)  # at its corner
+    cv2.imwrite(str(tmp_path / 'sheet.png'), sheet)
+    printed = with_sheet(wall, tmp_path / 'sheet.png')
+    return printed, without_tags(printed)
+
+
+def test_under_a_tag_on_a_sheet_is_blank_paper_and_the_rest_stays_as_it_is(sheets):
+    drive, bare, hides = Drive(sheets[0]), Drive(sheets[1]), stage(CLEAR, tags='hide')
+    around = Surroundings(sheets[0])
+    for number in range(12):
+        (frame, _), (truth, _) = drive.frame(number), bare.frame(number)
+        image, where = painted(hides, frame, number), around.at(number)
+        assert decibels(image, truth, where) > 35
+        farther = cv2.dilate(where.astype(np.uint8), np.ones((9, 9))) == 0
+        assert np.array_equal(image[farther], frame[farther])
+
+
+@pytest.mark.skipif(not os.path.isfile(BOARD), reason='the file board.mp4 is missing')
+def test_on_a_real_board_blank_fields_are_where_the_tags_were():
+    hides = stage(CLEAR, tags='hide', dictionary='DICT_5X5_100', ids=(6, 5, 47, 42))
+    video = cv2.VideoCapture(BOARD)
+    for number in range(10):
+        frame = video.read()[1]
+        sight, (image,) = hides.run(frame, number / FRAMES_PER_S, keeps_frame=True)
+        for tag in sight.areas[0].tags:
+            field = np.zeros(frame.shape[:2], np.uint8)
+            cv2.fillConvexPoly(field, np.int32(np.round(tag.corners)), 1)
+            rim = cv2.dilate(field, np.ones((15, 15))) - cv2.dilate(field, np.ones((11, 11)))
+            paper = np.median(frame[rim > 0], axis=0)
+            assert np.abs(image[field > 0] - paper).max() < 30  # the frame's black is darker by 130
 
 
 def test_a_tag_that_is_out_of_sight_stays_hidden(wall):

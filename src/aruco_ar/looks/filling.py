@@ -1,0 +1,66 @@
+"""What is inside of a ring of colors, if it goes on evenly."""
+from __future__ import annotations
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats, Image
+
+from .ring import COUNT, points_of_sides
+
+DIRECTIONS = 16       # in which the edge of a shadow is searched
+LINE_WIDTH = 0.04     # standard deviation across a line of equal color, in lengths of a side
+# Such lines are trusted if they leave the first of these shares of the colors' variance, not if the second.
+EXPLAINED, UNEXPLAINED = 0.15, 0.5
+PLAIN, SHADED = 0.04, 0.07  # by such shares, colors vary without an edge, and where there may be one
+
+
+def filled(colors: Floats) -> Image:
+    """(COUNT, COUNT, 3) uint8: what is inside of a ring with these colors, (4 * COUNT, 3); see Rings.
+
+    The edge of a shadow is nearly straight. So if straight lines of equal color in one direction explain most
+    of the change along the ring, these lines go on inside. The rest is like a soap film.
+    """
+    mean = colors.mean(axis=0)
+    variance = np.mean((colors - mean)**2)
+    shaded = np.interp(np.sqrt(variance) / (mean.mean() + 1), (PLAIN, SHADED), (0, 1))
+    fill = FILM @ colors
+    if shaded:
+        along = (LINES_ON_RING.reshape(-1, 4 * COUNT) @ colors).reshape(DIRECTIONS, 4 * COUNT, 3)
+        rest = np.mean((along - colors)**2, axis=(1, 2))
+        best = int(np.argmin(rest))
+        share = shaded * np.interp(rest[best] / variance, (EXPLAINED, UNEXPLAINED), (1, 0))
+        fill += share * (LINES_INSIDE[best] @ colors - FILM @ along[best])
+    return np.clip(np.round(fill), 0, 255).astype(np.uint8).reshape(COUNT, COUNT, 3)
+
+
+def _film() -> Floats:
+    """(COUNT**2, 4 * COUNT): the share of each color of a ring in each pixel inside, as in a soap film.
+
+    Each pixel is the mean of its four neighbors, by Laplace's equation. Beyond the rim, these are the ring.
+    """
+    number = np.arange(COUNT**2).reshape(COUNT, COUNT)
+    inner, rim = 4 * np.eye(COUNT**2), np.zeros((COUNT**2, 4 * COUNT))
+    for one, other in ((number[1:], number[:-1]), (number[:, 1:], number[:, :-1])):
+        inner[one.ravel(), other.ravel()] = inner[other.ravel(), one.ravel()] = -1
+    for side, pixels in enumerate((number[0], number[:, -1], number[-1, ::-1], number[::-1, 0])):
+        rim[pixels, side * COUNT + np.arange(COUNT)] = 1
+    return np.linalg.solve(inner, rim)
+
+
+def _lines() -> tuple[Floats, Floats]:
+    """The share of each color of a ring in the line of equal color through each place, for each direction.
+
+    (DIRECTIONS, 4 * COUNT, 4 * COUNT) for the places on the ring, and (DIRECTIONS, COUNT**2, 4 * COUNT) for
+    those inside.
+    """
+    angles = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    across = np.column_stack([np.cos(angles), np.sin(angles)])
+    y, x = (np.indices((COUNT, COUNT)).reshape(2, -1) + 0.5) / COUNT
+    ring = across @ points_of_sides(COUNT).reshape(-1, 2).T
+    on_ring, inside = (np.exp(-0.5 * ((places[:, :, None] - ring[:, None]) / LINE_WIDTH)**2)
+                       for places in (ring, across @ np.stack([x, y])))
+    return on_ring / on_ring.sum(axis=2, keepdims=True), inside / inside.sum(axis=2, keepdims=True)
+
+
+FILM = _film()
+LINES_ON_RING, LINES_INSIDE = _lines()
