@@ -12,6 +12,7 @@ LINE_WIDTH = 0.04     # standard deviation across a line of equal color, in leng
 # Such lines are trusted if they leave the first of these shares of the colors' variance, not if the second.
 EXPLAINED, UNEXPLAINED = 0.15, 0.5
 PLAIN, SHADED = 0.04, 0.07  # by such shares, colors vary without an edge, and where there may be one
+DARK = 12.0           # gray levels that are added to all colors, so that noise is no edge
 
 
 def filled(colors: Floats) -> Image:
@@ -22,7 +23,7 @@ def filled(colors: Floats) -> Image:
     """
     mean = colors.mean(axis=0)
     variance = np.mean((colors - mean)**2)
-    shaded = np.interp(np.sqrt(variance) / (mean.mean() + 1), (PLAIN, SHADED), (0, 1))
+    shaded = np.interp(np.sqrt(variance) / (mean.mean() + DARK), (PLAIN, SHADED), (0, 1))
     fill = FILM @ colors
     if shaded:
         along = (LINES_ON_RING.reshape(-1, 4 * COUNT) @ colors).reshape(DIRECTIONS, 4 * COUNT, 3)

@@ -86,8 +86,9 @@ def colors_at(frame: Image, lens: Lens | None, points: Floats) -> tuple[Floats, 
 def _colors_of(frame: Image, pixels: Floats) -> tuple[Floats, Booleans]:
     """The same for pixels of the frame, (..., 2)."""
     nearest = np.clip(pixels, 0, np.array(frame.shape[1::-1]) - 1)
-    colors = cv2.remap(frame, nearest.astype(np.float32).reshape(-1, 1, 2), NO_ARRAY, cv2.INTER_LINEAR,
-                       borderMode=cv2.BORDER_REPLICATE)
+    # In a map of this shape, OpenCV's limit of 32767 rows is far away.
+    places = np.asarray(nearest, np.float32).reshape(-1, pixels.shape[-2], 2)
+    colors = cv2.remap(frame, places, NO_ARRAY, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     shown = np.all(pixels == nearest, axis=-1)
     return np.asarray(colors, np.float32).reshape(*shown.shape, 3), shown
 

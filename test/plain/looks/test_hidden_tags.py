@@ -5,6 +5,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from aruco_ar import Area, Tag
+from aruco_ar.looks.hidden_tags import HiddenTags
 from aruco_ar.simulation.render import WallRenderer
 from aruco_ar.simulation.robot import Pose, wall_to_camera
 from rig import PACKAGE
@@ -141,6 +143,18 @@ def test_on_a_real_board_blank_fields_are_where_the_tags_were():
             rim = cv2.dilate(field, np.ones((15, 15))) - cv2.dilate(field, np.ones((11, 11)))
             paper = np.median(frame[rim > 0], axis=0)
             assert np.abs(image[field > 0] - paper).max() < 30  # the frame's black is darker by 130
+
+
+def test_all_of_a_board_with_many_tags_vanish():
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_6X6_250)
+    frame, tags = np.full((720, 960, 3), 210, np.uint8), []
+    for tag_id, (y, x) in enumerate(np.argwhere(np.ones((8, 11))) * 80 + 40):
+        frame[y:y + 48, x:x + 48] = cv2.aruco.generateImageMarker(dictionary, tag_id, 48)[..., None] * 0.8 + 6
+        tags.append(Tag(tag_id, np.float32([[0, 0], [48, 0], [48, 48], [0, 48]]) + (x - 0.5, y - 0.5)))
+    image = frame.copy()
+    area = Area(np.float32([[60, 60], [900, 60], [900, 640], [60, 640]]))
+    HiddenTags().hide(frame, image, area, tags, is_located=True, keep=True)
+    assert len(tags_in(frame)) == len(tags) and np.all(image == 210)
 
 
 def test_a_tag_that_is_out_of_sight_stays_hidden(wall):
