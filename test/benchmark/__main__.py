@@ -9,7 +9,7 @@ from aruco_ar import InputError
 from rig.nodes.master import Master
 from rig.processes.record import recorded
 
-from .looks import looks
+from .looks import looks, real_hidden
 from .real_clips import clips, remembered, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
@@ -55,6 +55,7 @@ def main():
         with recorded('real_looks', args.record):
             looks.run_clips(clips.clips_of(args.real))
             looks.run_arm(clips.clips_of(args.real))
+            real_hidden.run(clips.clips_of(args.real))
         return
     if args.real and args.only == 'search':
         with recorded('real_search', args.record):
