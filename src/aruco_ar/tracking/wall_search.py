@@ -20,7 +20,7 @@ SEARCH_S = 0.7           # from one search to the next. Each takes some hundredt
 NEIGHBORS = 4            # so many features of the wall are compared with each: some of them may be the same one
 ELSEWHERE = 0.02         # features of the wall that are farther apart, in sides of the area, are different ones
 DISTINCT = 0.8           # the best one must differ by less than this share of the next one: see _find_features
-MIN_FEATURES = 8         # that fit together
+MIN_FEATURES = 14        # that fit together. On other walls, up to 10 did in some hundred frames
 TOLERANCE_PX = 3.0       # by which each of them may be off
 FLOW_PX, FLOW_LEVELS = 21, 3  # windows and levels of the optical flow that takes a find to a later frame
 
