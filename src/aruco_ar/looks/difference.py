@@ -14,8 +14,9 @@ from .parts import around, closed, components, grown, opened, outline_of, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
-# What is lighter than the whole wall by this factor is no spot of light if this share of its outline is sharp.
-LIGHTER, SHARP_SHARE = 1.3, 0.6
+# What is lighter or darker than the whole wall by these factors is no light or shadow if this share of its
+# outline is sharp.
+LIGHTER, DARKER, SHARP_SHARE = 1.3, 0.75, 0.6
 THING_PX = 9          # narrower things than this are found by their rims alone
 RIM_PX = 3            # edges of a pattern may be displaced, so the contrast in a window of this width counts
 NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
@@ -104,7 +105,11 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
     ``usable``: (h, w), where the wall is known. ``free``: (h, w), where nothing is in front.
     """
     _, wall_gray, light, _, excess, step, noise, rims = pixels
-    front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+    # Beside a thing with a color, a shadow begins sharply. So there, a sharp rim says nothing.
+    colored = grown(excess > 1, RIM_PX)
+    darker = ((DARKER - light) * wall_gray > noise + rims) & ~free & ~colored
+    front = (front | _with_sharp_rims(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+             | _with_sharp_rims(darker, (step > 1) & ~grown(colored, NEAR_PX)))
     unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
     weak = excess > 0.5
     mean = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
@@ -199,11 +204,11 @@ def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
     return np.asarray(cv2.resize(image, shape[1::-1], interpolation=cv2.INTER_LINEAR))
 
 
-def _light_things(lighter: Booleans, sharp: Booleans) -> Booleans:
-    """(h, w): the connected parts of what is lighter than the wall that have sharp rims. Both are (h, w)."""
-    lighter = grown(shrunk(lighter, THING_PX), THING_PX)
-    labels, count = components(lighter)
-    outline = outline_of(lighter)
+def _with_sharp_rims(mask: Booleans, sharp: Booleans) -> Booleans:
+    """(h, w): the connected parts of a mask that have sharp rims. Both are (h, w)."""
+    mask = grown(shrunk(mask, THING_PX), THING_PX)
+    labels, count = components(mask)
+    outline = outline_of(mask)
     length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
                             for part in (outline, outline & grown(sharp, 3)))
     return (sharp_length > SHARP_SHARE * length)[labels]

@@ -13,10 +13,11 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 
-from .blank import blank_wall
+from .blank import BlankWall, blank_wall
 from .difference import Difference, difference, largest_channel, largest_difference, soft_rim
 from .outlines import came_or_left
 from .parts import around, grown, parts_of, still_parts
+from .patches import Patches
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
@@ -74,6 +75,7 @@ class WallModel:
         self.light = np.ones(3, np.float32)
         self.free: Booleans = np.zeros((0, 0), bool)
         self.plain: Booleans | None = None
+        self._blank: BlankWall | None = None
         self._front_share = 1.0
         self._age = 0.0
         self._earlier: list[_Earlier] = []
@@ -107,6 +109,8 @@ class WallModel:
             self._learn_front(seen, labels, count, passed, settle, part)
             self.front[part] = soft_rim(np.asarray(image[part], np.float32), lit,
                                         front[part] & (self._seen_s[part] >= KNOWN_S))
+        if self._blank is not None:
+            self._clear_patches(seen, labels, self._blank)
         self._before = front
         self._age += passed
         if self._age >= STILL_S:
@@ -128,12 +132,14 @@ class WallModel:
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
-        found = blank_wall(self.look, valid & ~tags())
+        self._papers = ~valid | tags()              # where no patch can be
+        self._blank = found = blank_wall(self.look, ~self._papers)
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
             self._seen_s[found.hidden | found.shown] = GUESS_S
+            self._patches = Patches(found, self.look, ~self._papers)
         if found is not None and found.is_flat:
-            self._surface, self.plain = found.surface, _is_near(self.look, found.surface)
+            self.plain = _is_near(self.look, found.surface)
             self._seen_s[self.plain] = GUESS_S
 
     def _compare(self, seen: Image, valid: Booleans, passed: float) -> Difference:
@@ -194,6 +200,20 @@ class WallModel:
         if wins.any():
             self._swap_looks(wins, part)
 
+    def _clear_patches(self, seen: Image, labels: Integers, wall: BlankWall) -> None:
+        """Learn which patches of a blank wall are things in front of it.
+
+        ``seen``, ``labels``: see _learn_front.
+        """
+        over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
+        things = self._patches.things(seen, self.light, np.isin(labels, over_rim[over_rim > 0]))
+        if things is None:
+            return
+        self.look[things] = wall.surface[things]
+        self._known[things], self._seen_s[things], self._variance[things] = True, LASTING_S, VARIANCE
+        if self.plain is not None:
+            self.plain[things] = True
+
     def _became_wall(self, unlit: Floats, labels: Integers, count: int, settle: float,
                      part: tuple[slice, slice]) -> Booleans:
         """Where something in front is to be taken for the wall from now on, within a part of the image.
@@ -215,8 +235,10 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
-        if self.plain is not None:
-            self.plain[part][where] = _is_near(self.look[part][where], self._surface[part][where])
+        if self._blank is not None:
+            self._patches = Patches(self._blank, self.look, ~self._papers)
+            if self.plain is not None:
+                self.plain[part][where] = _is_near(self.look[part][where], self._blank.surface[part][where])
 
 
 def _is_near(colors: Floats, surface: Floats) -> Booleans:
