@@ -13,7 +13,7 @@ from .parts import around, grown, parts_of, shrunk
 EVERY = 3    # patches are looked at in every third frame
 TIMES = 3    # something may pass in front of a patch, but does not stay for so many looks
 MOVED_PX = 5  # the wall may seem displaced by some pixels, see difference, so a thing moves by this at least
-# In a window of this width around a patch, a pixel may be the patch, seen from another side, if its color is off
+# In a window of this width around a patch, a pixel may be it, seen from another side, if its color is off
 # the patch's by less than this, in gray levels.
 NEAR_PX, NEAR_LEVELS = 21, 24.0
 RIM_PX = 7           # pixels this near to a patch may be mixtures with it, or its shadow
