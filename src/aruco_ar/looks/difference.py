@@ -176,8 +176,8 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     rim &= ~core
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
     window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
-    things = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[rim]
-    things /= np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
+    weights = np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
+    things: Floats = cv2.blur(seen * weight[..., None], window)[rim] / weights
     mixed, off = _mixture(seen[rim], things, wall[rim], _shade_around(seen, wall, free)[rim])
     is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
     shares = core.astype(np.float32)
@@ -189,8 +189,8 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
 def _mixture(colors: Floats, things: Floats, walls: Floats, shade: Floats) -> tuple[Floats, Floats]:
     """(n,) each: the share of the thing in each color, 0 to 1, and how far the mixture is off, in gray levels.
 
-    ``colors``, ``things``, ``walls``: (n, 3) float32, a pixel, the thing there, and the wall. ``shade``: (n,), the
-    light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both factors,
+    ``colors``, ``things``, ``walls``: (n, 3) float32, a pixel, the thing there, and the wall. ``shade``: (n,),
+    the light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both factors,
     where rest is expected to be (1 - share) * shade.
     """
     trust = np.float32(SHADE_LEVELS**2)
@@ -211,7 +211,7 @@ def _mixture(colors: Floats, things: Floats, walls: Floats, shade: Floats) -> tu
 
 
 def _shade_around(seen: Floats, wall: Floats, free: Booleans) -> Floats:
-    """(h, w) float32: the mean light on the free wall around each pixel, as a factor; 1 where nothing is free."""
+    """(h, w) float32: the mean light on the free wall around each pixel, a factor; 1 where nothing is free."""
     mask, window = free.view(np.uint8), (SHADE_PX, SHADE_PX)
     bright, usual = (cv2.blur(cv2.copyTo(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), mask), window)
                      for image in (seen, wall))
