@@ -26,7 +26,7 @@ SMOOTH_PX = 5         # width of the window whose mean color tells where a thing
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
 CORE_PX = 9           # what is in front by half of this on all sides has nothing of the wall
 SHADE_PX = 15         # width of the window that shows the light on the wall beside a thing
-# The light on the wall at the rim of a thing differs from that as if 1 were so many gray levels. A pixel farther in
+# The light on the wall at the rim of a thing differs from that as if 1 were so many gray levels. A pixel inside
 # is no thing if it is off a shadow by less than SHADOW_LEVELS, with less than SHADOW_SHARE of the thing.
 SHADE_LEVELS, SHADOW_LEVELS, SHADOW_SHARE = 50.0, 10.0, 0.25
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
@@ -86,7 +86,7 @@ def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, 
     still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
     front = front & still_front
     pixels = _Planes(*planes)
-    free = ~usable | _shows_pattern(seen, pixels.gray, wall, pixels.noise, front)
+    free = ~usable | _shows_pattern(seen, wall, pixels, front)
     front = opened(front & ~free)
     return _completed(front, pixels, usable, free) if front.any() else front, planes
 
@@ -177,7 +177,7 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
     window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
     weights = np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
-    things: Floats = cv2.blur(seen * weight[..., None], window)[rim] / weights
+    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[rim] / weights
     mixed, off = _mixture(seen[rim], things, wall[rim], _shade_around(seen, wall, free)[rim])
     is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
     shares = core.astype(np.float32)
@@ -190,8 +190,8 @@ def _mixture(colors: Floats, things: Floats, walls: Floats, shade: Floats) -> tu
     """(n,) each: the share of the thing in each color, 0 to 1, and how far the mixture is off, in gray levels.
 
     ``colors``, ``things``, ``walls``: (n, 3) float32, a pixel, the thing there, and the wall. ``shade``: (n,),
-    the light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both factors,
-    where rest is expected to be (1 - share) * shade.
+    the light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both
+    factors, where rest is expected to be (1 - share) * shade.
     """
     trust = np.float32(SHADE_LEVELS**2)
     thing_thing, thing_wall, wall_wall, thing_color, wall_color = (
@@ -272,19 +272,18 @@ def _usual(light: Floats, free: Booleans) -> Floats:
     return _fine((sums + 1e-3) / (weights + 1e-3), light.shape)
 
 
-def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
+def _shows_pattern(seen: Image, wall: Image, pixels: _Planes, where: Booleans) -> Booleans:
     """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is in front.
 
-    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
-    the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes
-    the contrast of the pattern, and a glare adds to it. Both are estimated. The pattern is seen where it
-    correlates with the wall's, and where the pixel itself fits.
+    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``pixels``: what is known of
+    each pixel. In a window, light changes the contrast of the pattern, and a glare adds to it. Both are
+    estimated. The pattern is seen where it correlates with the wall's, and where the pixel itself fits.
     """
     shows = np.zeros(where.shape, bool)
     if not where.any():
         return shows
     # The frame is smooth: half as many pixels across and down show a pattern as well.
-    grays = _coarse(gray, HALF), _coarse(wall.mean(axis=2, dtype=np.float32), HALF)
+    grays = _coarse(pixels.gray, HALF), _coarse(pixels.wall_gray, HALF)
     for px, least in WINDOWS:
         window = px // HALF
         pattern, wall_pattern = (image - _mean_around(image, window) for image in grays)
@@ -300,5 +299,5 @@ def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where:
             rest, factor, fits, liked = (_fine(image, where.shape)
                                          for image in (rest, factor, fits, like.astype(np.float32)))
             off = largest_difference(seen - rest, factor[..., None] * wall)
-            shows |= (liked >= 0.5) & (off < noise + fits)
+            shows |= (liked >= 0.5) & (off < pixels.noise + fits)
     return shows & where

@@ -205,8 +205,7 @@ class WallModel:
 
         ``seen``, ``labels``: see _learn_front.
         """
-        over_rim = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]]))
-        things = self._patches.things(seen, self.light, np.isin(labels, over_rim[over_rim > 0]))
+        things = self._patches.things(seen, self.light, labels)
         if things is None:
             return
         self.look[things] = wall.surface[things]
