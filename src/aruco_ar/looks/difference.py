@@ -114,7 +114,7 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
     sure = grown((excess > 1) | (light < DARKEST), RIM_PX)
     darker = ((DARKER - light) * wall_gray > noise + rims) & ~free & ~sure
     front = (front | _with_sharp_rims(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
-             | _with_sharp_rims(darker, (step > 1) & ~grown(sure, NEAR_PX)))
+             | _with_sharp_rims(darker, step > 1, grown(sure, NEAR_PX)))
     unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
     weak = excess > 0.5
     mean = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
@@ -246,11 +246,11 @@ def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
     return np.asarray(cv2.resize(image, shape[1::-1], interpolation=cv2.INTER_LINEAR))
 
 
-def _with_sharp_rims(mask: Booleans, sharp: Booleans) -> Booleans:
-    """(h, w): the connected parts of a mask that have sharp rims. Both are (h, w)."""
+def _with_sharp_rims(mask: Booleans, sharp: Booleans, ignored: Booleans | None = None) -> Booleans:
+    """(h, w): the connected parts of a mask that have sharp rims, but for what is ignored. All are (h, w)."""
     mask = grown(shrunk(mask, THING_PX), THING_PX)
     labels, count = components(mask)
-    outline = outline_of(mask)
+    outline = outline_of(mask) if ignored is None else outline_of(mask) & ~ignored
     length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
                             for part in (outline, outline & grown(sharp, 3)))
     return (sharp_length > SHARP_SHARE * length)[labels]
