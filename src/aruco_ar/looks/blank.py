@@ -21,7 +21,8 @@ HIDDEN_LEVELS, COLOR = 4.0, 0.06
 BLANK_SHARE = 0.4     # share of a blank wall's pixels that must follow the surface
 # Longest outline of things that hide the wall, divided by the root of their size. Patterns have a longer one.
 MAX_OUTLINE = 10
-MAX_OTHER_SHARE = 0.2  # share of a blank wall that may be something else that hangs there
+# Share of a blank wall that may be something else that hangs there. It may be more if its outline is short.
+MAX_OTHER_SHARE, MAX_LARGE_SHARE = 0.2, 0.5
 RIM_PX = 7            # pixels this near to what hides the wall may be mixtures with it
 # More things than this that reach over the rim of the area are a pattern. So are things over all of its sides.
 MAX_HIDING = 3
@@ -41,6 +42,10 @@ class BlankWall:
     shown: Booleans
     is_flat: bool
 
+    def shows(self, seen: Floats, part: tuple[slice, slice]) -> Booleans:
+        """(h, w): where a part of a frame, (h, w, 3) float32, in the light of the surface, shows this wall."""
+        return ~_differs(seen, self.surface[part], FLAT if self.is_flat else CRUMPLED)
+
 
 def blank_wall(seen: Floats, usable: Booleans) -> BlankWall | None:
     """The BlankWall behind all that hides it; None if the wall is not blank.
@@ -53,7 +58,7 @@ def blank_wall(seen: Floats, usable: Booleans) -> BlankWall | None:
         surface = _surface(seen, usable, deviation)
         if surface is not None:
             differs = _differs(seen, surface, deviation)
-            hidden = _hidden(usable & differs, usable)
+            hidden = _hidden(usable & differs, usable, deviation == FLAT)
             if hidden is not None:
                 return BlankWall(surface, hidden, usable & ~differs, deviation == FLAT)
     return None
@@ -67,20 +72,27 @@ def _differs(seen: Floats, surface: Floats, deviation: float) -> Booleans:
                       | (off > HIDDEN_LEVELS + COLOR * gray))
 
 
-def _hidden(differs: Booleans, usable: Booleans) -> Booleans | None:
-    """(h, w): what hides the wall, of what differs from it; None if that is a pattern."""
+def _hidden(differs: Booleans, usable: Booleans, is_flat: bool) -> Booleans | None:
+    """(h, w): what hides the wall, of what differs from it; None if that is a pattern.
+
+    ``is_flat``: whether a large thing may hang there. The creases of a crumpled sheet would seem to be one.
+    """
     labels, _ = parts_of(differs)
     rims = [np.unique(rim[rim > 0]) for rim in (labels[0], labels[-1], labels[:, 0], labels[:, -1])]
     over_rim = np.unique(np.concatenate(rims))
     hidden = np.isin(labels, over_rim)
-    outline = np.count_nonzero(outline_of(hidden))
-    if outline > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(hidden), 1)):
+    if _is_ragged(hidden) or all(len(rim) for rim in rims) or len(over_rim) > MAX_HIDING:
         return None
-    other = np.count_nonzero((labels > 0) & ~hidden)
-    is_other = other > MAX_OTHER_SHARE * max(np.count_nonzero(usable & ~hidden), 1)
-    if all(len(rim) for rim in rims) or len(over_rim) > MAX_HIDING or is_other:
+    other = (labels > 0) & ~hidden
+    share = np.count_nonzero(other) / max(np.count_nonzero(usable & ~hidden), 1)
+    if share > (MAX_OTHER_SHARE if not is_flat or _is_ragged(other) else MAX_LARGE_SHARE):
         return None
     return grown(hidden, RIM_PX)
+
+
+def _is_ragged(mask: Booleans) -> bool:
+    """Whether the outline of a mask is too long for that of things: see MAX_OUTLINE."""
+    return np.count_nonzero(outline_of(mask)) > MAX_OUTLINE * np.sqrt(max(np.count_nonzero(mask), 1))
 
 
 def _surface(seen: Floats, usable: Booleans, deviation: float) -> Floats | None:

@@ -14,8 +14,9 @@ from .parts import around, closed, components, grown, opened, outline_of, shrunk
 
 # The light at a pixel, relative to that on the whole wall: the darkest shadow and the lightest spot.
 DARKEST, LIGHTEST = 0.36, 2.6
-# What is lighter than the whole wall by this factor is no spot of light if this share of its outline is sharp.
-LIGHTER, SHARP_SHARE = 1.3, 0.6
+# What is lighter or darker than the whole wall by these factors is no light or shadow if this share of its
+# outline is sharp.
+LIGHTER, DARKER, SHARP_SHARE = 1.3, 0.75, 0.6
 THING_PX = 9          # narrower things than this are found by their rims alone
 RIM_PX = 3            # edges of a pattern may be displaced, so the contrast in a window of this width counts
 NEAR_PX = 5           # in a window of this width around pixels surely in front, weaker evidence is enough
@@ -23,6 +24,11 @@ NEAR_PX = 5           # in a window of this width around pixels surely in front,
 BRIDGE_PX = 21
 SMOOTH_PX = 5         # width of the window whose mean color tells where a thing goes on
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
+CORE_PX = 9           # what is in front by half of this on all sides has nothing of the wall
+SHADE_PX = 15         # width of the window that shows the light on the wall beside a thing
+# The light on the wall at the rim of a thing differs from that as if 1 were so many gray levels. A pixel inside
+# is no thing if it is off a shadow by less than SHADOW_LEVELS, with less than SHADOW_SHARE of the thing.
+SHADE_LEVELS, SHADOW_LEVELS, SHADOW_SHARE = 50.0, 10.0, 0.25
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
 MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
 # The widths of the windows in which a pattern is recognized, and the least correlation with the wall's. The
@@ -80,7 +86,7 @@ def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, 
     still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
     front = front & still_front
     pixels = _Planes(*planes)
-    free = ~usable | _shows_pattern(seen, pixels.gray, wall, pixels.noise, front)
+    free = ~usable | _shows_pattern(seen, wall, pixels, front)
     front = opened(front & ~free)
     return _completed(front, pixels, usable, free) if front.any() else front, planes
 
@@ -104,7 +110,11 @@ def _completed(front: Booleans, pixels: _Planes, usable: Booleans, free: Boolean
     ``usable``: (h, w), where the wall is known. ``free``: (h, w), where nothing is in front.
     """
     _, wall_gray, light, _, excess, step, noise, rims = pixels
-    front = front | _light_things(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+    # Beside a thing that is surely in front, a shadow begins sharply. So there, a sharp rim says nothing.
+    sure = grown((excess > 1) | (light < DARKEST), RIM_PX)
+    darker = ((DARKER - light) * wall_gray > noise + rims) & ~free & ~sure
+    front = (front | _with_sharp_rims(((light - LIGHTER) * wall_gray > noise + rims) & ~free, step > 1)
+             | _with_sharp_rims(darker, step > 1, grown(sure, NEAR_PX)))
     unusual = np.abs(light - _usual(light, usable & ~grown(front, NEAR_PX))) * wall_gray - rims > noise / 2
     weak = excess > 0.5
     mean = np.asarray(cv2.blur(np.minimum(excess, 1), (SMOOTH_PX, SMOOTH_PX)))
@@ -153,22 +163,59 @@ def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
 def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     """(h, w) float32, 0 to 1: how much of each pixel the things in front cover.
 
-    ``seen``, ``wall``: see difference. A pixel at a rim is a mixture of the colors on both sides. The place of
-    its color on the line between the two shows its share.
+    ``seen``, ``wall``: see difference. A pixel at a rim is a mixture of the color of the thing and that of the
+    wall, which may be in a shadow of the thing there. Least squares tell both shares of each pixel. The shadow
+    is expected to be like that on the wall around, see SHADE_LEVELS.
     """
     share = np.zeros(front.shape, np.float32)
     part = around(front, RIM_MARGIN_PX)
     seen, wall, front = seen[part], wall[part], front[part]
-    core = shrunk(front, 5)
+    core = shrunk(front, CORE_PX)
+    rim = grown(front, 3)
+    free = ~rim
+    rim &= ~core
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
-    weights = np.maximum(cv2.blur(weight, (7, 7)), 1e-4)
-    both = length = np.zeros(front.shape, np.float32)
-    for color, wall_color in zip(cv2.split(seen), cv2.split(wall)):
-        contrast = cv2.blur(color * weight, (7, 7)) / weights - wall_color
-        both, length = both + (color - wall_color) * contrast, length + contrast * contrast
-    mixed = np.clip(both / np.maximum(length, 3 * MIN_CONTRAST**2), 0, 1)
-    share[part] = np.where(core, 1, np.where(grown(front, 3), mixed, 0))
+    window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
+    weights = np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
+    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[rim] / weights
+    mixed, off = _mixture(seen[rim], things, wall[rim], _shade_around(seen, wall, free)[rim])
+    is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
+    shares = core.astype(np.float32)
+    shares[rim] = np.where(shrunk(front, 5)[rim] & ~is_shadow, 1, mixed)
+    share[part] = shares
     return share
+
+
+def _mixture(colors: Floats, things: Floats, walls: Floats, shade: Floats) -> tuple[Floats, Floats]:
+    """(n,) each: the share of the thing in each color, 0 to 1, and how far the mixture is off, in gray levels.
+
+    ``colors``, ``things``, ``walls``: (n, 3) float32, a pixel, the thing there, and the wall. ``shade``: (n,),
+    the light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both
+    factors, where rest is expected to be (1 - share) * shade.
+    """
+    trust = np.float32(SHADE_LEVELS**2)
+    thing_thing, thing_wall, wall_wall, thing_color, wall_color = (
+        np.einsum('nc,nc->n', one, other) for one, other in (
+            (things, things), (things, walls), (walls, walls), (things, colors), (walls, colors)))
+    thing_thing += trust * shade * shade
+    thing_wall += trust * shade
+    wall_wall += trust
+    thing_color += trust * shade * shade
+    wall_color += trust * shade
+    least = np.float32(3 * MIN_CONTRAST**2)  # with less contrast than that, nothing is known
+    determinant = thing_thing * wall_wall - thing_wall * thing_wall + least * wall_wall
+    share = np.clip((thing_color * wall_wall - wall_color * thing_wall) / determinant, 0, 1)
+    rest = (wall_color - share * thing_wall) / wall_wall
+    off = np.abs(colors - share[:, None] * things - rest[:, None] * walls).max(axis=1)
+    return share, np.maximum(off, SHADE_LEVELS * np.abs(rest - (1 - share) * shade))
+
+
+def _shade_around(seen: Floats, wall: Floats, free: Booleans) -> Floats:
+    """(h, w) float32: the mean light on the free wall around each pixel, a factor; 1 where nothing is free."""
+    mask, window = free.view(np.uint8), (SHADE_PX, SHADE_PX)
+    bright, usual = (cv2.blur(cv2.copyTo(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), mask), window)
+                     for image in (seen, wall))
+    return np.asarray((bright + 1e-3) / (usual + 1e-3), np.float32)
 
 
 def largest_difference(one: Floats, other: Floats) -> Floats:
@@ -199,11 +246,11 @@ def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
     return np.asarray(cv2.resize(image, shape[1::-1], interpolation=cv2.INTER_LINEAR))
 
 
-def _light_things(lighter: Booleans, sharp: Booleans) -> Booleans:
-    """(h, w): the connected parts of what is lighter than the wall that have sharp rims. Both are (h, w)."""
-    lighter = grown(shrunk(lighter, THING_PX), THING_PX)
-    labels, count = components(lighter)
-    outline = outline_of(lighter)
+def _with_sharp_rims(mask: Booleans, sharp: Booleans, ignored: Booleans | None = None) -> Booleans:
+    """(h, w): the connected parts of a mask that have sharp rims, but for what is ignored. All are (h, w)."""
+    mask = grown(shrunk(mask, THING_PX), THING_PX)
+    labels, count = components(mask)
+    outline = outline_of(mask) if ignored is None else outline_of(mask) & ~ignored
     length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
                             for part in (outline, outline & grown(sharp, 3)))
     return (sharp_length > SHARP_SHARE * length)[labels]
@@ -225,19 +272,18 @@ def _usual(light: Floats, free: Booleans) -> Floats:
     return _fine((sums + 1e-3) / (weights + 1e-3), light.shape)
 
 
-def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where: Booleans) -> Booleans:
+def _shows_pattern(seen: Image, wall: Image, pixels: _Planes, where: Booleans) -> Booleans:
     """(h, w): of the pixels ``where``, (h, w), those where the wall's pattern is seen, so nothing is in front.
 
-    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``gray``: (h, w) float32,
-    the mean of the frame's channels. ``noise``: (h, w) float32, what may be noise. In a window, light changes
-    the contrast of the pattern, and a glare adds to it. Both are estimated. The pattern is seen where it
-    correlates with the wall's, and where the pixel itself fits.
+    ``seen``, ``wall``: (h, w, 3) uint8, the frame and the wall in the same light. ``pixels``: what is known of
+    each pixel. In a window, light changes the contrast of the pattern, and a glare adds to it. Both are
+    estimated. The pattern is seen where it correlates with the wall's, and where the pixel itself fits.
     """
     shows = np.zeros(where.shape, bool)
     if not where.any():
         return shows
     # The frame is smooth: half as many pixels across and down show a pattern as well.
-    grays = _coarse(gray, HALF), _coarse(wall.mean(axis=2, dtype=np.float32), HALF)
+    grays = _coarse(pixels.gray, HALF), _coarse(pixels.wall_gray, HALF)
     for px, least in WINDOWS:
         window = px // HALF
         pattern, wall_pattern = (image - _mean_around(image, window) for image in grays)
@@ -253,5 +299,5 @@ def _shows_pattern(seen: Image, gray: Floats, wall: Image, noise: Floats, where:
             rest, factor, fits, liked = (_fine(image, where.shape)
                                          for image in (rest, factor, fits, like.astype(np.float32)))
             off = largest_difference(seen - rest, factor[..., None] * wall)
-            shows |= (liked >= 0.5) & (off < noise + fits)
+            shows |= (liked >= 0.5) & (off < pixels.noise + fits)
     return shows & where

@@ -53,7 +53,6 @@ class WallLight:
         """
         height, width = (max(1, length // COARSE) for length in model.look.shape[:2])
         self._size = width, height
-        self._plain = None if model.plain is None else self._share(model.plain)
         x, y = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
         away = (x[..., None] - places[:, 0])**2 + (y[..., None] - places[:, 1])**2
         share = 1 / (away + 0.01)
@@ -69,7 +68,7 @@ class WallLight:
         """
         seen, is_free = self._coarse(image), bool(model.free.all())
         if not is_free or self._frees % COLORS_EVERY == 0:
-            self._color = self._color_of(model.look)
+            self._color = self._color_of(model)
             self._mean_color = _mean(self._color, WINDOWS_PX[-1])
         self._frees = self._frees + 1 if is_free else 0
         if is_free:
@@ -82,12 +81,13 @@ class WallLight:
             light += part * (bright / np.maximum(share, 1e-4) - light)
         return np.clip(light, 0, 255).astype(np.uint8)
 
-    def _color_of(self, look: Floats) -> Floats:
+    def _color_of(self, model: WallModel) -> Floats:
         """(h, w, 3) float32: the wall's color, as a share of white."""
-        color = self._coarse(look) / self._first
-        if self._plain is not None:  # on a blank wall, a color that varies is light
-            mean = (color * self._plain).sum(axis=(0, 1)) / max(self._plain.sum(), 1e-3)
-            color += self._plain * (mean - color)
+        color = self._coarse(model.look) / self._first
+        if model.plain is not None:  # on a blank wall, a color that varies is light
+            plain = self._share(model.plain)
+            mean = (color * plain).sum(axis=(0, 1)) / max(plain.sum(), 1e-3)
+            color += plain * (mean - color)
         return color
 
     def _share(self, mask: Booleans) -> Floats:

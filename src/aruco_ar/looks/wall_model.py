@@ -13,14 +13,18 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 
-from .blank import blank_wall
+from .blank import BlankWall, blank_wall
 from .difference import Difference, difference, largest_channel, largest_difference, soft_rim
+from .outlines import came_or_left
 from .parts import around, grown, parts_of, still_parts
+from .patches import Patches
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
 GUESS_S = 3.0                   # a blank wall counts at first as seen for this time, even if hidden
 SURE_S = 2.0                    # a color seen for less time than this gives way to any color that stays
+LASTING_S = 5.0                 # what comes where the wall was seen for this time is never taken for the wall
+PLAIN_SHARE = 0.1               # a blank wall's colors are off by less than this, as a share of its brightness
 SAME_LEVELS = 16.0              # colors are the same if they differ by less than this, in gray levels
 # A thing is still if at most MOVED_SHARE of its outline has moved for STILL_S seconds.
 STILL_S = 1.0
@@ -71,6 +75,7 @@ class WallModel:
         self.light = np.ones(3, np.float32)
         self.free: Booleans = np.zeros((0, 0), bool)
         self.plain: Booleans | None = None
+        self._blank: BlankWall | None = None
         self._front_share = 1.0
         self._age = 0.0
         self._earlier: list[_Earlier] = []
@@ -101,9 +106,11 @@ class WallModel:
         self._learn_wall(seen, found, valid & ~front, passed, settle)
         self.front = np.zeros(valid.shape, np.float32)
         if count:
-            self._learn_front(seen, labels, count, passed, part)
+            self._learn_front(seen, labels, count, passed, settle, part)
             self.front[part] = soft_rim(np.asarray(image[part], np.float32), lit,
                                         front[part] & (self._seen_s[part] >= KNOWN_S))
+        if self._blank is not None:
+            self._clear_patches(seen, labels, self._blank)
         self._before = front
         self._age += passed
         if self._age >= STILL_S:
@@ -125,12 +132,14 @@ class WallModel:
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
-        found = blank_wall(self.look, valid & ~tags())
+        self._papers = ~valid | tags()              # where no patch can be
+        self._blank = found = blank_wall(self.look, ~self._papers)
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
             self._seen_s[found.hidden | found.shown] = GUESS_S
+            self._patches = Patches(found, self.look, ~self._papers)
         if found is not None and found.is_flat:
-            self.plain = np.abs(self.look - found.surface).max(axis=2) < 0.1 * found.surface.mean(axis=2)
+            self.plain = _is_near(self.look, found.surface)
             self._seen_s[self.plain] = GUESS_S
 
     def _compare(self, seen: Image, valid: Booleans, passed: float) -> Difference:
@@ -161,16 +170,16 @@ class WallModel:
                     settle: float) -> None:
         """Learn the wall's look where nothing is in front."""
         self._count = min(self._count + 1, MEAN_OF)
-        binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, settle, 1 / self._count,
-                           VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
+        binding.learn_wall(seen, self.light, found.planes, wall, self.free, passed, max(settle, LASTING_S),
+                           1 / self._count, VARIANCE_RATE, self.look, self._variance, self._known, self._seen_s)
         sample = self._variance[::SAMPLE_PX, ::SAMPLE_PX].ravel()
         middle = (sample.size - 1) // 2
         usual = np.partition(sample, middle)[middle]  # np.median is slower
         np.minimum(self._variance, NOISIEST * usual, out=self._variance)
 
-    def _learn_front(self, seen: Image, labels: Integers, count: int, passed: float,
+    def _learn_front(self, seen: Image, labels: Integers, count: int, passed: float, settle: float,
                      part: tuple[slice, slice]) -> None:
-        """Learn what stays in front. It becomes the wall when it has been seen for longer than the wall was.
+        """Learn what stays in front. Some of it becomes the wall: see _became_wall.
 
         ``seen``: (h, w, 3) uint8. ``labels``, ``count``: the things in front, see parts_of. ``part``: all of
         them are there, and what is near.
@@ -187,9 +196,37 @@ class WallModel:
         new = front & ~same
         np.copyto(other, unlit, where=new[..., None])
         other_s[new], was_wall[new] = 0, False
-        wins = (same & was_wall) | (front & (other_s > seen_s))
+        wins = (same & was_wall) | self._became_wall(unlit, labels, count, settle, part)
         if wins.any():
             self._swap_looks(wins, part)
+
+    def _clear_patches(self, seen: Image, labels: Integers, wall: BlankWall) -> None:
+        """Learn which patches of a blank wall are things in front of it.
+
+        ``seen``, ``labels``: see _learn_front.
+        """
+        things = self._patches.things(seen, self.light, labels)
+        if things is None:
+            return
+        self.look[things] = wall.surface[things]
+        self._known[things], self._seen_s[things], self._variance[things] = True, LASTING_S, VARIANCE
+        if self.plain is not None:
+            self.plain[things] = True
+
+    def _became_wall(self, unlit: Floats, labels: Integers, count: int, settle: float,
+                     part: tuple[slice, slice]) -> Booleans:
+        """Where something in front is to be taken for the wall from now on, within a part of the image.
+
+        It has been seen for longer than the wall was, or for ``settle`` seconds. If it is behind a thing that
+        has left, SURE_S is enough. If it has come where the wall was seen for LASTING_S, it stays in front.
+        """
+        other_s, seen_s = self._other_s[part], self._seen_s[part]
+        wins = (labels > 0) & (other_s > np.minimum(np.minimum(seen_s, settle), SURE_S))
+        if not wins.any():
+            return wins
+        came, left = came_or_left(labels, count, unlit, self.look[part])
+        longer = (other_s > np.minimum(seen_s, settle)) & ~(came[labels] & (seen_s >= LASTING_S))
+        return wins & (left[labels] | longer)
 
     def _swap_looks(self, where: Booleans, part: tuple[slice, slice]) -> None:
         """Make the other look that of the wall, and the wall's the other one, at some pixels of a part."""
@@ -197,6 +234,15 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
+        if self._blank is not None:
+            self._patches = Patches(self._blank, self.look, ~self._papers)
+            if self.plain is not None:
+                self.plain[part][where] = _is_near(self.look[part][where], self._blank.surface[part][where])
+
+
+def _is_near(colors: Floats, surface: Floats) -> Booleans:
+    """(...,): where colors are those of the surface of a blank wall, but for a little. Both are (..., 3)."""
+    return np.asarray(np.abs(colors - surface).max(axis=-1) < PLAIN_SHARE * surface.mean(axis=-1))
 
 
 def _times(image: Floats, factors: Floats) -> Floats:

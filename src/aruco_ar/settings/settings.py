@@ -143,7 +143,9 @@ class PictureSettings(AreaSettings):
         'whether the tags are seen. show: they stay as they are. hide: each is covered with what the wall '
         'around it looks like')
     settle: float = number(
-        30.0, 0.5, 3600, 'seconds after which a thing that does not move becomes a part of the wall')
+        30.0, 0.5, 3600,
+        'seconds after which a thing that does not move becomes a part of the wall, '
+        'unless the wall behind it is known')
 
 
 def _sizes(value: Any) -> tuple[tuple[int, float], ...]:
