@@ -17,6 +17,7 @@ from .features import SEARCHED, Gray, find_features, gray_of, undistorted
 from .layout import UNIT_SQUARE
 
 SEARCH_S = 0.7           # from one search to the next. Each takes some hundredths of a second
+OLD_S = 1.0              # after this time, what was found does not help any more
 NEIGHBORS = 4            # so many features of the wall are compared with each: some of them may be the same one
 ELSEWHERE = 0.02         # features of the wall that are farther apart, in sides of the area, are different ones
 DISTINCT = 0.8           # the best one must differ by less than this share of the next one: see _find_features
@@ -44,7 +45,7 @@ class WallSearch:
         self._features = features
         self._thread = ThreadPoolExecutor(1, 'wall') if in_thread else None
         self._search: Future[_Find | None] | None = None
-        self._due = -np.inf
+        self._began = -np.inf  # when the last search began, seconds
 
     def find(self, frame: Image, lens: Lens | None, now: float) -> Floats | None:
         """(4, 2) undistorted pixels: the area's corners in a frame, about; None if it was not found.
@@ -57,10 +58,11 @@ class WallSearch:
             if not self._search.done():
                 return None
             found, self._search = self._search.result(), None
-            return None if found is None else _corners_in(found, gray_of(frame), lens)
-        if now < self._due:
+            if found is not None and now - self._began < OLD_S:
+                return _corners_in(found, gray_of(frame), lens)
+        if now < self._began + SEARCH_S:
             return None
-        self._due = now + SEARCH_S
+        self._began = now
         if self._thread is not None:
             self._search = self._thread.submit(self._find_features, gray_of(frame), lens)
             return None
