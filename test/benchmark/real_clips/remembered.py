@@ -82,10 +82,10 @@ class Searching:
         return np.full((4, 2), np.nan) if seen.area is None else seen.area.corners
 
 
-def find_again(clip, path, frames, stamps, truth):
+def find_again(clip, path, frames, stamps, truth, starts=STARTS):
     """(found, errors): whether the wall was found in time after each start, and the errors, (n, 4) pixels."""
     found, errors = [], []
-    for start in np.linspace(stamps[0], stamps[-1] - FIND_S, STARTS):
+    for start in np.linspace(stamps[0], stamps[-1] - FIND_S, starts):
         searching = Searching(clip, path)
         numbers = np.flatnonzero((stamps >= start) & (stamps < start + RUN_S))
         corners = np.array([searching.corners(frames[number], stamps[number]) for number in numbers])

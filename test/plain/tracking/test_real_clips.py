@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from benchmark.real_clips import clips as real
+from benchmark.real_clips import remembered
 from benchmark.real_clips.jerks import with_jerks
 from benchmark.real_clips.truth import truth_of
 
@@ -56,6 +57,23 @@ def test_the_area_sticks_in_frames_that_a_jerk_of_the_camera_smears(filmed):
         if smeared[number]:
             errors.append(np.linalg.norm(real.errors_of(area.corners[None], truth[number][None])[0], axis=1))
     assert len(errors) == 10 and np.max(errors) < 2
+
+
+# The largest rms without tags, pixels.
+WITHOUT_TAGS = {'board.mp4': 0.6, 'pushed.mp4': 2.5, 'turned.avi': 0.45}
+
+
+@pytest.mark.clips
+def test_a_remembered_wall_is_found_while_its_tags_are_black(filmed, tmp_path):
+    name, clip, frames, rate, truth = filmed
+    if name not in WITHOUT_TAGS:
+        pytest.skip('the area of %s is too small to be known by its look' % name)
+    path, places, corners = remembered.teach(clip, frames, rate, str(tmp_path))
+    black, numbers = remembered.without_tags(frames, np.where(np.isnan(truth), corners, truth), places)
+    found, errors = remembered.find_again(clip, path, black, numbers / rate, truth[numbers], starts=4)
+    assert all(found)
+    known = ~np.isnan(errors[:, 0])
+    assert known.mean() > 0.9 and np.sqrt(np.mean(errors[known]**2)) < WITHOUT_TAGS[name]
 
 
 @pytest.mark.clips
