@@ -294,7 +294,7 @@ def start_motion(motion: Floats, points: Numbers, deviation: Numbers, bias: Numb
 
 def predict_motion(motion: Floats, seconds: float, calm: bool) -> None:
     """See AreaMotion.predict in tracking/motion.py; changes ``motion``."""
-    _predict_motion(_motion(motion), seconds, calm)
+    _predict_motion(_motion(motion), seconds, bool(calm))
 
 
 def jerk_motion(motion: Floats) -> None:
