@@ -245,7 +245,7 @@ class AreaTracker:
 
     def _recall(self, wall: RememberedWall) -> None:
         """Begin with what is remembered of a wall."""
-        self._layout = Layout(wall.ids, wall.places, EXACT)
+        self._layout, self._views = Layout(wall.ids, wall.places, EXACT), Views(wall.features)
         if wall.look is not None:
             self._texture = Texture.remembered(wall.look, self._lens)
             self._wall_search = WallSearch(wall.features, self._in_thread)

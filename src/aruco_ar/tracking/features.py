@@ -14,7 +14,7 @@ import numpy as np
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
 from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.walls.remembered import DESCRIPTOR, MAX_FEATURES, Features
+from aruco_ar.walls.remembered import DESCRIPTOR, MAX_FEATURES, NO_FEATURES, Features
 
 MAX_LENGTH_PX = 640      # the longer side of a frame in which features are looked for
 TAUGHT, SEARCHED = 600, 400  # features of a frame, at most, to learn the wall from, and to find it by
@@ -46,12 +46,14 @@ class _View(NamedTuple):
 class Views:
     """Frames in which tags showed the area: as many as are needed, as different as possible."""
 
-    def __init__(self) -> None:
+    def __init__(self, known: Features = NO_FEATURES) -> None:
+        """``known``: what is known of the wall before."""
         self._views: tuple[_View, ...] = ()
+        self._known = known
 
     def copy(self) -> Views:
         """The same views, which stay as they are now."""
-        other = Views()
+        other = Views(self._known)
         other._views = self._views
         return other
 
@@ -67,17 +69,19 @@ class Views:
 
     def features(self) -> Features:
         """The Features of the wall. This takes some tenths of a second."""
+        if not self._views:
+            return self._known
         found = [_features_in(view) for view in self._views]
-        places = np.concatenate([np.empty((0, 2)), *(each[0] for each in found)])
-        descriptors = np.concatenate([np.empty((0, DESCRIPTOR), np.uint8), *(each[1] for each in found)])
-        sizes = np.concatenate([np.empty(0), *(each[2] for each in found)])
+        places, descriptors, sizes = (np.concatenate(parts) for parts in zip(*found))
         numbers = np.repeat(np.arange(len(found)), [len(each[0]) for each in found])
         if len(found) > 1:
             count = _sightings(places, sizes, numbers)
         else:
             count = 1 + ((places > -NEAR) & (places < 1 + NEAR)).all(axis=1)
-        order = np.argsort(-count, kind='stable')[:min(MAX_FEATURES, np.count_nonzero(count > 1))]
-        return Features(np.asarray(places[order], np.float32), descriptors[order])
+        order = np.argsort(-count, kind='stable')[:np.count_nonzero(count > 1)]
+        places = np.asarray(places[order], np.float32)
+        return Features(np.concatenate([places, self._known.places])[:MAX_FEATURES],
+                        np.concatenate([descriptors[order], self._known.descriptors])[:MAX_FEATURES])
 
 
 def gray_of(frame: Image) -> Gray:

@@ -22,7 +22,7 @@ MAX_BYTES = 2 * 1024 * 1024      # of the file
 MAX_UNPACKED_BYTES = 4 * MAX_BYTES
 MAX_TAGS, MAX_POINTS, MAX_FEATURES = 1000, 1000, 2000
 MAX_SIDE_PX = 1024               # of the look's image
-FAR = 100.0                      # no place is farther away than this, in sides of the area
+LARGEST = 1e4                    # of all numbers: pixels, and places, which are in sides of the area
 DESCRIPTOR = 128                 # numbers that describe a feature: see cv2.SIFT
 
 
@@ -84,6 +84,9 @@ class RememberedWall:
         write_whole(path, file.getvalue())
 
 
+NO_FEATURES = Features(np.empty((0, 2), np.float32), np.empty((0, DESCRIPTOR), np.uint8))
+
+
 def load_remembered(path: str, dictionary: str, border: float) -> RememberedWall:
     """Read a RememberedWall from its file.
 
@@ -143,7 +146,7 @@ def _look_of(arrays: Mapping[str, Any]) -> Look:
                 _checked(arrays['on_tags'], np.bool_, points.shape[:1], MAX_POINTS), float(arrays['bias']))
     width, height = image.shape[::-1]
     for numbers, low, high in ((look.points, 0, (width - 1, height - 1)), (look.inner, 1, (width, height)),
-                               (look.bias, 0, FAR)):
+                               (look.bias, 0, LARGEST)):
         if not ((low <= numbers) & (numbers <= np.array(high))).all():
             raise ValueError
     return look
@@ -158,6 +161,6 @@ def _checked(array: Any, kind: Any, shape: tuple[int, ...], longest: int) -> Any
         length == wanted or (wanted == -1 and length <= longest) for length, wanted in zip(array.shape, shape))
     if not fits or not np.issubdtype(array.dtype, kind):
         raise ValueError
-    if np.issubdtype(array.dtype, np.floating) and not (np.abs(array) < 1e6).all():
+    if np.issubdtype(array.dtype, np.floating) and not (np.abs(array) <= LARGEST).all():
         raise ValueError
     return array

@@ -71,6 +71,19 @@ def test_the_wall_is_found_again_after_it_was_out_of_sight(saved, package):
 
 
 @pytest.mark.long
+def test_a_wall_that_was_saved_again_is_found_as_well(saved, package, tmp_path):
+    """Also if it was not seen in between, and if it was seen with its tags."""
+    wall = painting(package)
+    for seen in (), drive(STILL, 60, wall=wall, **PHONE):
+        tracker, again = Tracker(wall=saved), str(tmp_path / 'again.npz')
+        follow(tracker, drive(STILL, 1, hidden, wall=wall, **PHONE))
+        follow(tracker, seen)
+        tracker.save_wall(again)
+        errors = follow(Tracker(wall=again), drive(LIVELY, 60, hidden, wall=wall, **PHONE))
+        assert not np.isnan(errors).any() and rms(errors) < 1
+
+
+@pytest.mark.long
 def test_one_tag_is_enough_on_a_blank_wall(blank):
     frames = list(drive(STILL, 60, lambda number: ALL[1:], wall=replace(WALL, plaster=0), noise=1.0))
     errors = follow(Tracker(wall=blank), frames)
