@@ -16,8 +16,8 @@ SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 's
                'likeness', 'min_side', 'border', 'respawn', 'view', 'bag', 'sim'}
 LENS_ARGS = {'lens', 'camera_info', 'rectified'}
 OWN_ARGS = {'exercise5_4.launch': LENS_ARGS,
-            'exercise5_5.launch': LENS_ARGS | {'hold', 'upright'},
-            'exercise5_6.launch': LENS_ARGS | {'hold', 'upright', 'picture', 'fit', 'opacity',
+            'exercise5_5.launch': LENS_ARGS | {'hold', 'upright', 'wall'},
+            'exercise5_6.launch': LENS_ARGS | {'hold', 'upright', 'wall', 'picture', 'fit', 'opacity',
                                                  'foreground', 'light', 'grain', 'tags', 'settle', 'areas'}}
 
 
