@@ -93,7 +93,8 @@ class TagPoses(CameraNode):
             return
         name = self.settings.wall_frame
         if name == AUTO:
-            name = LEARNED_WALL_FRAME if self.settings.wall == LEARN else WALL_FRAME
+            is_learned = self.settings.wall == LEARN or self.settings.is_wall_remembered
+            name = LEARNED_WALL_FRAME if is_learned else WALL_FRAME
         wall = frame_name(name)
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(poses.camera, header.stamp, wall))

@@ -34,8 +34,8 @@ FIELDS = {'fit': PAINTER, 'dictionary': EXERCISES, 'ids': EXERCISES}
 SWITCHES = {'foreground': (PAINTER, FOREGROUNDS), 'light': (PAINTER, LIGHTS), 'grain': (PAINTER, GRAINS),
             'tags': (PAINTER, TAGS), 'visitor': (SIMULATION, (NOBODY, 'person'))}
 # The switch that has a wall remembered: the nodes that then know it. Their parameter names its file.
-WALL, KNOWING = 'wall', EXERCISES[-2:]
-SAVED = re.compile(r'Wrote (.+)\. With wall:=\1,')  # what the service ~save_wall answers
+WALL, KNOWING = 'wall', EXERCISES[:-3:-1]
+SAVED = re.compile(r'Wrote (.+?)\. With wall:=\1,')  # in the answer of the service ~save_wall: see save_walls
 FOLDER = 'images'
 FORMATS = 'JPEG', 'PNG', 'WEBP', 'BMP'
 MAX_BYTES = 16 * 1024 * 1024
@@ -209,7 +209,10 @@ class Choices:
         Raises InputError if its node is not running, or if there is no wall to remember yet.
         """
         if name == WALL and isinstance(on, bool):
-            await self._set(KNOWING, wall=await self._save_wall() if on else LEARN)
+            wall = await self._save_wall() if on else LEARN
+            await self._set(PAINTER, wall=wall)
+            others = [name for name in KNOWING if name not in PAINTER and self._nodes[name].values]
+            await asyncio.gather(*[self._set([name], wall=wall) for name in others])
         elif isinstance(name, str) and name in SWITCHES and isinstance(on, bool):
             nodes, values = SWITCHES[name]
             await self._set(nodes, **{name: values[on]})
@@ -222,10 +225,13 @@ class Choices:
                                             ANSWER_S)
         except (rospy.ServiceException, asyncio.TimeoutError):
             raise InputError('%s does not answer. Start it, or look at its log.' % node) from None
-        path = SAVED.match(answer.message)
-        if not answer.success or path is None:
+        paths = SAVED.findall(answer.message)
+        if not answer.success:
             raise InputError(answer.message)
-        return path[1]
+        if len(paths) != 1:
+            raise InputError('Each area has a wall of its own. Give each its file, as wall in the file of the '
+                             'areas: %s.' % ', '.join(paths))
+        return paths[0]
 
     async def thumbnail(self, name):
         """The picture of that name as a small JPEG. Raises InputError if there is none."""

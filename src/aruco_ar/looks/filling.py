@@ -5,14 +5,13 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 
-from .ring import COUNT, points_of_sides
+from .ring import COUNT, DARK, points_of_sides
 
 DIRECTIONS = 16       # in which the edge of a shadow is searched
 LINE_WIDTH = 0.04     # standard deviation across a line of equal color, in lengths of a side
 # Such lines are trusted if they leave the first of these shares of the colors' variance, not if the second.
 EXPLAINED, UNEXPLAINED = 0.15, 0.5
 PLAIN, SHADED = 0.04, 0.07  # by such shares, colors vary without an edge, and where there may be one
-DARK = 12.0           # gray levels that are added to all colors, so that noise is no edge
 
 
 def filled(colors: Floats) -> Image:

@@ -16,8 +16,8 @@ from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
-from .paper_outline import outline_of
-from .ring import COUNT, SQUARE, rings_around
+from .paper_outline import paper_of
+from .ring import COUNT, DARK, SQUARE, rings_around
 from .tag_look import SIZE, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
@@ -30,7 +30,6 @@ USUAL_OF = 15         # the ring's usual colors are the running mean of about th
 ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
 DARKEST, LIGHTEST = 0.45, 2.2  # light changes a color of the ring less than this, besides what it does to all
 SAME_COLOR = 0.15     # light changes the channels of a color by factors that differ by less than this
-DARK = 12.0           # gray levels that are added to all colors, so that noise is no change
 WIDER = (SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front; the outline is the unit square
 TO_SIZE = np.diag([*SIZE, 1.0])
 
@@ -56,7 +55,8 @@ class HiddenTags:
         image, if given.
         """
         seen = {tag.id: straight_corners(tag, area.lens) for tag in tags} if is_located else {}
-        self._find(area, seen)
+        if is_located:
+            self._find(area, seen)
         chosen, outlines, to_frame = [], [], homography_to(area.undistorted)
         for tag_id, hidden in self._hidden.items():
             # A tag may stand off the wall, or the wall be bent. So its own corners count if they are seen.
@@ -124,13 +124,13 @@ class _HiddenTag:
     def find_outline(self, frame: Image, quad: Floats, lens: Lens | None) -> None:
         """Learn the outline: at once in the first frame, and later if it is found twice in a row.
 
-        If it is not found, it stays, since somebody may stand beside it. The arguments are those of outline_of.
+        If it is not found, it stays, since somebody may stand beside it. The arguments are those of paper_of.
         """
         self._search_in -= 1
         if self._search_in > 0:
             return
         self._search_in = OUTLINE_EVERY[self._is_found]
-        found = outline_of(frame, quad, lens)
+        found = paper_of(frame, quad, lens)
         if found is None:
             return
         if self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE:
@@ -169,7 +169,7 @@ def _without_others(colors: Floats, shown: Booleans, usual: Floats | None) -> tu
     if usable.all():
         return colors, 1.0
     if not usable.any():
-        return before, 0.0
+        return colors if usual is None else before, 0.0
     weights = NEARNESS * usable
     instead = weights @ change / weights.sum(axis=1)[:, None] * (before + DARK) - DARK
     return np.where(usable[:, None], colors, instead), float(usable.mean())

@@ -8,14 +8,13 @@ from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.lines import crossing
 
-from .ring import AFTER, OUTWARD, SQUARE, colors_at
+from .ring import AFTER, DARK, OUTWARD, SQUARE, colors_at
 
 # Lengths are in sides of the tag.
 STEP, STEPS = 0.015, 48      # the frame is looked at farther and farther out
 ALONG = (np.arange(40) + 0.5) / 16 - 0.75  # places along a side, and beyond its ends
 BESIDE = slice(12, 28)       # those of them that are beside the tag
 ALIKE = 0.13                 # what is plain varies by less than this share of its color
-DARK = 12.0                  # gray levels that are added to all colors, so that noise is no pattern
 PLAIN = 0.95                 # share of the places around the tag that must be alike
 EQUAL = 0.3                  # colors on its four sides differ by less than this share
 LAG, STEADY = 2, 0.04        # it changes by less than this share within so many steps in and out
@@ -29,7 +28,7 @@ POINTS = BEGIN[:, :, None] + OUT[:, None] * OUTWARD[:, None, None]   # (4, len(A
 AROUND = np.abs(ALONG[:, None] - 0.5) <= 0.5 + OUT  # (len(ALONG), STEPS): a square around the tag for each step
 
 
-def outline_of(frame: Image, quad: Floats, lens: Lens | None) -> Floats | None:
+def paper_of(frame: Image, quad: Floats, lens: Lens | None) -> Floats | None:
     """(4, 2) float64: the outline of a tag or of its paper, where the tag is the unit square, or None.
 
     ``frame``: (h, w, 3) BGR uint8. ``quad``: (4, 2) undistorted pixels, the tag's corners. ``lens``: that of

@@ -35,12 +35,13 @@ class Patches:
         shares = np.maximum(cv2.blur(is_patch, (NEAR_PX, NEAR_PX)), 1e-6)[..., None]
         self._colors = np.asarray(cv2.blur(look * is_patch[..., None], (NEAR_PX, NEAR_PX)) / shares, np.float32)
 
-    def things(self, seen: Image, light: Floats, in_front: Integers) -> Booleans | None:
+    def things(self, seen: Image, valid: Booleans, light: Floats, in_front: Integers) -> Booleans | None:
         """(h, w): the patches that a frame shows to be things, with their rims; None if it shows none.
 
-        ``seen``: (h, w, 3) uint8, the frame. ``light``: (3,) float32, its light, as factors of the wall's.
-        ``in_front``: (h, w), the labels of what is in front of the wall and the patches, see parts_of. What of
-        it reaches over the rim of the area is something else. Things are no patches any more.
+        ``seen``: (h, w, 3) uint8, the frame. ``valid``: (h, w), where it shows the area. ``light``: (3,)
+        float32, its light, as factors of the wall's. ``in_front``: (h, w), the labels of what is in front of
+        the wall and the patches, see parts_of. What of it reaches over the rim of the area is something else.
+        Things are no patches any more.
         """
         self._frames += 1
         is_patch = self._labels > 0
@@ -51,7 +52,8 @@ class Patches:
         rim = np.concatenate([in_front[0], in_front[-1], in_front[:, 0], in_front[:, -1]])
         is_other = np.bincount(rim, minlength=in_front.max() + 1) > 0
         is_other[0] = False
-        moved = self._moved(np.asarray(seen[part] / light, np.float32), part) & ~is_other[in_front[part]]
+        moved = self._moved(np.asarray(seen[part] / light, np.float32), part)
+        moved &= shrunk(valid, RIM_PX)[part] & ~is_other[in_front[part]]
         labels = np.asarray(near, np.int32)[shrunk(moved, MOVED_PX)]
         self._times = np.where(np.bincount(labels, minlength=len(self._times)) > 0, self._times + 1, 0)
         self._times[0] = 0

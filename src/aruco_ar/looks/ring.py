@@ -20,6 +20,7 @@ RISE, RISE_LEVELS = 0.03, 1.0
 OTHER = 0.15          # another thing begins where the contrast changes by more than this share
 SETTLED, SETTLED_LEVELS = 0.02, 1.0  # the contrast beyond the blur differs from the usual one by less than this
 DEPTH_PX = 3.0        # a color of the ring is a mean over this depth
+DARK = 12.0           # gray levels to add to colors before their ratios are taken, so that noise is no pattern
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 OUTWARD = np.array([[0.0, -1], [1, 0], [0, 1], [-1, 0]])  # of the sides of that square

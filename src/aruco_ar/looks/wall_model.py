@@ -110,7 +110,7 @@ class WallModel:
             self.front[part] = soft_rim(np.asarray(image[part], np.float32), lit,
                                         front[part] & (self._seen_s[part] >= KNOWN_S))
         if self._blank is not None:
-            self._clear_patches(seen, labels, self._blank)
+            self._clear_patches(seen, valid, labels, self._blank)
         self._before = front
         self._age += passed
         if self._age >= STILL_S:
@@ -200,12 +200,12 @@ class WallModel:
         if wins.any():
             self._swap_looks(wins, part)
 
-    def _clear_patches(self, seen: Image, labels: Integers, wall: BlankWall) -> None:
+    def _clear_patches(self, seen: Image, valid: Booleans, labels: Integers, wall: BlankWall) -> None:
         """Learn which patches of a blank wall are things in front of it.
 
-        ``seen``, ``labels``: see _learn_front.
+        ``seen``, ``valid``: see update. ``labels``: see _learn_front.
         """
-        things = self._patches.things(seen, self.light, labels)
+        things = self._patches.things(seen, valid, self.light, labels)
         if things is None:
             return
         self.look[things] = wall.surface[things]

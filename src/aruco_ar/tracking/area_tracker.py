@@ -209,9 +209,14 @@ class AreaTracker:
 
     def learned(self) -> LearnedWall:
         """What was learned of the wall so far. Raises InputError if that is not enough to know it again."""
-        places = {} if self._layout is None or self._displaced else self._layout.measured_places()
+        if self._displaced:
+            raise InputError('Tags are not where they were. Wait until the area is back, and save the wall '
+                             'then.')
+        places = {} if self._layout is None else self._layout.measured_places()
         if self._layout is None or not places.keys() >= set(self._layout.ids):
-            raise InputError('The wall is not known yet. Show all four tags, sharp, for some seconds.')
+            of_tags = ' of the tags %s' % _listed(sorted(self._ids)) if self._ids else ''
+            raise InputError('The wall%s is not known yet. Show all four tags, sharp, for some seconds.'
+                             % of_tags)
         return LearnedWall(tuple(self._layout.ids), places, self._texture.look, self._views.copy())
 
     def shows_area(self, tags: Sequence[Tag]) -> bool:
@@ -246,6 +251,7 @@ class AreaTracker:
     def _recall(self, wall: RememberedWall) -> None:
         """Begin with what is remembered of a wall."""
         self._layout, self._views = Layout(wall.ids, wall.places, EXACT), Views(wall.features)
+        self._texture = Texture(self._lens)
         if wall.look is not None:
             self._texture = Texture.remembered(wall.look, self._lens)
             self._wall_search = WallSearch(wall.features, self._in_thread)

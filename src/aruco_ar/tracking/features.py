@@ -78,7 +78,8 @@ class Views:
             count = _sightings(places, sizes, numbers)
         else:
             count = 1 + ((places > -NEAR) & (places < 1 + NEAR)).all(axis=1)
-        order = np.argsort(-count, kind='stable')[:np.count_nonzero(count > 1)]
+        room = MAX_FEATURES - min(len(self._known.places), MAX_FEATURES // 2)
+        order = np.argsort(-count, kind='stable')[:min(room, np.count_nonzero(count > 1))]
         places = np.asarray(places[order], np.float32)
         return Features(np.concatenate([places, self._known.places])[:MAX_FEATURES],
                         np.concatenate([descriptors[order], self._known.descriptors])[:MAX_FEATURES])

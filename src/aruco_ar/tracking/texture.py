@@ -137,6 +137,8 @@ class Texture:
         seconds, a time at which it is due.
         """
         self._due = now + LEARN_AGAIN_S
+        if self._is_remembered and not Template.fits(corners):
+            return  # so small an area shows less than what is remembered
         if self._points is None or self._is_remembered:
             self._points, self._bias = self._learn(frame, corners, tags), deviation
             self._is_remembered = False

@@ -17,7 +17,7 @@ from .features import SEARCHED, Gray, find_features, gray_of, undistorted
 from .layout import UNIT_SQUARE
 
 SEARCH_S = 0.7           # from one search to the next. Each takes some hundredths of a second
-OLD_S = 1.0              # after this time, what was found does not help any more
+OLD_S = 5.0              # after this time, what was found does not help any more
 NEIGHBORS = 4            # so many features of the wall are compared with each: some of them may be the same one
 ELSEWHERE = 0.02         # features of the wall that are farther apart, in sides of the area, are different ones
 DISTINCT = 0.8           # the best one must differ by less than this share of the next one: see _find_features
@@ -57,7 +57,8 @@ class WallSearch:
         if self._search is not None:
             if not self._search.done():
                 return None
-            found, self._search = self._search.result(), None
+            search, self._search = self._search, None
+            found = search.result()
             if found is not None and now - self._began < OLD_S:
                 return _corners_in(found, gray_of(frame), lens)
         if now < self._began + SEARCH_S:
@@ -77,7 +78,7 @@ class WallSearch:
         """
         pixels, descriptors = find_features(gray, SEARCHED)
         wall = self._features
-        if len(pixels) < MIN_FEATURES or len(wall.places) < NEIGHBORS:
+        if len(pixels) < MIN_FEATURES:
             return None
         places, seen = [], []
         # OpenCV compares floats three times as fast as bytes.
@@ -85,9 +86,9 @@ class WallSearch:
         for matches in cv2.BFMatcher(cv2.NORM_L2).knnMatch(of_frame, of_wall, k=NEIGHBORS):
             best, *rest = matches
             place = wall.places[best.trainIdx]
-            other = next((match for match in rest
-                          if np.abs(wall.places[match.trainIdx] - place).max() > ELSEWHERE), rest[-1])
-            if best.distance < DISTINCT * other.distance:
+            others = [match.distance for match in rest
+                      if np.abs(wall.places[match.trainIdx] - place).max() > ELSEWHERE]
+            if not others or best.distance < DISTINCT * others[0]:
                 places.append(place)
                 seen.append(pixels[best.queryIdx])
         if len(places) < MIN_FEATURES:

@@ -71,7 +71,9 @@ class RememberedWall:
     features: Features
 
     def save(self, path: str) -> None:
-        """Write it to a file. Raises InputError if that cannot be written."""
+        """Write it to a file, whose name must end with WALL_SUFFIX. Raises InputError if that is impossible."""
+        if not path.lower().endswith(WALL_SUFFIX):
+            raise InputError('The name "%s" does not end with %s. Give one that does.' % (path, WALL_SUFFIX))
         arrays: dict[str, Any] = {
             'format': FORMAT, 'dictionary': self.dictionary, 'border': float(self.border), 'ids': self.ids,
             'tags': list(self.places), 'tag_places': np.array(list(self.places.values())),

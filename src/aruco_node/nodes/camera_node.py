@@ -1,7 +1,7 @@
 """A node that looks at each frame of a camera once, and publishes what it makes of it."""
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Callable, Dict, Optional, Sequence
+from typing import Any, Callable, Dict, Optional, Sequence
 
 import rospy
 from aruco_ar.base.errors import InputError
@@ -204,10 +204,11 @@ class CameraNode(FrameNode):
         return TriggerResponse(True, 'What was learned about the wall is forgotten.')
 
     def _on_save_wall(self, request):
-        learned = []
+        learned: list[Any] = []
         try:
-            self.between_frames(lambda: learned.extend(self.runner.learned_walls()))
-            return TriggerResponse(True, save_walls(learned, self._settings_of_areas(self.settings),
-                                                    self.settings.folder))
+            self.between_frames(lambda: learned.extend(zip(self.runner.learned_walls(),
+                                                           self._settings_of_areas(self.settings))))
+            walls = [wall.remembered(own.dictionary, own.border) for wall, own in learned]
+            return TriggerResponse(True, save_walls(walls, self.settings.folder))
         except InputError as error:
             return TriggerResponse(False, str(error))

@@ -180,3 +180,16 @@ def test_a_tag_that_moves_by_itself_is_hidden_where_it_is(wall):
         frame[180:244, 260 + 5 * number:324 + 5 * number] = card[..., None]
         image = painted(hides, frame, number)
         assert 40 in tags_in(frame) and tags_in(image) == []
+
+
+def test_a_tag_on_colored_stripes_is_covered_with_their_colors():
+    """No color of the ring is a usual one."""
+    frame = np.empty((240, 320, 3), np.uint8)
+    corners = np.float32([[135, 95], [185, 95], [185, 145], [135, 145]])
+    for column in range(320):
+        frame[:, column] = np.roll((200, 0, 0), column // 8 % 3)
+    frame[95:145, 135:185] = 0
+    image = frame.copy()
+    area = Area(np.float32([[20, 20], [300, 20], [300, 220], [20, 220]]))
+    HiddenTags().hide(frame, image, area, [Tag(1, corners)], True, False)
+    assert image[100:140, 140:180].max(axis=2).mean() > 60
