@@ -29,11 +29,11 @@ CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'
            'visitor': ['nobody', 'person', 'hand'], 'lens': ['correct', 'ignore'],
            'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
 SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'border', 'folder'}
-AREA = SIGHT | {'lens', 'hold', 'upright'}
+AREA = SIGHT | {'lens', 'hold', 'upright', 'wall'}
 OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
            'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'grain', 'tags',
                                   'settle'},
-           'tag_poses': AREA | {'tag_size', 'tag_sizes', 'wall'},
+           'tag_poses': AREA | {'tag_size', 'tag_sizes'},
            'wall_camera': {'noise', 'blur', 'falloff', 'exposure', 'swing', 'hand', 'shutter', 'visitor',
                            'jpeg'},
            'page': {'linear', 'angular'}, 'camera_relay': {'folder', 'rate', 'quality'},
