@@ -9,7 +9,6 @@ import aruco_program  # noqa: F401  before all else
 import rospy
 from aruco_ar.painting.marks import mark_poses
 from aruco_ar.poses.pose_runner import PoseRunner
-from aruco_ar.settings.settings import LEARN
 from aruco_node.messages import pose_messages
 from aruco_node.messages.frame_names import WALL_FRAME, frame_name
 from aruco_node.nodes.camera_node import CameraAnswer, CameraNode
@@ -93,8 +92,7 @@ class TagPoses(CameraNode):
             return
         name = self.settings.wall_frame
         if name == AUTO:
-            is_learned = self.settings.wall == LEARN or self.settings.is_wall_remembered
-            name = LEARNED_WALL_FRAME if is_learned else WALL_FRAME
+            name = LEARNED_WALL_FRAME if self.settings.learns_places else WALL_FRAME
         wall = frame_name(name)
         if 'camera_pose' in publish:
             publish['camera_pose'](pose_messages.stamped(poses.camera, header.stamp, wall))

@@ -5,6 +5,8 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Numbers
 
+UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+
 
 def homography_to(corners: Numbers) -> Floats:
     """(3, 3) float64: the homography from the unit square to the quadrilateral with those corners, (4, 2).

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
-from aruco_ar.geometry.homography import homography_from, homography_to, transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.painting.paint import paint
 from aruco_ar.painting.place import find_place
@@ -17,7 +17,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, SQUARE, rings_around
+from .ring import COUNT, DARK, rings_around
 from .tag_look import SIZE, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
@@ -30,7 +30,7 @@ USUAL_OF = 15         # the ring's usual colors are the running mean of about th
 ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
 DARKEST, LIGHTEST = 0.45, 2.2  # light changes a color of the ring less than this, besides what it does to all
 SAME_COLOR = 0.15     # light changes the channels of a color by factors that differ by less than this
-WIDER = (SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front; the outline is the unit square
+WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
 TO_SIZE = np.diag([*SIZE, 1.0])
 
 
@@ -102,9 +102,9 @@ class _HiddenTag:
 
     def __init__(self, place: Floats) -> None:
         self.place = place
-        self.outline, self.look = SQUARE, TagLook()
+        self.outline, self.look = UNIT_SQUARE, TagLook()
         self._sights, self._misses = 1, 0
-        self._search_in, self._is_found, self._last_found = 0, False, SQUARE
+        self._search_in, self._is_found, self._last_found = 0, False, UNIT_SQUARE
         self._usual: Floats | None = None  # the usual colors of the ring
 
     def is_at(self, place: Floats) -> bool:

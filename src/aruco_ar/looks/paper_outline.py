@@ -4,11 +4,11 @@ from __future__ import annotations
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
-from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_to, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.lines import crossing
 
-from .ring import AFTER, DARK, OUTWARD, SQUARE, colors_at
+from .ring import AFTER, DARK, OUTWARD, colors_at
 
 # Lengths are in sides of the tag.
 STEP, STEPS = 0.015, 48      # the frame is looked at farther and farther out
@@ -22,7 +22,7 @@ NARROW = 0.06                # what is plain for less than this is the blur of a
 NEAR, GOES_ON = 0.16, 0.4    # what begins so near the tag is its paper; if it goes on so far, it is the wall
 STRAIGHT, OFF_LINE = 0.75, 0.04  # so much of the paper's edge must be so near to a straight line
 
-BEGIN = SQUARE[:, None] + ALONG[:, None] * (SQUARE[AFTER] - SQUARE)[:, None]
+BEGIN = UNIT_SQUARE[:, None] + ALONG[:, None] * (UNIT_SQUARE[AFTER] - UNIT_SQUARE)[:, None]
 OUT = STEP * (np.arange(STEPS) + 1)
 POINTS = BEGIN[:, :, None] + OUT[:, None] * OUTWARD[:, None, None]   # (4, len(ALONG), STEPS, 2)
 AROUND = np.abs(ALONG[:, None] - 0.5) <= 0.5 + OUT  # (len(ALONG), STEPS): a square around the tag for each step
@@ -47,7 +47,7 @@ def paper_of(frame: Image, quad: Floats, lens: Lens | None) -> Floats | None:
     if runs and OUT[runs[0][0]] <= NEAR:
         paper = runs.pop(0)
         if OUT[paper[1] - 1] >= GOES_ON:
-            return SQUARE
+            return UNIT_SQUARE
     if not runs:
         return None
     begin, end = runs[0]

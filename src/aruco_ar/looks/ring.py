@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image, Integers
-from aruco_ar.geometry.homography import homography_to
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_to
 from aruco_ar.geometry.lens import Lens
 
 COUNT = 16            # number of colors of a ring along each side
@@ -22,7 +22,6 @@ SETTLED, SETTLED_LEVELS = 0.02, 1.0  # the contrast beyond the blur differs from
 DEPTH_PX = 3.0        # a color of the ring is a mean over this depth
 DARK = 12.0           # gray levels to add to colors before their ratios are taken, so that noise is no pattern
 
-SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 OUTWARD = np.array([[0.0, -1], [1, 0], [0, 1], [-1, 0]])  # of the sides of that square
 AFTER, BEFORE = [1, 2, 3, 0], [3, 0, 1, 2]                # the numbers of their neighbors
 MEAN = np.full((1, 3), 1 / 3, np.float32)                 # of the channels
@@ -44,7 +43,7 @@ class Rings(NamedTuple):
 def points_of_sides(count: int) -> Floats:
     """(4, count, 2) float64: points in even distances along the sides of the unit square, clockwise."""
     along = (np.arange(count) + 0.5)[:, None] / count
-    return SQUARE[:, None] + along * (SQUARE[AFTER] - SQUARE)[:, None]
+    return UNIT_SQUARE[:, None] + along * (UNIT_SQUARE[AFTER] - UNIT_SQUARE)[:, None]
 
 
 POINTS = points_of_sides(COUNT)
@@ -70,7 +69,7 @@ def rings_around(frame: Image, lens: Lens | None, quads: Floats) -> Rings:
     inside = np.median(profiles[:, 0].reshape(count, 4), axis=1).repeat(4)
     first, shares = _depths(np.abs(profiles[:, 1:] - inside[:, None]), offsets < MAX_REACH)
     reach = offsets[np.arange(sides), first].reshape(count, 4)
-    corners = SQUARE + reach[..., None] * OUTWARD + reach[:, BEFORE, None] * OUTWARD[BEFORE]
+    corners = UNIT_SQUARE + reach[..., None] * OUTWARD + reach[:, BEFORE, None] * OUTWARD[BEFORE]
     return Rings((shares[:, None, None] @ colors[:, :, 1:]).reshape(count, -1, 3).astype(np.float64),
                  (shown[:, :, 1:] | (shares[:, None] == 0)).all(axis=2).reshape(count, -1),
                  _transformed(homographies, corners))

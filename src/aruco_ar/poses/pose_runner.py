@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.calibration.lens_check import LensCheck
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.settings.settings import LEARN, PoseSettings
+from aruco_ar.settings.settings import PoseSettings
 from aruco_ar.tags.tag import DICTIONARIES
 from aruco_ar.tracking.learned_wall import LearnedWall
 from aruco_ar.tracking.observer import FOLLOWED, Observer
@@ -110,8 +110,7 @@ class PoseRunner:
 
 def _load_wall(settings: PoseSettings) -> Wall | None:
     """The Wall that settings name; None if the places of its tags are learned."""
-    is_learned = settings.wall == LEARN or settings.is_wall_remembered
-    return None if is_learned else load_wall(in_package(settings.wall))
+    return None if settings.learns_places else load_wall(in_package(settings.wall))
 
 
 def _check_dictionary(settings: PoseSettings, wall: Wall | None) -> None:

@@ -48,7 +48,8 @@ def read_id(value: Any) -> int:
     return value
 
 
-def _ids_as_text(ids: tuple[int, ...]) -> str:
+def ids_as_text(ids: tuple[int, ...]) -> str:
+    """Ids as parameters have them, such as "1,2,3,4", or "any" for none."""
     return ','.join(map(str, ids)) or 'any'
 
 
@@ -60,7 +61,7 @@ class DetectionSettings(Settings):
         'DICT_6X6_250', DICTIONARIES, 'dictionary of the tags, by its OpenCV name', listed=DICTIONARY_NAMES)
     ids: tuple[int, ...] = parsed(
         (), 'any, or the ids of four different tags, such as 1,2,3,4',
-        'ids of the four tags that span the area; any: whichever tags are seen', _ids, _ids_as_text)
+        'ids of the four tags that span the area; any: whichever tags are seen', _ids, ids_as_text)
     search: str = choice(
         'normal', SEARCHES,
         'how thoroughly tags are looked for. fast: enough for near tags. thorough: also finds small and '
@@ -181,12 +182,12 @@ class PoseSettings(AreaSettings):
         'config/wall.yaml. A file that the service ~save_wall wrote: what had been learned of the area')
 
     @property
-    def is_wall_remembered(self) -> bool:
-        """Whether ``wall`` names a file that ~save_wall wrote, and no YAML file."""
-        return self.wall.lower().endswith(WALL_SUFFIX)
+    def learns_places(self) -> bool:
+        """Whether it is learned where the tags are: ``wall`` names no YAML file."""
+        return self.wall == LEARN or self.wall.lower().endswith(WALL_SUFFIX)
 
     def remembered_wall(self) -> RememberedWall | None:
-        return super().remembered_wall() if self.is_wall_remembered else None
+        return super().remembered_wall() if self.learns_places else None
 
     def __post_init__(self) -> None:
         """Raises InputError for a wrong value, and for a tag that has a size but is not in the dictionary."""

@@ -10,17 +10,17 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.base.errors import InputError
-from aruco_ar.geometry.homography import transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral, order_coordinates
-from aruco_ar.settings.settings import UPRIGHT
+from aruco_ar.settings.settings import UPRIGHT, ids_as_text
 from aruco_ar.tags.tag import Tag
 from aruco_ar.walls.remembered import RememberedWall
 
 from .area import Area
 from .features import Views
 from .frame_clock import FrameClock
-from .layout import EXACT, UNIT_SQUARE, FurtherTags, Layout, NewLayout, tolerance_of
+from .layout import EXACT, FurtherTags, Layout, NewLayout, tolerance_of
 from .learned_wall import LearnedWall
 from .measurement import consistent_tags, measurement
 from .motion import AreaMotion
@@ -89,7 +89,7 @@ class AreaTracker:
         self._wall, self._in_thread = wall, in_thread
         if wall is not None and self._ids not in (frozenset(), frozenset(wall.ids)):
             raise InputError('The remembered wall has its area between the tags %s, not between %s. Give these '
-                             'ids, or none.' % (_listed(wall.ids), _listed(sorted(self._ids))))
+                             'ids, or none.' % (ids_as_text(wall.ids), ids_as_text(tuple(sorted(self._ids)))))
         if wall is not None and wall.look is not None:
             Texture.remembered(wall.look, None)  # raises if it does not fit
         self._frame: Image | None = None  # while it is looked at
@@ -214,7 +214,7 @@ class AreaTracker:
                              'then.')
         places = {} if self._layout is None else self._layout.measured_places()
         if self._layout is None or not places.keys() >= set(self._layout.ids):
-            of_tags = ' of the tags %s' % _listed(sorted(self._ids)) if self._ids else ''
+            of_tags = ' of the tags %s' % ids_as_text(tuple(sorted(self._ids))) if self._ids else ''
             raise InputError('The wall%s is not known yet. Show all four tags, sharp, for some seconds.'
                              % of_tags)
         return LearnedWall(tuple(self._layout.ids), places, self._texture.look, self._views.copy())
@@ -479,7 +479,3 @@ class AreaTracker:
         ordered = order_coordinates(corners)
         on_its_side = np.any(ordered[0] != corners[0]) and np.any(ordered[0] != corners[2])
         return Area.from_undistorted(ordered, 1 / ratio if on_its_side else ratio, self._lens)
-
-
-def _listed(ids: Iterable[int]) -> str:
-    return ','.join(map(str, ids))

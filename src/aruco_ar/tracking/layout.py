@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats
-from aruco_ar.geometry.homography import homography_from, transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_from, transform
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import Tag
@@ -19,7 +19,6 @@ from aruco_ar.tags.tag import Tag
 from .area import find_area, ratio_of
 from .motion import AreaMotion
 
-UNIT_SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 MEAN_OF = 20  # a tag's place is the running mean of about this many measurements
 EXACT = 8     # so many measurements make the place of a tag exact, compared with what is seen in a frame
 MIN_SIGHTINGS, RELEARN_S = 3, 0.5  # a new tag must be seen this many times; a new arrangement also this long

@@ -20,12 +20,11 @@ import numpy as np
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.compiled import binding
-from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_to, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.walls.remembered import Look
 
-from .layout import UNIT_SQUARE
 from .template import Template
 
 MAX_POINTS, MAX_TAG_POINTS = 80, 40  # on the wall, and on tags
@@ -165,9 +164,10 @@ class Texture:
         scale = self._template.scale(corners)
         rectified = self._template.rectified(frame, corners)
         found = self._fit(points, frame, rectified, corners, usable, deviation, is_blurred)
-        if found is None:  # tags may be covered, or taken down
-            usable &= ~points.on_tags
-            found = self._fit(points, frame, rectified, corners, usable, deviation, is_blurred)
+        on_wall = usable & ~points.on_tags
+        if found is None and MIN_POINTS <= np.count_nonzero(on_wall) < np.count_nonzero(usable):
+            # The tags may be covered, or taken down.
+            found = self._fit(points, frame, rectified, corners, on_wall, deviation, is_blurred)
         if found is None:
             return None
         count = np.count_nonzero(found.good) // 4 * 4

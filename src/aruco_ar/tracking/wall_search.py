@@ -8,13 +8,12 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image
-from aruco_ar.geometry.homography import transform
+from aruco_ar.geometry.homography import UNIT_SQUARE, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.walls.remembered import Features
 
 from .features import SEARCHED, Gray, find_features, gray_of, undistorted
-from .layout import UNIT_SQUARE
 
 SEARCH_S = 0.7           # from one search to the next. Each takes some hundredths of a second
 OLD_S = 5.0              # after this time, what was found does not help any more

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from contextlib import suppress
-from dataclasses import replace
 
 import av
 import cv2
@@ -18,13 +17,12 @@ import pytest
 import rosbag
 import rospy
 from aruco_ar import Tracker
-from aruco_ar.walls.wall import Poster
 from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
 from benchmark.ros.bags import BEGIN_S, JPEG, record
 from rig.accuracy.areas import follow
-from rig.accuracy.drives import FRAMES_PER_S, LIVELY, WALL, drive
+from rig.accuracy.drives import FRAMES_PER_S, LIVELY, PAINTING, drive
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import CameraInfo, CompressedImage
 from std_msgs.msg import Header
@@ -301,11 +299,10 @@ def test_wrong_arguments_are_explained(package, recorded, tmp_path, arguments, w
 
 
 def test_a_remembered_wall_is_painted_without_its_tags(package, tmp_path):
-    wall = replace(WALL, quiet=0.4, posters=(Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
     tracker = Tracker()
-    follow(tracker, drive(LIVELY, 75, wall=wall, noise=1.0))
+    follow(tracker, drive(LIVELY, 75, wall=PAINTING, noise=1.0))
     tracker.save_wall(str(tmp_path / 'wall.npz'))
-    frames = list(drive(LIVELY, 30, lambda number: WALL.area, wall=wall, noise=1.0))
+    frames = list(drive(LIVELY, 30, lambda number: PAINTING.area, wall=PAINTING, noise=1.0))
     record(str(tmp_path / 'bare.bag'), [frame.image for frame in frames], 1, *JPEG)
     cv2.imwrite(str(tmp_path / 'red.png'), np.full((20, 30, 3), (0, 0, 255), np.uint8))
     annotate(package, tmp_path / 'out', tmp_path / 'bare.bag', '_wall:=%s' % (tmp_path / 'wall.npz'),

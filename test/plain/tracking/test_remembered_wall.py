@@ -10,9 +10,8 @@ import pytest
 from aruco_ar import InputError, Tracker
 from aruco_ar.settings.settings import AreaSettings
 from aruco_ar.tracking.observer import Observer
-from aruco_ar.walls.wall import Poster
 from rig.accuracy.areas import follow, rms
-from rig.accuracy.drives import LIVELY, SLOW, STILL, WALL, drive
+from rig.accuracy.drives import LIVELY, PAINTING, SLOW, STILL, WALL, drive
 from rig.processes.started import WAIT_S
 
 ALL = WALL.area
@@ -20,18 +19,12 @@ LEARNED = 75  # frames in which all tags are in sight
 PHONE = {'noise': 2.0, 'blur': 0.7, 'light': 0.3, 'hand': 1.0, 'quality': 70}
 
 
-def painting(package):
-    """A wall with a picture, and on it tags with narrow margins."""
-    path = package + '/images/earth.jpg'
-    return replace(WALL, quiet=0.4, posters=(Poster(path, 0, 0.55, 1.5, 1.0),))
-
-
 @pytest.fixture(scope='module')
-def saved(package, tmp_path_factory):
+def saved(tmp_path_factory):
     """The path of a file with that wall."""
     path = str(tmp_path_factory.mktemp('walls') / 'painting.npz')
     tracker = Tracker()
-    follow(tracker, drive(SLOW, LEARNED, wall=painting(package), **PHONE))
+    follow(tracker, drive(SLOW, LEARNED, wall=PAINTING, **PHONE))
     tracker.save_wall(path)
     return path
 
@@ -56,14 +49,14 @@ def test_a_file_is_small(saved):
 
 @pytest.mark.long
 @pytest.mark.parametrize('path', [STILL, LIVELY])
-def test_the_wall_is_found_without_its_tags_from_the_first_frame_on(saved, package, path):
-    errors = follow(Tracker(wall=saved), drive(path, 90, hidden, wall=painting(package), **PHONE))
+def test_the_wall_is_found_without_its_tags_from_the_first_frame_on(saved, path):
+    errors = follow(Tracker(wall=saved), drive(path, 90, hidden, wall=PAINTING, **PHONE))
     assert not np.isnan(errors).any() and rms(errors) < 1
 
 
 @pytest.mark.long
-def test_the_wall_is_found_again_after_it_was_out_of_sight(saved, package):
-    frames = list(drive(LIVELY, 90, hidden, wall=painting(package), **PHONE))
+def test_the_wall_is_found_again_after_it_was_out_of_sight(saved):
+    frames = list(drive(LIVELY, 90, hidden, wall=PAINTING, **PHONE))
     for frame in frames[30:60]:
         frame.image[:] = 90
     errors = follow(Tracker(wall=saved), frames)
@@ -72,9 +65,9 @@ def test_the_wall_is_found_again_after_it_was_out_of_sight(saved, package):
 
 
 @pytest.mark.long
-def test_a_wall_that_was_saved_again_is_found_as_well(saved, package, tmp_path):
+def test_a_wall_that_was_saved_again_is_found_as_well(saved, tmp_path):
     """Also if it was not seen in between, and if it was seen with its tags."""
-    wall = painting(package)
+    wall = PAINTING
     for seen in (), drive(STILL, 60, wall=wall, **PHONE):
         tracker, again = Tracker(wall=saved), str(tmp_path / 'again.npz')
         follow(tracker, drive(STILL, 1, hidden, wall=wall, **PHONE))
@@ -93,8 +86,8 @@ def test_one_tag_is_enough_on_a_blank_wall(blank):
 
 
 @pytest.mark.long
-def test_another_wall_is_not_taken_for_it(saved, package):
-    frames = list(drive(LIVELY, 60, hidden, wall=painting(package), **PHONE))
+def test_another_wall_is_not_taken_for_it(saved):
+    frames = list(drive(LIVELY, 60, hidden, wall=PAINTING, **PHONE))
     tracker = Tracker(wall=saved)
     for change in (lambda image: cv2.flip(image, 1)), cv2.bitwise_not:
         for frame in frames:
@@ -102,17 +95,17 @@ def test_another_wall_is_not_taken_for_it(saved, package):
 
 
 @pytest.mark.long
-def test_tags_that_now_hang_elsewhere_count_more_than_the_file(saved, package):
-    moved = replace(painting(package), tags=tuple(
+def test_tags_that_now_hang_elsewhere_count_more_than_the_file(saved):
+    moved = replace(PAINTING, tags=tuple(
         replace(tag, x=tag.x * 0.8, y=tag.y * 0.9) if tag.id in ALL else tag for tag in WALL.tags))
     errors = follow(Tracker(wall=saved), drive(STILL, 90, wall=moved, **PHONE))
     assert not np.isnan(errors[45:]).any() and errors[45:].max() < 2
 
 
 @pytest.mark.long
-def test_a_search_in_a_thread_finds_it_in_a_later_frame(saved, package):
+def test_a_search_in_a_thread_finds_it_in_a_later_frame(saved):
     """How much later depends on the computer. So frames are shown, in real time, until it is found."""
-    frames = list(drive(STILL, 10, hidden, wall=painting(package), **PHONE))
+    frames = list(drive(STILL, 10, hidden, wall=PAINTING, **PHONE))
     observer, shown = Observer([AreaSettings(wall=saved)], in_thread=True), itertools.count()
     began = time.monotonic()
     assert observer.look(frames[0].image, 0.0).areas[0].area is None  # its search has only begun

@@ -5,9 +5,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Tracker
-from aruco_ar.walls.wall import Poster
 from rig.accuracy.areas import assert_never_wrong, follow, later, rms
-from rig.accuracy.drives import FAST, LIVELY, SLOW, STILL, WALL, drive
+from rig.accuracy.drives import FAST, LIVELY, PAINTING, SLOW, STILL, WALL, drive
 
 ALL = WALL.area
 BLANK = replace(WALL, plaster=0)
@@ -16,9 +15,8 @@ PHONE = {'noise': 2.0, 'blur': 0.7, 'light': 0.3, 'hand': 1.0, 'quality': 70}
 
 
 @pytest.fixture
-def painting(package):
-    """A wall with a painting, and on it tags with narrow margins."""
-    return replace(WALL, quiet=0.4, posters=(Poster(package + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
+def painting():
+    return PAINTING
 
 
 def hidden(number, ids=ALL):

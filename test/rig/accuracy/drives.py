@@ -1,15 +1,19 @@
 """Simulated drives past the wall, with the true area in every frame."""
 import os
 from collections import namedtuple
+from dataclasses import replace
 
 import numpy as np
 from aruco_ar.simulation.render import WallRenderer, project_rows
 from aruco_ar.simulation.robot import Camera, Path, Pose, hand_held, wall_to_camera
-from aruco_ar.walls.wall import load_wall
+from aruco_ar.walls.wall import Poster, load_wall
 
 from rig import PACKAGE
 
 WALL = load_wall(os.path.join(PACKAGE, 'config', 'wall.yaml'))
+# The same with a painting, and tags with narrow margins on it.
+PAINTING = replace(WALL, quiet=0.4,
+                   posters=(Poster(os.path.join(PACKAGE, 'images', 'earth.jpg'), 0, 0.55, 1.5, 1.0),))
 FRAMES_PER_S = 30
 CYCLE = 120  # frames: tags are in sight during the first half, and covered during the second, for 2 s
 

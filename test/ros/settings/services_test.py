@@ -6,15 +6,12 @@ import re
 import tempfile
 import threading
 import time
-from dataclasses import replace
 
 import cv2
 import numpy as np
 import rospy
 import rostest
-from aruco_ar.walls.wall import Poster
-from rig import PACKAGE
-from rig.accuracy.drives import SLOW, WALL, drive
+from rig.accuracy.drives import PAINTING, SLOW, drive
 from rig.nodes.case import CAMERA, GRAY, NodeTest, change, picture_file, scene
 from rig.processes.started import WAIT_S
 from sensor_msgs.msg import Image
@@ -128,8 +125,7 @@ class Services(NodeTest):
         refused = self.call('/exercise5_6/save_wall')
         self.assertFalse(refused.success)
         self.assertIn('Show all four tags', refused.message)
-        wall = replace(WALL, quiet=0.4, posters=(Poster(PACKAGE + '/images/earth.jpg', 0, 0.55, 1.5, 1.0),))
-        for frame in drive(SLOW, 75, wall=wall, noise=1.0):
+        for frame in drive(SLOW, 75, wall=PAINTING, noise=1.0):
             self.answer_to(frame.image)
         answer = self.call('/exercise5_6/save_wall')
         self.assertTrue(answer.success, answer.message)
@@ -139,7 +135,7 @@ class Services(NodeTest):
         self.assertEqual(change('/exercise5_6', wall=path + '.gone')['wall'], 'learn')
         self.node.wait_for('wall.npz.gone" cannot be read')
         self.assertTrue(self.call('/exercise5_6/reset').success)
-        without = list(drive(SLOW, 30, lambda number: WALL.area, wall=wall, noise=1.0))
+        without = list(drive(SLOW, 30, lambda number: PAINTING.area, wall=PAINTING, noise=1.0))
         for frame in without:
             np.testing.assert_array_equal(self.answer_to(frame.image), frame.image)
         self.assertEqual(change('/exercise5_6', wall=path)['wall'], path)
