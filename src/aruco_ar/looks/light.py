@@ -21,6 +21,8 @@ WHITE_PERCENTILE, BLACK_PERCENTILE = 92, 8
 MIN_WHITE = 20.0      # least level of white paper, in gray levels; in less light a tag shows nothing
 WINDOWS_PX = 121, 25, 3  # the smallest of these windows in which enough of the wall is free shows the light
 ENOUGH = 0.08         # share of a window in which the wall must be free
+NOISE = 12.0**2       # a wall that is darker than its root, in gray levels, tells little of the light
+MOST = 2.0            # the light at a place is at most this multiple of that on the whole wall
 COLORS_EVERY = 4      # with nothing in front, the wall's color is taken anew in every fourth frame
 
 
@@ -57,7 +59,8 @@ class WallLight:
         away = (x[..., None] - places[:, 0])**2 + (y[..., None] - places[:, 1])**2
         share = 1 / (away + 0.01)
         share /= share.sum(axis=2, keepdims=True)
-        self._first = np.asarray(share @ np.maximum(white, MIN_WHITE), np.float32)  # (h, w, 3)
+        first = share @ np.maximum(white, MIN_WHITE)
+        self._first = np.ascontiguousarray(first.transpose(2, 0, 1), np.float32)  # (3, h, w)
         self._frees = 0  # frames since something was in front
         self.black = float(np.clip((black / np.maximum(white, MIN_WHITE)).mean(), 0, 0.8))
 
@@ -69,21 +72,26 @@ class WallLight:
         seen, is_free = self._coarse(image), bool(model.free.all())
         if not is_free or self._frees % COLORS_EVERY == 0:
             self._color = self._color_of(model)
-            self._mean_color = _mean(self._color, WINDOWS_PX[-1])
+            self._colors = [_mean(self._color, window) for window in WINDOWS_PX]
         self._frees = self._frees + 1 if is_free else 0
+        whole = self._first * np.reshape(model.light, (3, 1, 1))
+        light = whole
         if is_free:
-            light = _mean(seen, WINDOWS_PX[-1]) / np.maximum(self._mean_color, 1e-4)
-            return np.clip(light, 0, 255).astype(np.uint8)
-        free, light = self._share(model.free), np.zeros_like(seen)
-        for window in WINDOWS_PX:
-            bright, share, weight = (_mean(image, window) for image in (seen * free, self._color * free, free))
-            part = np.minimum(weight / ENOUGH, 1)[..., None] if light.any() else 1
-            light += part * (bright / np.maximum(share, 1e-4) - light)
-        return np.clip(light, 0, 255).astype(np.uint8)
+            for window, color in zip(WINDOWS_PX[1:], self._colors[1:]):
+                light = _refined(light, _mean(seen, window), color)
+        else:
+            free = self._share(model.free)
+            seen, color = seen * free, self._color * free
+            for window in WINDOWS_PX:
+                share = np.maximum(_mean(free, window), 1e-4)
+                refined = _refined(light, _mean(seen, window) / share, _mean(color, window) / share)
+                light = light + np.minimum(share / ENOUGH, 1) * (refined - light)
+        light = np.clip(np.minimum(light, MOST * whole), 0, 255)
+        return np.ascontiguousarray(light.transpose(1, 2, 0), np.uint8)
 
     def _color_of(self, model: WallModel) -> Floats:
         """(h, w, 3) float32: the wall's color, as a share of white."""
-        color = self._coarse(model.look) / self._first
+        color = self._coarse(model.look) / self._first.transpose(1, 2, 0)
         if model.plain is not None:  # on a blank wall, a color that varies is light
             plain = self._share(model.plain)
             mean = (color * plain).sum(axis=(0, 1)) / max(plain.sum(), 1e-3)
@@ -98,6 +106,24 @@ class WallLight:
         return np.asarray(cv2.resize(image, self._size, interpolation=cv2.INTER_AREA), np.float32)
 
 
+def _refined(light: Floats, seen: Floats, color: Floats) -> Floats:
+    """(3, h, w): the light as a small window around each place shows it.
+
+    ``light``: (3, h, w), as it was before. ``seen``, ``color``: (3, h, w), the means of the window. A dark wall
+    tells less than a light one, and a dark channel less than the others. So the brightness of all channels is
+    followed first, and then each channel for itself: least squares, with the light before as a guess.
+    """
+    expected = color * light
+    gray = expected.sum(axis=0)
+    factor = (seen.sum(axis=0) * gray + 9 * NOISE) / (gray * gray + 9 * NOISE)
+    expected *= factor
+    return np.asarray(light * factor * (seen * expected + NOISE) / (expected * expected + NOISE))
+
+
 def _mean(image: Floats, px: int) -> Floats:
-    """The mean of a window of that width around each pixel, where the outside is 0."""
-    return np.asarray(cv2.blur(image, (px, px), borderType=cv2.BORDER_CONSTANT))
+    """(c, h, w): the mean of a window of that width around each pixel of an image, (h, w, c).
+
+    The outside of the image is 0. Apart, the channels are faster to use.
+    """
+    mean = cv2.blur(image, (px, px), borderType=cv2.BORDER_CONSTANT)
+    return np.ascontiguousarray(np.atleast_3d(mean).transpose(2, 0, 1))

@@ -72,6 +72,19 @@ def test_a_glare_on_a_pattern_is_painted_over(checkered):
         assert is_painted(painted(keeps, frame, number), inside) > 0.97
 
 
+def test_black_fields_do_not_tell_the_color_of_the_light(checkered):
+    # In little light, a black field has few gray levels. So a faint reflection multiplies them.
+    drive, matches = Drive(checkered(100), noise=1.0), stage((255, 255, 255), light='match')
+    for number in range(FRAMES_PER_S):
+        frame, inside = drive.frame(number)
+        dim = frame * 0.2 + (np.array([3, 1, 0]) if number > 5 else 0)
+        image = painted(matches, np.uint8(dim), number)
+        light = np.median(image[inside], axis=0)
+        assert light.min() > 0.17 * 245
+        off = np.abs(image[inside] - light).max(axis=1)
+        assert np.percentile(off, 99) < 8
+
+
 def test_what_is_much_lighter_than_the_wall_stays_in_front_though_its_color_is_the_wall_s(wall):
     drive, keeps = Drive(replace(wall, color=(90, 100, 110))), stage(foreground='keep')
     for number in range(2 * FRAMES_PER_S):
