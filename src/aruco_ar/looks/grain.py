@@ -6,7 +6,7 @@ from typing import Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import NO_ARRAY, Floats, Image
+from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 from aruco_ar.tags.tag import Tag
 
@@ -33,16 +33,20 @@ RATE = 0.5                 # weight of a new measurement in the running mean; mo
 EDGES_EVERY = 2            # edges are measured in every second frame
 
 # Noise. The kernel takes constant and linear brightness away: J. Immerkaer, Fast noise variance estimation,
-# 1996. The norm of its weights is 6. Edges and patterns also remain after filtering. So the noise is estimated
-# from the smaller values: 40 % of a normal distribution lie within 0.5244 standard deviations.
+# 1996. The norm of its weights is 6. Edges and patterns also remain after filtering. So only the pixels of a
+# patch with the smallest slopes count. Noise makes slopes as well, but these say nothing of the filter's
+# values, as one is odd and the other even. Of what is left, the smaller values tell the noise: 40 % of a normal
+# distribution lie within 0.5244 standard deviations.
 KERNEL = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32) / 6
-SHARE, WITHIN = 40, 0.5244
+CALM_SHARE = 0.3
+SHARE, WITHIN = 0.4, 0.5244
 # The same, of every other pixel. In a mosaic of colors that is taken for gray, only these have the same color.
 # On photos and videos it found 1 to 4 times as much noise as KERNEL, and on mosaics of them a hundredth of it.
 WIDE = np.kron(KERNEL, np.array([[1, 0], [0, 0]], np.float32))[:-1, :-1]
 MOSAIC = 0.5               # a share of the noise below this, by WIDE, tells a mosaic
 LITTLE = 3.0               # less noise than this is believed, in gray levels
 PATCHES, PATCH_PX = 4, 32  # number of patches in each direction, and their side
+RIM_PX = 2                 # the kernels reach so far
 EVERY = 5                  # noise is measured in every fifth frame
 CLIPPED = 8.0              # noise is clipped this near to black and to white, in gray levels
 NOISE_RATE = 0.3           # weight of a new measurement in the running mean
@@ -188,24 +192,35 @@ def noise_of(window: Image) -> Floats | None:
     shown = (means > CLIPPED) & (means < 255 - CLIPPED)
     if not shown.any():
         return None
-    found = _deviations(patches, KERNEL, shown)
+    gray = cv2.transform(patches, GRAY[None])
+    slopes = np.abs(cv2.Sobel(gray, cv2.CV_32F, 1, 0)) + np.abs(cv2.Sobel(gray, cv2.CV_32F, 0, 1))
+    slopes = _inner(slopes)[shown]
+    calm = np.argpartition(slopes, int(CALM_SHARE * slopes.shape[1]))[:, :int(CALM_SHARE * slopes.shape[1])]
+    found = _deviations(patches, KERNEL, shown, calm)
     if found[0] > LITTLE:
-        wide = _deviations(patches, WIDE, shown)
+        wide = _deviations(patches, WIDE, shown, calm)
         if wide[0] < MOSAIC * found[0]:
             return wide
     return found
 
 
-def _deviations(patches: Image, kernel: Image, shown: Image) -> Floats:
-    """(2,): the standard deviations of a color and of gray, by a kernel, in the patches that are shown."""
+def _deviations(patches: Image, kernel: Image, shown: Booleans, calm: Integers) -> Floats:
+    """(2,): the standard deviations of a color and of gray, by a kernel.
+
+    ``shown``: (n,), which patches count. ``calm``: for each of these, the numbers of the pixels that do.
+    """
     rest = np.asarray(cv2.filter2D(patches, -1, kernel), np.float32)
-    planes = np.abs(np.stack([*cv2.split(rest), cv2.transform(rest, GRAY[None])]))
-    rim = len(kernel) // 2  # where two patches meet
-    inner = planes.reshape(4, PATCHES, PATCH_PX, PATCHES, PATCH_PX)[:, :, rim:-rim, :, rim:-rim]
-    inner = inner.swapaxes(2, 3).reshape(4, PATCHES**2, -1)[:, shown]
-    few = inner.shape[2] * SHARE // 100
-    deviations = np.median(np.partition(inner, few, axis=2)[:, :, few], axis=1) / WITHIN
+    planes = [*cv2.split(rest), cv2.transform(rest, GRAY[None])]
+    values = np.abs(np.stack([np.take_along_axis(_inner(plane)[shown], calm, axis=1) for plane in planes]))
+    few = int(SHARE * values.shape[2])
+    deviations = np.median(np.partition(values, few, axis=2)[:, :, few], axis=1) / WITHIN
     return np.array([deviations[:3].mean(), deviations[3]])
+
+
+def _inner(image: Image) -> Floats:
+    """(n, m): the pixels of each patch of an image, (h, w), but for its rim, where it meets another patch."""
+    inner = image.reshape(PATCHES, PATCH_PX, PATCHES, PATCH_PX)[:, RIM_PX:-RIM_PX, :, RIM_PX:-RIM_PX]
+    return np.asarray(inner.swapaxes(1, 2).reshape(PATCHES**2, -1))
 
 
 def _in_patches(image: Image) -> Image:
