@@ -10,7 +10,7 @@ from rig.nodes.master import Master
 from rig.processes.record import recorded
 
 from .looks import looks, real_hidden
-from .real_clips import clips, remembered, searches, video
+from .real_clips import clips, other_walls, remembered, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
 from .simulated import accuracy, painting, poses, search, speed
@@ -19,18 +19,20 @@ PARTS = {'sticking': accuracy.run, 'speed': speed.run, 'search': search.run, 'po
          'painting': painting.run, 'looks': looks.run, 'nodes': nodes.run_load,
          'memory': nodes.run_memory, 'page': page.run, 'network': network.run, 'bags': bags.run}
 WITH_MASTER = 'nodes', 'memory', 'page'
+OF_CLIPS = 'walls',  # the parts that need real clips
 
 
 def parse():
     parser = argparse.ArgumentParser(
         prog='script/bench', description=__doc__ + ' Without arguments it takes about half an hour.')
-    parser.add_argument('--only', choices=PARTS, help='run only this part')
+    parser.add_argument('--only', choices=(*PARTS, *OF_CLIPS), help='run only this part')
     parser.add_argument('--real', metavar='FOLDER', nargs='?', const=clips.CLIPS,
                         help='compare both methods with the truth on real clips instead: the videos in a '
                         'folder. A NAME.yaml beside each of them gives its dictionary and ids (default: '
                         'the clips shared beside the package). With --only nodes, both run as nodes; '
                         'with --only looks, it is what foreground:=keep leaves free; with --only search, what '
-                        'a search of one frame costs and finds.')
+                        'a search of one frame costs and finds; with --only walls, how often a wall that '
+                        'is remembered is taken for another one.')
     parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
@@ -61,6 +63,12 @@ def main():
         with recorded('real_search', args.record):
             searches.run(clips.clips_of(args.real))
         return
+    if args.real and args.only == 'walls':
+        with recorded('real_walls', args.record):
+            other_walls.run(clips.clips_of(args.real))
+        return
+    if args.only in OF_CLIPS:
+        raise InputError('The part "%s" needs --real.' % args.only)
     if args.real:
         with recorded('real', args.record):
             charts = clips.run(args.real, args.chart)

@@ -16,8 +16,8 @@ from aruco_ar.geometry.homography import homography_from, transform
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.walls.remembered import DESCRIPTOR, MAX_FEATURES, NO_FEATURES, Features
 
-MAX_LENGTH_PX = 640      # the longer side of a frame in which features are looked for
-TAUGHT, SEARCHED = 600, 400  # features of a frame, at most, to learn the wall from, and to find it by
+TAUGHT_PX = 640          # the longer side of a frame, at most, in which the wall's features are looked for
+MAX_TAUGHT = 600         # features of a frame, at most, to learn the wall from
 CONTRAST = 0.01          # the least contrast of a feature: see cv2.SIFT. Dark walls have little
 MAX_VIEWS = 8            # frames that are kept
 APART = 0.05             # least difference of these: see _shape_of
@@ -64,7 +64,7 @@ class Views:
         """
         shape = _shape_of(corners)
         if all(np.linalg.norm(shape - view.shape) > APART for view in self._views):
-            views = [*self._views, _View(gray_of(frame), corners.copy(), shape, lens)]
+            views = [*self._views, _View(gray_of(frame, TAUGHT_PX), corners.copy(), shape, lens)]
             self._views = tuple(views if len(views) <= MAX_VIEWS else _without_likest(views))
 
     def features(self) -> Features:
@@ -85,10 +85,13 @@ class Views:
                         np.concatenate([descriptors[order], self._known.descriptors])[:MAX_FEATURES])
 
 
-def gray_of(frame: Image) -> Gray:
-    """A frame, (h, w, 3) BGR or (h, w) gray uint8, as a Gray. It does not change when the frame does."""
+def gray_of(frame: Image, longest: int) -> Gray:
+    """A frame, (h, w, 3) BGR or (h, w) gray uint8, as a Gray. It does not change when the frame does.
+
+    ``longest``: its longer side is at most so many pixels.
+    """
     gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY) if frame.ndim == 3 else frame.copy()
-    scale = min(1.0, MAX_LENGTH_PX / max(gray.shape))
+    scale = min(1.0, longest / max(gray.shape))
     size = [max(round(scale * side), 1) for side in gray.shape[::-1]]
     return Gray(cv2.resize(gray, size, interpolation=cv2.INTER_AREA) if scale < 1 else gray, scale)
 
@@ -110,7 +113,7 @@ def undistorted(pixels: Floats, lens: Lens | None) -> Floats:
 
 def _features_in(view: _View) -> tuple[Floats, Image, Floats]:
     """The features in a view: places, descriptors, and how large SAME_PX are there, as a share of the area."""
-    pixels, descriptors = find_features(view.gray, TAUGHT)
+    pixels, descriptors = find_features(view.gray, MAX_TAUGHT)
     pixels = undistorted(pixels, view.lens)
     places = transform(homography_from(view.corners), pixels)
     size = SAME_PX / view.gray.scale / sqrt(cv2.contourArea(np.asarray(view.corners, np.float32)))

@@ -13,9 +13,12 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.walls.remembered import Features
 
-from .features import SEARCHED, Gray, find_features, gray_of, undistorted
+from .features import Gray, find_features, gray_of, undistorted
 
 SEARCH_S = 0.7           # from one search to the next. Each takes some hundredths of a second
+# The longer side of the frame in which is searched, at most, and how many features at most. These alternate:
+# a small frame takes a third of the time, and shows the wall in most views.
+SIZES = (640, 400), (320, 250), (320, 250)
 OLD_S = 5.0              # after this time, what was found does not help any more
 NEIGHBORS = 4            # so many features of the wall are compared with each: some of them may be the same one
 ELSEWHERE = 0.02         # features of the wall that are farther apart, in sides of the area, are different ones
@@ -45,6 +48,7 @@ class WallSearch:
         self._thread = ThreadPoolExecutor(1, 'wall') if in_thread else None
         self._search: Future[_Find | None] | None = None
         self._began = -np.inf  # when the last search began, seconds
+        self._count = 0        # searches that have begun
 
     def find(self, frame: Image, lens: Lens | None, now: float) -> Floats | None:
         """(4, 2) undistorted pixels: the area's corners in a frame, about; None if it was not found.
@@ -59,23 +63,26 @@ class WallSearch:
             search, self._search = self._search, None
             found = search.result()
             if found is not None and now - self._began < OLD_S:
-                return _corners_in(found, gray_of(frame), lens)
+                return _corners_in(found, frame, lens)
         if now < self._began + SEARCH_S:
             return None
         self._began = now
+        longest, most = SIZES[self._count % len(SIZES)]
+        self._count += 1
+        gray = gray_of(frame, longest)
         if self._thread is not None:
-            self._search = self._thread.submit(self._find_features, gray_of(frame), lens)
+            self._search = self._thread.submit(self._find_features, gray, most, lens)
             return None
-        found = self._find_features(gray_of(frame), lens)
+        found = self._find_features(gray, most, lens)
         return None if found is None else _corners_of(found.places, undistorted(found.pixels, lens))
 
-    def _find_features(self, gray: Gray, lens: Lens | None) -> _Find | None:
+    def _find_features(self, gray: Gray, most: int, lens: Lens | None) -> _Find | None:
         """The features of the wall in a frame, if enough fit together.
 
         They are told apart as in D. Lowe, Distinctive image features from scale-invariant keypoints, 2004,
         section 7.1.
         """
-        pixels, descriptors = find_features(gray, SEARCHED)
+        pixels, descriptors = find_features(gray, most)
         wall = self._features
         if len(pixels) < MIN_FEATURES:
             return None
@@ -99,8 +106,9 @@ class WallSearch:
         return _Find(gray, np.array(places, np.float64)[fits], np.array(seen)[fits])
 
 
-def _corners_in(found: _Find, gray: Gray, lens: Lens | None) -> Floats | None:
+def _corners_in(found: _Find, frame: Image, lens: Lens | None) -> Floats | None:
     """The same as WallSearch.find, in a frame somewhat later than the one that was searched."""
+    gray = gray_of(frame, max(found.gray.image.shape))
     before = np.asarray((found.pixels + 0.5) * found.gray.scale - 0.5, np.float32)
     after, good, _ = cv2.calcOpticalFlowPyrLK(found.gray.image, gray.image, before, np.empty_like(before),
                                               winSize=(FLOW_PX, FLOW_PX), maxLevel=FLOW_LEVELS)
