@@ -90,6 +90,8 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
+_add_roughness = _function('add_roughness', _IMAGE, _Array, _LONG, _INT, _INT, _Array, _INT, _INT, _Array, _INT,
+                           _Array)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
 _weigh_poses = _function('weigh_poses', _LONG, *[_Array] * 4, _DOUBLE, *[_Array] * 3)
@@ -392,6 +394,25 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     if not 0 <= black <= 1:
         raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
     _light_picture(_image(picture), _image(white), round(255 * black))
+
+
+def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], rest: Floats,
+                  to_tiles: Floats, shifts: Integers) -> None:
+    """Add what is not smooth to an image, (h, w, 3) or (h, w, 4) uint8, contiguous: see unit5.h.
+
+    ``positions``: see warp in painting/paint.py. ``corner``: x and y in ``rest``, (H, W, 3) float32, of the
+    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels.
+    """
+    size = _sized(image, 3)[0]
+    _check_changed('image', image, np.uint8, (*size, 3), (*size, 4))
+    rest = _packed('roughness', rest, np.float32, *_sized(rest, 3)[1:])
+    to_tiles, shifts = _numbers(to_tiles, np.float64), _numbers(shifts, np.int32)
+    check_array('homography', to_tiles, np.float64, (3, 3))
+    count = len(shifts) if shifts.ndim else 0
+    check_array('shifts of the tiles', shifts, np.int32, (count, count, 2))
+    if count:
+        _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, rest, *rest.shape[1::-1],
+                       to_tiles, count, shifts)
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:

@@ -18,6 +18,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 from .filling import filled
 from .paper_outline import paper_of
 from .ring import COUNT, DARK, rings_around
+from .roughness import Roughness, Tiles
 from .tag_look import SIZE, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
@@ -70,16 +71,15 @@ class HiddenTags:
             return
         rings = rings_around(frame, area.lens, np.stack(outlines))
         covers = []
-        for (hidden, is_seen), outline, ring, shown, corners in zip(chosen, outlines, *rings):
+        for (hidden, is_seen), outline, ring, shown, corners, *reach in zip(chosen, outlines, *rings):
             colors = hidden.without_others(ring, shown, is_seen)
             cover = filled(colors)
             front = hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens,
                                       colors.mean(axis=0), is_seen) if keep else None
-            covers.append((cover if front is None else _behind(cover, front, outline, corners), corners))
-        for cover, corners in covers:
-            covered = Area.from_undistorted(corners, lens=area.lens)
-            paint(find_place(image, covered, cover), cover, finish=lambda warped: warped if noisy is None else
-                  np.dstack([noisy(warped[:, :, :3]), warped[:, :, 3:]]))
+            cover = cover if front is None else _behind(cover, front, outline, corners)
+            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach)))
+        for cover, corners, tiles in covers:
+            _put(image, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
@@ -102,7 +102,7 @@ class _HiddenTag:
 
     def __init__(self, place: Floats) -> None:
         self.place = place
-        self.outline, self.look = UNIT_SQUARE, TagLook()
+        self.outline, self.look, self.roughness = UNIT_SQUARE, TagLook(), Roughness()
         self._sights, self._misses = 1, 0
         self._search_in, self._is_found, self._last_found = 0, False, UNIT_SQUARE
         self._usual: Floats | None = None  # the usual colors of the ring
@@ -136,7 +136,7 @@ class _HiddenTag:
         if self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE:
             self._is_found = True
             if np.abs(found - self.outline).max() > SAME_OUTLINE:
-                self.outline, self.look, self._usual = found, TagLook(), None
+                self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
         self._last_found = found
 
     def without_others(self, colors: Floats, shown: Booleans, seen: bool) -> Floats:
@@ -192,6 +192,24 @@ def _behind(cover: Image, front: Floats, outline: Floats, corners: Floats) -> Im
     free = np.asarray(np.round(255 * (1 - front)), np.uint8)
     alpha = cv2.warpPerspective(free, np.asarray(to_cover, np.float64), SIZE, borderMode=cv2.BORDER_REPLICATE)
     return np.dstack([cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR), alpha])
+
+
+def _put(image: Image, covered: Area, cover: Image, tiles: Tiles | None,
+         noisy: Callable[[Image], Image] | None) -> None:
+    """Paint a cover, (h, w, 3) or (h, w, 4) uint8, into an image. This changes it.
+
+    ``covered``: where it goes. ``tiles``: what is not smooth there, if known. ``noisy``: see HiddenTags.hide.
+    """
+    place = find_place(image, covered, cover)
+
+    def finish(warped: Image) -> Image:
+        if tiles is not None:
+            begin = np.round(covered.corners[0] - place.area.corners[0]).astype(int)
+            tiles.add_to(warped, begin, place.positions)
+        elif noisy is not None:
+            warped[:, :, :3] = noisy(warped[:, :, :3])
+        return warped
+    paint(place, cover, finish=finish)
 
 
 def _nearness() -> Floats:

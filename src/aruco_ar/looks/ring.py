@@ -12,8 +12,8 @@ from aruco_ar.geometry.lens import Lens
 
 COUNT = 16            # number of colors of a ring along each side
 # How far out from a side the frame is looked at, in pixels of the frame, and at most in lengths of a side.
-OFFSETS_PX = np.array([0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 7, 10, 14, 20])
-MAX_REACH = 0.25
+OFFSETS_PX = np.array([0.5, 1, 1.5, 2, 2.5, 3, 4, 5, 7, 9, 12, 16, 20, 26])
+MAX_REACH = 0.4
 INSIDE = 0.05         # where the color inside of a side is taken, in lengths of a side
 # While the contrast to the inside rises by this share of it and by so many gray levels, the blur has not ended.
 RISE, RISE_LEVELS = 0.03, 1.0
@@ -32,12 +32,15 @@ class Rings(NamedTuple):
 
     ``colors``: (n, 4 * COUNT, 3) float64, BGR, clockwise from the first corner. ``shown``: (n, 4 * COUNT),
     whether the frame shows that place. ``corners``: (n, 4, 2) float64, undistorted pixels: the quadrilaterals,
-    grown by their blur.
+    grown by their blur. ``blurs``, ``depths``: (n,) float64, pixels, how far out the blur reaches, and the
+    ground, on all sides but the worst one.
     """
 
     colors: Floats
     shown: Booleans
     corners: Floats
+    blurs: Floats
+    depths: Floats
 
 
 def points_of_sides(count: int) -> Floats:
@@ -67,12 +70,14 @@ def rings_around(frame: Image, lens: Lens | None, quads: Floats) -> Rings:
     colors, shown = _colors_of(frame, inner[:, :, None] + parts[:, None, :, None] * (outer - inner)[:, :, None])
     profiles = np.median(cv2.transform(colors.reshape(1, -1, 3), MEAN).reshape(colors.shape[:3]), axis=1)
     inside = np.median(profiles[:, 0].reshape(count, 4), axis=1).repeat(4)
-    first, shares = _depths(np.abs(profiles[:, 1:] - inside[:, None]), offsets < MAX_REACH)
+    first, last, shares = _depths(np.abs(profiles[:, 1:] - inside[:, None]), offsets < MAX_REACH)
     reach = offsets[np.arange(sides), first].reshape(count, 4)
     corners = UNIT_SQUARE + reach[..., None] * OUTWARD + reach[:, BEFORE, None] * OUTWARD[BEFORE]
+    blurs, depths = ((offsets[np.arange(sides), at] * across.ravel()).reshape(count, 4) for at in (first, last))
     return Rings((shares[:, None, None] @ colors[:, :, 1:]).reshape(count, -1, 3).astype(np.float64),
                  (shown[:, :, 1:] | (shares[:, None] == 0)).all(axis=2).reshape(count, -1),
-                 _transformed(homographies, corners))
+                 _transformed(homographies, corners), np.sort(blurs, axis=1)[:, 2],
+                 np.sort(depths, axis=1)[:, 1])
 
 
 def colors_at(frame: Image, lens: Lens | None, points: Floats) -> tuple[Floats, Booleans]:
@@ -99,8 +104,10 @@ def _transformed(homographies: Floats, points: Floats) -> Floats:
     return np.asarray(mapped[..., :2] / mapped[..., 2:])
 
 
-def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Floats]:
-    """For n sides, the number of the first offset beyond the blur, (n,), and all shares in the color, (n, k).
+def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Integers, Floats]:
+    """For n sides, the first offset beyond the blur, the last one of the ground, and all shares in the color.
+
+    The offsets are given by their numbers, (n,). The shares are (n, k).
 
     ``contrast``: (n, k), to what is inside. Close to the side it is less, because of the blur, and then it may
     be too much, since many cameras sharpen. Farther out, another thing may begin. ``near``: (n, k), which
@@ -120,4 +127,4 @@ def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Floats]:
     settled = within & (np.abs(contrast - usual) <= np.maximum(SETTLED * usual, SETTLED_LEVELS))
     first = settled.argmax(axis=1)
     shares = within & (columns >= first[:, None]) & (OFFSETS_PX - OFFSETS_PX[first][:, None] <= DEPTH_PX)
-    return first, shares / shares.sum(axis=1, keepdims=True, dtype=np.float32)
+    return first, end - 1, shares / shares.sum(axis=1, keepdims=True, dtype=np.float32)

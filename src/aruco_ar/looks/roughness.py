@@ -1,0 +1,188 @@
+"""The roughness of the ground beside a tag, which is put under it: its texture, and the camera's noise."""
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
+from aruco_ar.compiled import binding
+from aruco_ar.geometry.homography import UNIT_SQUARE, homography_to, transform
+from aruco_ar.geometry.lens import Lens
+
+# A tag is divided into tiles. Around them is a ring of such tiles, the sources. Each tile gets what is not
+# smooth in one of these.
+FEWEST, MOST = 4, 16  # number of tiles in each row and column
+SMALLEST_PX = 3.0     # smaller sources show nothing but the blur of what is around them
+NEAREST_PX = 2.0      # blur is assumed to reach so far, at least
+# The sources begin beyond the blur by this factor. All stay where they are as long as the blur is less, now and
+# in the mean, than their distance times these factors, and more than it times the last one.
+BEYOND, NOW, LESS, MORE = 1.3, 2.0, 1.0, 0.4
+# So they do if they are as large as the ground beside the tag is deep, times factors between these.
+SMALL, LARGE = 0.5, 1.15
+MEAN_OF = 15          # blur, depth, and roughness are running means of about this many frames
+STAYS_PX = 0.8        # a shift stays as long as it is off by less: else detection's noise would move textures
+ACROSS = 5            # a source is judged by so many pixels across and down
+# Sources that are rougher than the calm ones by this, in the mean or suddenly, show edges of other things.
+ROUGHER, SUDDENLY, LEVELS = 1.6, 2.4, 1.0
+FEW = 4               # with fewer sources than this, the tag's place stays smooth
+NEAR = 0.5            # how much the order of the sources is mixed, in widths of the whole: near ones come first
+FRACTION_BITS = 4     # of OpenCV's positions
+
+
+class Tiles(NamedTuple):
+    """Roughness to put under a tag. ``rest``: (h, w, 3) float32, what is not smooth in a window of the frame.
+
+    ``corner``: x and y of the window in the frame. ``to_tiles``: (3, 3), from undistorted pixels to tiles.
+    ``shifts``: (n, n, 2), pixels, from each tile to its source.
+    """
+
+    rest: Floats
+    corner: Integers
+    to_tiles: Floats
+    shifts: Integers
+
+    def add_to(self, warped: Image, begin: Integers, positions: Image | None) -> None:
+        """Add the roughness to a part of an image, (h, w, 3) or (h, w, 4) uint8. This changes it.
+
+        ``begin``: x and y of the part in the frame. ``positions``: see Place.
+        """
+        to_tiles = self.to_tiles
+        if positions is None:
+            to_tiles = to_tiles @ np.array([[1, 0, begin[0]], [0, 1, begin[1]], [0, 0, 1.0]])
+        left, top = (begin - self.corner).tolist()
+        binding.add_roughness(warped, positions, (left, top), self.rest, to_tiles, self.shifts)
+
+
+class Roughness:
+    """Finds the roughness of the ground beside a tag, in each frame anew, but in steady places.
+
+    So the texture of the ground stays where it is, and the noise changes as it does beside the tag.
+    """
+
+    def __init__(self) -> None:
+        self._blur = self._depth = self._distance = 0.0  # in sides of the tag
+        self._count, self._frames, self._frames_so = 0, 0, 0
+        self._rough: Floats = np.zeros(0)
+        self._shifts: Integers = np.zeros(0, np.int32)
+
+    def tiles(self, frame: Image, lens: Lens | None, outline: Floats, blur_px: float,
+              depth_px: float) -> Tiles | None:
+        """The Tiles to put under a tag or its paper, or None if too little of the ground can be seen.
+
+        ``frame``: (h, w, 3) BGR uint8. ``lens``: that of the frame, or None. ``outline``: (4, 2) undistorted
+        pixels. ``blur_px``, ``depth_px``: how far out from it the blur reaches, and the ground: see Rings.
+        """
+        side = float(np.sqrt(cv2.contourArea(np.asarray(outline, np.float32))))
+        self._lay_out(max(blur_px, NEAREST_PX) / side, depth_px / side)
+        count, size = self._count, self._size()
+        if count > MOST or side * size < SMALLEST_PX:
+            return None
+        from_tiles = homography_to(outline) @ np.array([[size, 0, -self._distance], [0, size, -self._distance],
+                                                        [0, 0, 1]])
+        layout = _layout(count)
+        points = transform(from_tiles, layout.points)
+        if lens is not None:
+            points = lens.distort(points)
+        outer, inner, tiles, sources, samples = np.split(points, layout.splits)
+        rest, corner = _rest(frame, outer, inner, max(round(side * size) | 1, 3))
+        if not rest.size:
+            return None
+        at = np.round(samples).astype(int) - corner
+        shown = np.all((at >= 0) & (at < rest.shape[1::-1]), axis=1).reshape(len(sources), -1).all(axis=1)
+        x, y = np.clip(at, 0, np.array(rest.shape[1::-1]) - 1).T
+        usable = self._usable(np.sqrt(np.mean(rest[y, x].reshape(len(sources), -1)**2, axis=1)), shown)
+        if usable.sum() < FEW:
+            return None
+        chosen = np.where(usable, layout.order, np.inf).argmin(axis=1)
+        shifts = sources[chosen] - tiles
+        if self._frames_so > 1:
+            stay = np.all(np.abs(shifts - self._shifts) < STAYS_PX, axis=1, keepdims=True)
+            shifts = np.where(stay, self._shifts, shifts)
+        self._shifts = np.round(shifts).astype(np.int32)
+        return Tiles(rest, corner, np.linalg.inv(from_tiles), self._shifts.reshape(count, count, 2))
+
+    def _lay_out(self, blur: float, depth: float) -> None:
+        """Choose how many tiles there are, and where the sources begin. All lengths are in sides of the tag."""
+        self._frames, self._frames_so = min(self._frames + 1, MEAN_OF), min(self._frames_so + 1, MEAN_OF)
+        self._blur += (blur - self._blur) / self._frames
+        self._depth += (depth - self._depth) / self._frames
+        room = self._depth - self._distance
+        if (self._count and blur < NOW * self._distance and SMALL * room < self._size() < LARGE * room
+                and MORE * self._distance < self._blur < LESS * self._distance):
+            return
+        self._distance = BEYOND * (max(blur, self._blur) if blur > NOW * self._distance else self._blur)
+        room = self._depth - self._distance
+        self._count = max(int(np.ceil((1 + 2 * self._distance) / max(room, 1e-3))), FEWEST)
+        self._frames_so = 1
+
+    def _size(self) -> float:
+        """The size of a tile, in sides of the tag."""
+        return (1 + 2 * self._distance) / self._count
+
+    def _usable(self, rough: Floats, shown: Booleans) -> Booleans:
+        """(m,), which sources show the ground. ``rough``: (m,), gray levels. ``shown``: (m,)."""
+        self._rough = rough if self._frames_so == 1 else self._rough + (rough - self._rough) / self._frames_so
+        if shown.sum() < FEW:
+            return shown
+        quarter = int(shown.sum()) // 4
+        usual, now = (np.partition(each[shown], quarter)[quarter] for each in (self._rough, rough))
+        return shown & (self._rough <= ROUGHER * usual + LEVELS) & (rough <= SUDDENLY * now + LEVELS)
+
+
+def _rest(frame: Image, outer: Floats, inner: Floats, width: int) -> tuple[Floats, Integers]:
+    """(h, w, 3) float32: a frame without its smooth part, between two quadrilaterals; and x, y of that window.
+
+    ``outer``, ``inner``: (4, 2) pixels of the frame. ``width``: of the window whose mean is the smooth part.
+    """
+    low = np.clip(np.floor(outer.min(axis=0)), 0, frame.shape[1::-1]).astype(int)
+    high = np.clip(np.ceil(outer.max(axis=0)) + 1, 0, frame.shape[1::-1]).astype(int)
+    window = frame[low[1]:high[1], low[0]:high[0]]
+    if not window.size:
+        return np.zeros((0, 0, 3), np.float32), low
+    ring = np.zeros(window.shape[:2], np.uint8)
+    for corners, value in ((outer, 1), (inner, 0)):
+        fixed = np.round((corners - low) * 2**FRACTION_BITS).astype(np.int32)
+        cv2.fillConvexPoly(ring, fixed, (value,), cv2.LINE_8, FRACTION_BITS)
+    sums, counts = (cv2.boxFilter(image, cv2.CV_32F, (width, width), normalize=False)
+                    for image in (cv2.copyTo(window, ring), ring))
+    smooth = cv2.divide(sums, cv2.merge([np.maximum(counts, 1)] * 3))
+    return np.asarray(cv2.subtract(window, smooth, mask=ring, dtype=cv2.CV_32F), np.float32), low
+
+
+class _Layout(NamedTuple):
+    """How n rows and columns of tiles, and the m sources around them, are laid out.
+
+    ``points``: (k, 2), in tiles: the corners of the sources' ring, outside and inside, the middles of the tiles
+    and of the sources, and the samples of these, one after the other. ``splits``: where each of these ends.
+    ``order``: (n * n, m), the usable source with the least of these is taken for a tile.
+    """
+
+    points: Floats
+    splits: Integers
+    order: Floats
+
+
+@lru_cache(maxsize=None)
+def _layout(count: int) -> _Layout:
+    """The _Layout of tiles in ``count`` rows and columns."""
+    tiles, around = (np.column_stack([image.ravel() for image in np.indices((rows, rows))[::-1]])
+                     for rows in (count, count + 2))
+    tiles = tiles + 0.5
+    sources = around[np.any((around == 0) | (around == count + 1), axis=1)] - 0.5
+    within = (np.indices((ACROSS, ACROSS)).reshape(2, -1).T + 0.5) / ACROSS - 0.5
+    samples = (sources[:, None] + within).reshape(-1, 2)
+    corners = np.concatenate([UNIT_SQUARE * (count + 2) - 1, UNIT_SQUARE * count])
+    parts = [corners[:4], corners[4:], tiles, sources, samples]
+    random = np.random.RandomState(count)
+    away = np.linalg.norm(tiles[:, None] - sources, axis=2) / count
+    order = away + NEAR * random.uniform(size=away.shape)
+    # Each source is taken about equally often, if all are usable.
+    taken = np.zeros(len(sources))
+    for tile in random.permutation(len(tiles)):
+        first = int(np.argmin(order[tile] + taken))
+        taken[first] += NEAR
+        order[tile, first] = -1
+    return _Layout(np.concatenate(parts), np.cumsum([len(part) for part in parts])[:-1], order)
