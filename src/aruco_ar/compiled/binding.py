@@ -90,7 +90,7 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
-_add_roughness = _function('add_roughness', _IMAGE, _Array, _LONG, _INT, _INT, _Array, _INT, _INT, _Array, _INT,
+_add_roughness = _function('add_roughness', _IMAGE, _Array, _LONG, _INT, _INT, _IMAGE, _Array, _INT, _Array,
                            _Array)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
@@ -106,7 +106,7 @@ _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FL
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
-NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
+NEAREST_M, SEAM = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
@@ -396,23 +396,24 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     _light_picture(_image(picture), _image(white), round(255 * black))
 
 
-def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], rest: Floats,
-                  to_tiles: Floats, shifts: Integers) -> None:
+def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], frame: Image,
+                  to_tiles: Floats, shifts: Integers, planes: Floats) -> None:
     """Add what is not smooth to an image, (h, w, 3) or (h, w, 4) uint8, contiguous: see unit5.h.
 
-    ``positions``: see warp in painting/paint.py. ``corner``: x and y in ``rest``, (H, W, 3) float32, of the
-    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels.
+    ``positions``: see warp in painting/paint.py. ``corner``: x and y in the frame, (H, W, 3) uint8, of the
+    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels. ``planes``: (n, n, 3, 3).
     """
     size = _sized(image, 3)[0]
     _check_changed('image', image, np.uint8, (*size, 3), (*size, 4))
-    rest = _packed('roughness', rest, np.float32, *_sized(rest, 3)[1:])
-    to_tiles, shifts = _numbers(to_tiles, np.float64), _numbers(shifts, np.int32)
-    check_array('homography', to_tiles, np.float64, (3, 3))
+    frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
+    to_tiles, shifts, planes = (_numbers(array, dtype) for array, dtype in (
+        (to_tiles, np.float64), (shifts, np.int32), (planes, np.float32)))
     count = len(shifts) if shifts.ndim else 0
+    check_array('homography', to_tiles, np.float64, (3, 3))
     check_array('shifts of the tiles', shifts, np.int32, (count, count, 2))
-    if count:
-        _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, rest, *rest.shape[1::-1],
-                       to_tiles, count, shifts)
+    check_array('planes of the tiles', planes, np.float32, (count, count, 3, 3))
+    _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, _image(frame), to_tiles,
+                   count, shifts, planes)
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
-from aruco_ar.geometry.homography import UNIT_SQUARE, homography_to, transform
+from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.lens import Lens
 
 # A tag is divided into tiles. Around them is a ring of such tiles, the sources. Each tile gets what is not
@@ -24,36 +24,35 @@ BEYOND, NOW, LESS, MORE = 1.3, 2.0, 1.0, 0.4
 SMALL, LARGE = 0.5, 1.15
 MEAN_OF = 15          # blur, depth, and roughness are running means of about this many frames
 STAYS_PX = 0.8        # a shift stays as long as it is off by less: else detection's noise would move textures
-ACROSS = 5            # a source is judged by so many pixels across and down
+ACROSS = 6            # a source is judged by so many pixels across and down
 # Sources that are rougher than the calm ones by this, in the mean or suddenly, show edges of other things.
 ROUGHER, SUDDENLY, LEVELS = 1.6, 2.4, 1.0
 FEW = 4               # with fewer sources than this, the tag's place stays smooth
 NEAR = 0.5            # how much the order of the sources is mixed, in widths of the whole: near ones come first
-FRACTION_BITS = 4     # of OpenCV's positions
 
 
 class Tiles(NamedTuple):
-    """Roughness to put under a tag. ``rest``: (h, w, 3) float32, what is not smooth in a window of the frame.
+    """Roughness to put under a tag, from a frame, (h, w, 3) BGR uint8.
 
-    ``corner``: x and y of the window in the frame. ``to_tiles``: (3, 3), from undistorted pixels to tiles.
-    ``shifts``: (n, n, 2), pixels, from each tile to its source.
+    ``to_tiles``: (3, 3), from undistorted pixels to the square from 0 to n. ``shifts``: (n, n, 2) int32,
+    pixels, from each tile to its source. ``planes``: (n, n, 3, 3), the smooth part of that source: its color,
+    and what is added to this per tile to the right and down.
     """
 
-    rest: Floats
-    corner: Integers
+    frame: Image
     to_tiles: Floats
     shifts: Integers
+    planes: Floats
 
     def add_to(self, warped: Image, begin: Integers, positions: Image | None) -> None:
         """Add the roughness to a part of an image, (h, w, 3) or (h, w, 4) uint8. This changes it.
 
         ``begin``: x and y of the part in the frame. ``positions``: see Place.
         """
-        to_tiles = self.to_tiles
+        to_tiles, (x, y) = self.to_tiles, begin.tolist()
         if positions is None:
-            to_tiles = to_tiles @ np.array([[1, 0, begin[0]], [0, 1, begin[1]], [0, 0, 1.0]])
-        left, top = (begin - self.corner).tolist()
-        binding.add_roughness(warped, positions, (left, top), self.rest, to_tiles, self.shifts)
+            to_tiles = to_tiles @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
+        binding.add_roughness(warped, positions, (x, y), self.frame, to_tiles, self.shifts, self.planes)
 
 
 class Roughness:
@@ -86,14 +85,15 @@ class Roughness:
         points = transform(from_tiles, layout.points)
         if lens is not None:
             points = lens.distort(points)
-        outer, inner, tiles, sources, samples = np.split(points, layout.splits)
-        rest, corner = _rest(frame, outer, inner, max(round(side * size) | 1, 3))
-        if not rest.size:
-            return None
-        at = np.round(samples).astype(int) - corner
-        shown = np.all((at >= 0) & (at < rest.shape[1::-1]), axis=1).reshape(len(sources), -1).all(axis=1)
-        x, y = np.clip(at, 0, np.array(rest.shape[1::-1]) - 1).T
-        usable = self._usable(np.sqrt(np.mean(rest[y, x].reshape(len(sources), -1)**2, axis=1)), shown)
+        tiles, sources, samples = points[:count**2], points[count**2:-layout.samples], points[-layout.samples:]
+        x, y = np.round(samples).astype(int).T
+        height, width = frame.shape[:2]
+        shown = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+        seen = frame[np.where(shown, y, 0), np.where(shown, x, 0)].reshape(len(sources), ACROSS**2, 3)
+        planes = FIT @ seen
+        rest = seen - PLACES @ planes
+        usable = self._usable(np.sqrt(np.einsum('mkc,mkc->m', rest, rest) / FREE),
+                              shown.reshape(len(sources), -1).all(axis=1))
         if usable.sum() < FEW:
             return None
         chosen = np.where(usable, layout.order, np.inf).argmin(axis=1)
@@ -102,19 +102,20 @@ class Roughness:
             stay = np.all(np.abs(shifts - self._shifts) < STAYS_PX, axis=1, keepdims=True)
             shifts = np.where(stay, self._shifts, shifts)
         self._shifts = np.round(shifts).astype(np.int32)
-        return Tiles(rest, corner, np.linalg.inv(from_tiles), self._shifts.reshape(count, count, 2))
+        return Tiles(frame, np.linalg.inv(from_tiles), self._shifts.reshape(count, count, 2),
+                     planes[chosen].reshape(count, count, 3, 3))
 
     def _lay_out(self, blur: float, depth: float) -> None:
         """Choose how many tiles there are, and where the sources begin. All lengths are in sides of the tag."""
         self._frames, self._frames_so = min(self._frames + 1, MEAN_OF), min(self._frames_so + 1, MEAN_OF)
         self._blur += (blur - self._blur) / self._frames
         self._depth += (depth - self._depth) / self._frames
-        room = self._depth - self._distance
+        room = (self._depth - self._distance) / (1 + binding.SEAM)
         if (self._count and blur < NOW * self._distance and SMALL * room < self._size() < LARGE * room
                 and MORE * self._distance < self._blur < LESS * self._distance):
             return
         self._distance = BEYOND * (max(blur, self._blur) if blur > NOW * self._distance else self._blur)
-        room = self._depth - self._distance
+        room = (self._depth - self._distance) / (1 + binding.SEAM)
         self._count = max(int(np.ceil((1 + 2 * self._distance) / max(room, 1e-3))), FEWEST)
         self._frames_so = 1
 
@@ -132,36 +133,16 @@ class Roughness:
         return shown & (self._rough <= ROUGHER * usual + LEVELS) & (rough <= SUDDENLY * now + LEVELS)
 
 
-def _rest(frame: Image, outer: Floats, inner: Floats, width: int) -> tuple[Floats, Integers]:
-    """(h, w, 3) float32: a frame without its smooth part, between two quadrilaterals; and x, y of that window.
-
-    ``outer``, ``inner``: (4, 2) pixels of the frame. ``width``: of the window whose mean is the smooth part.
-    """
-    low = np.clip(np.floor(outer.min(axis=0)), 0, frame.shape[1::-1]).astype(int)
-    high = np.clip(np.ceil(outer.max(axis=0)) + 1, 0, frame.shape[1::-1]).astype(int)
-    window = frame[low[1]:high[1], low[0]:high[0]]
-    if not window.size:
-        return np.zeros((0, 0, 3), np.float32), low
-    ring = np.zeros(window.shape[:2], np.uint8)
-    for corners, value in ((outer, 1), (inner, 0)):
-        fixed = np.round((corners - low) * 2**FRACTION_BITS).astype(np.int32)
-        cv2.fillConvexPoly(ring, fixed, (value,), cv2.LINE_8, FRACTION_BITS)
-    sums, counts = (cv2.boxFilter(image, cv2.CV_32F, (width, width), normalize=False)
-                    for image in (cv2.copyTo(window, ring), ring))
-    smooth = cv2.divide(sums, cv2.merge([np.maximum(counts, 1)] * 3))
-    return np.asarray(cv2.subtract(window, smooth, mask=ring, dtype=cv2.CV_32F), np.float32), low
-
-
 class _Layout(NamedTuple):
     """How n rows and columns of tiles, and the m sources around them, are laid out.
 
-    ``points``: (k, 2), in tiles: the corners of the sources' ring, outside and inside, the middles of the tiles
-    and of the sources, and the samples of these, one after the other. ``splits``: where each of these ends.
-    ``order``: (n * n, m), the usable source with the least of these is taken for a tile.
+    ``points``: (k, 2), in tiles: the middles of the tiles and of the sources, and the samples of these, one
+    after the other. ``samples``: the number of these. ``order``: (n * n, m), the usable source with the least
+    of these is taken for a tile.
     """
 
     points: Floats
-    splits: Integers
+    samples: int
     order: Floats
 
 
@@ -172,10 +153,8 @@ def _layout(count: int) -> _Layout:
                      for rows in (count, count + 2))
     tiles = tiles + 0.5
     sources = around[np.any((around == 0) | (around == count + 1), axis=1)] - 0.5
-    within = (np.indices((ACROSS, ACROSS)).reshape(2, -1).T + 0.5) / ACROSS - 0.5
-    samples = (sources[:, None] + within).reshape(-1, 2)
-    corners = np.concatenate([UNIT_SQUARE * (count + 2) - 1, UNIT_SQUARE * count])
-    parts = [corners[:4], corners[4:], tiles, sources, samples]
+    sources += binding.SEAM / 2 * ((sources > count).astype(float) - (sources < 0))
+    samples = (sources[:, None] + PLACES[:, 1:]).reshape(-1, 2)
     random = np.random.RandomState(count)
     away = np.linalg.norm(tiles[:, None] - sources, axis=2) / count
     order = away + NEAR * random.uniform(size=away.shape)
@@ -185,4 +164,15 @@ def _layout(count: int) -> _Layout:
         first = int(np.argmin(order[tile] + taken))
         taken[first] += NEAR
         order[tile, first] = -1
-    return _Layout(np.concatenate(parts), np.cumsum([len(part) for part in parts])[:-1], order)
+    return _Layout(np.concatenate([tiles, sources, samples]), len(samples), order)
+
+
+def _places() -> Floats:
+    """(ACROSS**2, 3): 1, and the samples of a source and its seams, in tiles from its middle, x and y."""
+    y, x = (1 + binding.SEAM) * (np.indices((ACROSS, ACROSS)).reshape(2, -1) / (ACROSS - 1) - 0.5)
+    return np.column_stack([np.ones(len(x)), x, y])
+
+
+PLACES = _places()
+FIT = np.linalg.pinv(PLACES)    # from the colors of the samples to the plane that fits them best
+FREE = 3 * (ACROSS**2 - 3)      # so many numbers of a source tell how rough it is

@@ -175,10 +175,12 @@ def of_light_picture():
 
 
 def of_add_roughness():
-    rest = np.random.RandomState(4).normal(0, 20, (40, 50, 3)).astype(np.float32)
+    random = np.random.RandomState(4)
     return lambda **arrays: binding.add_roughness(corner=(10, 10), **arrays), {
-        'image': np.full((HEIGHT, WIDTH, 4), 99, np.uint8), 'positions': positions(), 'rest': rest,
-        'to_tiles': np.diag([0.05, 0.07, 1]), 'shifts': np.int32([[[-8, 3], [7, 1]], [[4, -9], [-9, 8]]])}
+        'image': np.full((HEIGHT, WIDTH, 4), 99, np.uint8), 'positions': positions(),
+        'frame': random.randint(0, 256, (90, 80, 3)).astype(np.uint8), 'to_tiles': np.diag([0.05, 0.07, 1]),
+        'shifts': np.int32([[[-8, 3], [7, 1]], [[4, -9], [-9, 8]]]),
+        'planes': random.normal(0, 9, (2, 2, 3, 3)).astype(np.float32)}
 
 
 def of_refine_pose_pairs():
@@ -292,7 +294,7 @@ MADE = {made.__name__[3:]: made for made in
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
-             'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'planes', 'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
@@ -393,7 +395,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
         fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
                 ('warp_picture', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
                 ('warp_picture', 'mask'): other.shape == array.shape[:2],
-                ('add_roughness', 'rest'): other.ndim == 3 and other.shape[2] == 3,
+                ('add_roughness', 'frame'): other.ndim == 3 and other.shape[2] == 3,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},
