@@ -1,7 +1,9 @@
 /* The ground's texture and the camera's noise, put together of tiles. */
 #include "unit5.h"
+#include "vectors.h"
 
 #define SEAM 0.25f
+#define RUN 64
 
 const double unit5_seam = SEAM;
 
@@ -22,41 +24,62 @@ static inline Mixture mixture_at(float position, int last)
     return (Mixture){2, {before, beyond}, {(1 - share) * scale, share * scale}, {from, from - 1}};
 }
 
+/* Where ``length`` pixels from x on, at most RUN of them, are in tiles. ``h``: unit5_add_roughness's to_tiles. */
+FAST static void find_places(const float h[9], const Positions *positions, int x, int y, int length,
+                             float *restrict across, float *restrict down)
+{
+    float u[RUN], v[RUN];
+    for (int i = 0; i < length; i++) {
+        const float *position = positions->first ? position_of(positions, x + i, y) : NULL;
+        u[i] = position ? position[0] : x + i;
+        v[i] = position ? position[1] : y;
+    }
+    for (int i = 0; i < length; i++) {
+        float scale = 1 / (h[6] * u[i] + h[7] * v[i] + h[8]);
+        across[i] = (h[0] * u[i] + h[1] * v[i] + h[2]) * scale;
+        down[i] = (h[3] * u[i] + h[4] * v[i] + h[5]) * scale;
+    }
+}
+
+/* Add what is not smooth at a place, in tiles, to a pixel. ``x``, ``y``: where it is in the frame. */
+static inline void add_to(uint8_t *pixel, float across, float down, int x, int y, const Image *frame, int count,
+                          const int *shifts, const float *planes)
+{
+    Mixture columns = mixture_at(across, count - 1), rows = mixture_at(down, count - 1);
+    float sum[3] = {0};
+    for (int i = 0; i < rows.parts; i++)
+        for (int j = 0; j < columns.parts; j++) {
+            int tile = rows.tiles[i] * count + columns.tiles[j];
+            int64_t from_x = (int64_t)x + shifts[2 * tile], from_y = (int64_t)y + shifts[2 * tile + 1];
+            if (from_x < 0 || from_x >= frame->width || from_y < 0 || from_y >= frame->height)
+                continue;
+            const uint8_t *from = frame->pixels + frame->row * from_y + 3 * from_x;
+            const float *plane = planes + 9 * tile;
+            float weight = rows.weights[i] * columns.weights[j];
+            for (int channel = 0; channel < 3; channel++)
+                sum[channel] += weight * (from[channel] - plane[channel] - plane[3 + channel] * columns.from[j]
+                                          - plane[6 + channel] * rows.from[i]);
+        }
+    for (int channel = 0; channel < 3; channel++)
+        pixel[channel] = (uint8_t)(within(pixel[channel] + sum[channel], 255) + 0.5f);
+}
+
 void unit5_add_roughness(const Image *image, const float *positions, int64_t row, int left, int top,
                          const Image *frame, const double to_tiles[9], int count, const int *shifts,
                          const float *planes)
 {
     Positions seen = {positions, row};
+    float h[9], across[RUN], down[RUN];
+    for (int number = 0; number < 9; number++)
+        h[number] = (float)to_tiles[number];
     for (int y = 0; y < image->height; y++)
-        for (int x = 0; x < image->width; x++) {
-            double u = x, v = y;
-            if (positions) {
-                const float *position = position_of(&seen, x, y);
-                u = position[0], v = position[1];
-            }
-            double scale = 1 / (to_tiles[6] * u + to_tiles[7] * v + to_tiles[8]);
-            float across = (float)((to_tiles[0] * u + to_tiles[1] * v + to_tiles[2]) * scale);
-            float down = (float)((to_tiles[3] * u + to_tiles[4] * v + to_tiles[5]) * scale);
-            if (!(across >= 0 && across < count && down >= 0 && down < count))
-                continue;
-            Mixture columns = mixture_at(across, count - 1), rows = mixture_at(down, count - 1);
-            float sum[3] = {0};
-            for (int i = 0; i < rows.parts; i++)
-                for (int j = 0; j < columns.parts; j++) {
-                    int tile = rows.tiles[i] * count + columns.tiles[j];
-                    int64_t from_x = (int64_t)x + left + shifts[2 * tile];
-                    int64_t from_y = (int64_t)y + top + shifts[2 * tile + 1];
-                    if (from_x < 0 || from_x >= frame->width || from_y < 0 || from_y >= frame->height)
-                        continue;
-                    const uint8_t *from = frame->pixels + frame->row * from_y + 3 * from_x;
-                    const float *plane = planes + 9 * tile;
-                    float weight = rows.weights[i] * columns.weights[j];
-                    for (int channel = 0; channel < 3; channel++)
-                        sum[channel] += weight * (from[channel] - plane[channel] - plane[3 + channel] * columns.from[j]
-                                                  - plane[6 + channel] * rows.from[i]);
-                }
-            uint8_t *pixel = image->pixels + image->row * y + (int64_t)image->channels * x;
-            for (int channel = 0; channel < 3; channel++)
-                pixel[channel] = (uint8_t)(within(pixel[channel] + sum[channel], 255) + 0.5f);
+        for (int begin = 0; begin < image->width; begin += RUN) {
+            int length = image->width - begin < RUN ? image->width - begin : RUN;
+            find_places(h, &seen, begin, y, length, across, down);
+            uint8_t *pixels = image->pixels + image->row * y + (int64_t)image->channels * begin;
+            for (int x = 0; x < length; x++)
+                if (across[x] >= 0 && across[x] < count && down[x] >= 0 && down[x] < count)
+                    add_to(pixels + image->channels * x, across[x], down[x], left + begin + x, top + y, frame, count,
+                           shifts, planes);
         }
 }

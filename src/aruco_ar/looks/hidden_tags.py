@@ -17,7 +17,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, rings_around
+from .ring import COUNT, DARK, middle, rings_around
 from .roughness import Roughness, Tiles
 from .tag_look import SIZE, TagLook
 
@@ -162,7 +162,7 @@ def _without_others(colors: Floats, shown: Booleans, usual: Floats | None) -> tu
     """
     before = np.ones_like(colors) if usual is None else usual
     change = (colors + DARK) / (before + DARK)
-    common = np.median(change[shown], axis=0) if shown.any() else np.ones(3)
+    common = middle(change[shown]) if shown.any() else np.ones(3)
     if usual is not None and not _is_light(common):  # most of the ring is covered
         common = np.ones(3)
     usable = shown & _is_light(change / common)

@@ -12,6 +12,8 @@ from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.lens import Lens
 
+from .ring import middle
+
 # A tag is divided into tiles. Around them is a ring of such tiles, the sources. Each tile gets what is not
 # smooth in one of these.
 FEWEST, MOST = 4, 16  # number of tiles in each row and column
@@ -25,8 +27,9 @@ SMALL, LARGE = 0.5, 1.15
 MEAN_OF = 15          # blur, depth, and roughness are running means of about this many frames
 STAYS_PX = 0.8        # a shift stays as long as it is off by less: else detection's noise would move textures
 ACROSS = 6            # a source is judged by so many pixels across and down
-# Sources that are rougher than the calm ones by this, in the mean or suddenly, show edges of other things.
-ROUGHER, SUDDENLY, LEVELS = 1.6, 2.4, 1.0
+# This share of the sources is calm. Those that are rougher by this, in the mean or suddenly, show edges of other
+# things.
+CALM, ROUGHER, SUDDENLY, LEVELS = 0.25, 1.6, 2.4, 1.0
 FEW = 4               # with fewer sources than this, the tag's place stays smooth
 NEAR = 0.5            # how much the order of the sources is mixed, in widths of the whole: near ones come first
 
@@ -89,11 +92,11 @@ class Roughness:
         x, y = np.round(samples).astype(int).T
         height, width = frame.shape[:2]
         shown = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-        seen = frame[np.where(shown, y, 0), np.where(shown, x, 0)].reshape(len(sources), ACROSS**2, 3)
+        seen = frame[np.where(shown, y, 0), np.where(shown, x, 0)].astype(np.float32).reshape(ACROSS**2, -1)
         planes = FIT @ seen
         rest = seen - PLACES @ planes
-        usable = self._usable(np.sqrt(np.einsum('mkc,mkc->m', rest, rest) / FREE),
-                              shown.reshape(len(sources), -1).all(axis=1))
+        rough = np.sqrt((rest * rest).sum(axis=0).reshape(-1, 3).sum(axis=1) / FREE)
+        usable = self._usable(rough, shown.reshape(ACROSS**2, -1).all(axis=0))
         if usable.sum() < FEW:
             return None
         chosen = np.where(usable, layout.order, np.inf).argmin(axis=1)
@@ -103,7 +106,7 @@ class Roughness:
             shifts = np.where(stay, self._shifts, shifts)
         self._shifts = np.round(shifts).astype(np.int32)
         return Tiles(frame, np.linalg.inv(from_tiles), self._shifts.reshape(count, count, 2),
-                     planes[chosen].reshape(count, count, 3, 3))
+                     planes.reshape(3, -1, 3)[:, chosen].swapaxes(0, 1).reshape(count, count, 3, 3))
 
     def _lay_out(self, blur: float, depth: float) -> None:
         """Choose how many tiles there are, and where the sources begin. All lengths are in sides of the tag."""
@@ -128,8 +131,7 @@ class Roughness:
         self._rough = rough if self._frames_so == 1 else self._rough + (rough - self._rough) / self._frames_so
         if shown.sum() < FEW:
             return shown
-        quarter = int(shown.sum()) // 4
-        usual, now = (np.partition(each[shown], quarter)[quarter] for each in (self._rough, rough))
+        usual, now = (middle(each[shown], share=CALM) for each in (self._rough, rough))
         return shown & (self._rough <= ROUGHER * usual + LEVELS) & (rough <= SUDDENLY * now + LEVELS)
 
 
@@ -154,7 +156,7 @@ def _layout(count: int) -> _Layout:
     tiles = tiles + 0.5
     sources = around[np.any((around == 0) | (around == count + 1), axis=1)] - 0.5
     sources += binding.SEAM / 2 * ((sources > count).astype(float) - (sources < 0))
-    samples = (sources[:, None] + PLACES[:, 1:]).reshape(-1, 2)
+    samples = (sources + PLACES[:, None, 1:]).reshape(-1, 2)
     random = np.random.RandomState(count)
     away = np.linalg.norm(tiles[:, None] - sources, axis=2) / count
     order = away + NEAR * random.uniform(size=away.shape)
@@ -170,7 +172,7 @@ def _layout(count: int) -> _Layout:
 def _places() -> Floats:
     """(ACROSS**2, 3): 1, and the samples of a source and its seams, in tiles from its middle, x and y."""
     y, x = (1 + binding.SEAM) * (np.indices((ACROSS, ACROSS)).reshape(2, -1) / (ACROSS - 1) - 0.5)
-    return np.column_stack([np.ones(len(x)), x, y])
+    return np.column_stack([np.ones(len(x)), x, y]).astype(np.float32)
 
 
 PLACES = _places()
