@@ -27,8 +27,8 @@ SMALL, LARGE = 0.5, 1.15
 MEAN_OF = 15          # blur, depth, and roughness are running means of about this many frames
 STAYS_PX = 0.8        # a shift stays as long as it is off by less: else detection's noise would move textures
 ACROSS = 6            # a source is judged by so many pixels across and down
-# This share of the sources is calm. Those that are rougher by this, in the mean or suddenly, show edges of other
-# things.
+# This share of the sources is calm. Those that are rougher by this, in the mean or suddenly, show the edges of
+# other things.
 CALM, ROUGHER, SUDDENLY, LEVELS = 0.25, 1.6, 2.4, 1.0
 FEW = 4               # with fewer sources than this, the tag's place stays smooth
 NEAR = 0.5            # how much the order of the sources is mixed, in widths of the whole: near ones come first

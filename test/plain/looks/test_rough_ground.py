@@ -68,3 +68,13 @@ def test_edges_of_other_things_beside_a_tag_are_not_under_it():
     image, bare = fine(hide(HiddenTags(), tagged(ground)))[inside], fine(rough(2))[inside]
     assert np.abs(image).max() < 12  # in the edges, it is 60
     assert 0.7 < image.std() / bare.std() < 1.3
+
+
+@pytest.mark.parametrize('smear_px', [15, 41])
+def test_the_smear_of_a_moving_camera_is_hidden_with_the_tag(smear_px):
+    kernel = np.zeros((51, 51), np.float32)
+    kernel[25, 25 - smear_px // 2:26 + smear_px // 2] = 1 / smear_px
+    kernel = cv2.warpAffine(kernel, cv2.getRotationMatrix2D((25, 25), 20, 1), (51, 51))  # along the tag's sides
+    bare = rough(2)
+    image = hide(HiddenTags(), cv2.filter2D(tagged(bare), -1, kernel))
+    assert np.abs(image - cv2.filter2D(bare, -1, kernel)).max() < 8  # the tag is darker by 110
