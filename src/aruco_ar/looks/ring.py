@@ -17,7 +17,8 @@ MAX_REACH = 0.4
 INSIDE = 0.05         # where the color inside of a side is taken, in lengths of a side
 # While the contrast to the inside rises by this share of it and by so many gray levels, the blur has not ended.
 RISE, RISE_LEVELS = 0.03, 1.0
-OTHER = 0.15          # another thing begins where the contrast changes by more than this share
+# Another thing begins where the contrast changes by more than this share and so many gray levels.
+OTHER, OTHER_LEVELS = 0.15, 8.0
 SETTLED, SETTLED_LEVELS = 0.02, 1.0  # the contrast beyond the blur differs from the usual one by less than this
 DEPTH_PX = 3.0        # a color of the ring is a mean over this depth
 DARK = 12.0           # gray levels to add to colors before their ratios are taken, so that noise is no pattern
@@ -129,7 +130,8 @@ def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Integers, Float
     ended = rise < np.maximum(RISE * contrast[:, :-1], RISE_LEVELS)
     begin = np.minimum(np.where(ended.any(axis=1), ended.argmax(axis=1), len(columns) - 1), count - 1)
     at_begin = contrast[rows, begin][:, None]
-    other = (np.abs(contrast - at_begin) > OTHER * at_begin) & (columns > begin[:, None])
+    other = np.abs(contrast - at_begin) > np.maximum(OTHER * at_begin, OTHER_LEVELS)
+    other &= columns > begin[:, None]
     end = np.minimum(np.where(other.any(axis=1), other.argmax(axis=1), len(columns)), count)
     end -= (end < count) & (end - begin > 1)  # the other thing is blurred, too
     within = (columns >= begin[:, None]) & (columns < end[:, None])
