@@ -19,7 +19,7 @@ from .filling import filled
 from .paper_outline import paper_of
 from .ring import COUNT, DARK, middle, rings_around
 from .roughness import Roughness, Tiles
-from .tag_look import SIZE, TagLook
+from .tag_look import SIZE, Front, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
 SAME_PLACE = 0.1
@@ -32,6 +32,7 @@ ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is
 DARKEST, LIGHTEST = 0.45, 2.2  # light changes a color of the ring less than this, besides what it does to all
 SAME_COLOR = 0.15     # light changes the channels of a color by factors that differ by less than this
 WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
+RIM = 8.0             # where a thing covers more than 1 part in so many, it is a rim, not noise
 TO_SIZE = np.diag([*SIZE, 1.0])
 
 
@@ -182,16 +183,20 @@ def _is_light(factors: Floats) -> Booleans:
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
-def _behind(cover: Image, front: Floats, outline: Floats, corners: Floats) -> Image:
-    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front: see TagLook.front.
+def _behind(cover: Image, front: Front, outline: Floats, corners: Floats) -> Image:
+    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front.
 
+    At its rim, the frame's colors are a mixture with those of the tag. Painted with their share of the tag, the
+    cover's colors are such that this share is replaced: the frame's, less the tag's, plus the cover's.
     ``outline``, ``corners``: (4, 2) undistorted pixels, of what is covered, and where the cover goes.
     """
     looked_at = homography_to(outline) @ homography_to(WIDER)
-    to_cover = TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE)
-    free = np.asarray(np.round(255 * (1 - front)), np.uint8)
-    alpha = cv2.warpPerspective(free, np.asarray(to_cover, np.float64), SIZE, borderMode=cv2.BORDER_REPLICATE)
-    return np.dstack([cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR), alpha])
+    to_cover = np.asarray(TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
+    rim = np.minimum(RIM * front.share, 1)
+    more = np.dstack([rim[..., None] * front.off, 255 * (1 - front.share)])
+    more = np.asarray(cv2.warpPerspective(more, to_cover, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
+    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)
+    return np.asarray(np.clip(np.round(more), 0, 255), np.uint8)
 
 
 def _put(image: Image, covered: Area, cover: Image, tiles: Tiles | None,

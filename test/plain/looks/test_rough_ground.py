@@ -25,10 +25,10 @@ def tagged(ground):
     return ground * (1 - 0.9 * cv2.GaussianBlur(share, (0, 0), 0.7)[..., None] / 255)
 
 
-def hide(hidden, frame, off=0.0):
+def hide(hidden, frame, off=0.0, keep=False):
     frame = np.uint8(np.clip(np.round(frame), 0, 255))
     image = frame.copy()
-    hidden.hide(frame, image, AREA, [Tag(7, TAG.corners + np.float32(off))], is_located=True, keep=False)
+    hidden.hide(frame, image, AREA, [Tag(7, TAG.corners + np.float32(off))], is_located=True, keep=keep)
     return image.astype(float)
 
 
@@ -78,3 +78,15 @@ def test_the_smear_of_a_moving_camera_is_hidden_with_the_tag(smear_px):
     bare = rough(2)
     image = hide(HiddenTags(), cv2.filter2D(tagged(bare), -1, kernel))
     assert np.abs(image - cv2.filter2D(bare, -1, kernel)).max() < 8  # the tag is darker by 110
+
+
+def test_no_rim_of_the_tag_is_left_around_a_finger_over_it():
+    hidden, bare, finger = HiddenTags(), rough(1), np.zeros((HEIGHT, WIDTH), np.float32)
+    for _ in range(10):
+        hide(hidden, tagged(bare), keep=True)
+    cv2.ellipse(finger, (220, 130), (60, 14), 15, 0, 360, 1, -1)
+    finger = cv2.GaussianBlur(finger, (0, 0), 1.2)[..., None]
+    seen, truth = (ground * (1 - finger) + (90, 110, 160) * finger for ground in (tagged(bare), bare))
+    image = hide(hidden, seen, keep=True)
+    rim = around(-100, -6) & (finger[..., 0] > 0.1) & (finger[..., 0] < 0.9)
+    assert np.abs(image - truth)[rim].mean() < 9
