@@ -78,7 +78,7 @@ class HiddenTags:
             front = hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens,
                                       colors.mean(axis=0), is_seen) if keep else None
             cover = cover if front is None else _behind(cover, front, outline, corners)
-            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach)))
+            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach, is_seen)))
         for cover, corners, tiles in covers:
             _put(image, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
 

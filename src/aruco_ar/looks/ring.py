@@ -118,7 +118,7 @@ def _transformed(homographies: Floats, points: Floats) -> Floats:
 def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Integers, Floats]:
     """For n sides, the first offset beyond the blur, the last one of the ground, and all shares in the color.
 
-    The offsets are given by their numbers, (n,). The shares are (n, k).
+    Each four sides belong together. The offsets are given by their numbers, (n,). The shares are (n, k).
 
     ``contrast``: (n, k), to what is inside. Close to the side it is less, because of the blur, and then it may
     be too much, since many cameras sharpen. Farther out, another thing may begin. ``near``: (n, k), which
@@ -137,6 +137,8 @@ def _depths(contrast: Floats, near: Booleans) -> tuple[Integers, Integers, Float
     within = (columns >= begin[:, None]) & (columns < end[:, None])
     usual = np.sort(np.where(within, contrast, np.inf), axis=1)[rows, (end - begin - 1) // 2][:, None]
     settled = within & (np.abs(contrast - usual) <= np.maximum(SETTLED * usual, SETTLED_LEVELS))
-    first = settled.argmax(axis=1)
+    first = settled.argmax(axis=1).reshape(-1, 4)
+    # On rough ground, the blur may seem to end too early on a side. It hardly does so on two of the four.
+    first = np.minimum(np.maximum(first, np.sort(first, axis=1)[:, 1:2]).ravel(), end - 1)
     shares = within & (columns >= first[:, None]) & (OFFSETS_PX - OFFSETS_PX[first][:, None] <= DEPTH_PX)
     return first, end - 1, shares / shares.sum(axis=1, keepdims=True, dtype=np.float32)

@@ -12,7 +12,7 @@ from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.geometry.lens import Lens
 
-from .ring import middle
+from .ring import DARK, middle
 
 # A tag is divided into tiles. Around them is a ring of such tiles, the sources. Each tile gets what is not
 # smooth in one of these.
@@ -27,9 +27,12 @@ SMALL, LARGE = 0.5, 1.15
 MEAN_OF = 15          # blur, depth, and roughness are running means of about this many frames
 STAYS_PX = 0.8        # a shift stays as long as it is off by less: else detection's noise would move textures
 ACROSS = 6            # a source is judged by so many pixels across and down
-# This share of the sources is calm. Those that are rougher by this, in the mean or suddenly, show the edges of
-# other things.
-CALM, ROUGHER, SUDDENLY, LEVELS = 0.25, 1.6, 2.4, 1.0
+# This share of the sources is calm. Those whose roughness differs from theirs by more than this share, and so
+# many gray levels, show the edges of other things, or a smooth thing.
+CALM, ROUGHER, LEVELS = 0.25, 0.6, 1.0
+# Sources whose color or roughness differs from the usual one by more than this share, besides what light does
+# to all of them, show something in front. If fewer than this share remain, the ground itself has changed.
+CHANGED, CHANGED_ROUGH, SAME = 0.1, 0.4, 0.3
 FEW = 4               # with fewer sources than this, the tag's place stays smooth
 NEAR = 0.5            # how much the order of the sources is mixed, in widths of the whole: near ones come first
 
@@ -67,18 +70,20 @@ class Roughness:
     def __init__(self) -> None:
         self._blur = self._depth = self._distance = 0.0  # in sides of the tag
         self._count, self._frames, self._frames_so = 0, 0, 0
-        self._rough: Floats = np.zeros(0)
+        self._rough = self._colors = np.zeros(0)
         self._shifts: Integers = np.zeros(0, np.int32)
 
     def tiles(self, frame: Image, lens: Lens | None, outline: Floats, blur_px: float,
-              depth_px: float) -> Tiles | None:
+              depth_px: float, seen: bool) -> Tiles | None:
         """The Tiles to put under a tag or its paper, or None if too little of the ground can be seen.
 
         ``frame``: (h, w, 3) BGR uint8. ``lens``: that of the frame, or None. ``outline``: (4, 2) undistorted
         pixels. ``blur_px``, ``depth_px``: how far out from it the blur reaches, and the ground: see Rings.
+        ``seen``: whether the tag is in sight. If not, something is in front, and nothing is learned.
         """
         side = float(np.sqrt(cv2.contourArea(np.asarray(outline, np.float32))))
-        self._lay_out(max(blur_px, NEAREST_PX) / side, depth_px / side)
+        if seen or not self._count:
+            self._lay_out(max(blur_px, NEAREST_PX) / side, depth_px / side)
         count, size = self._count, self._size()
         if count > MOST or side * size < SMALLEST_PX:
             return None
@@ -92,11 +97,11 @@ class Roughness:
         x, y = np.round(samples).astype(int).T
         height, width = frame.shape[:2]
         shown = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-        seen = frame[np.where(shown, y, 0), np.where(shown, x, 0)].astype(np.float32).reshape(ACROSS**2, -1)
-        planes = FIT @ seen
-        rest = seen - PLACES @ planes
+        colors = frame[np.where(shown, y, 0), np.where(shown, x, 0)].astype(np.float32).reshape(ACROSS**2, -1)
+        planes = FIT @ colors
+        rest = colors - PLACES @ planes
         rough = np.sqrt((rest * rest).sum(axis=0).reshape(-1, 3).sum(axis=1) / FREE)
-        usable = self._usable(rough, shown.reshape(ACROSS**2, -1).all(axis=0))
+        usable = self._usable(rough, planes[0].reshape(-1, 3), shown.reshape(ACROSS**2, -1).all(axis=0), seen)
         if usable.sum() < FEW:
             return None
         chosen = np.where(usable, layout.order, np.inf).argmin(axis=1)
@@ -126,13 +131,24 @@ class Roughness:
         """The size of a tile, in sides of the tag."""
         return (1 + 2 * self._distance) / self._count
 
-    def _usable(self, rough: Floats, shown: Booleans) -> Booleans:
-        """(m,), which sources show the ground. ``rough``: (m,), gray levels. ``shown``: (m,)."""
-        self._rough = rough if self._frames_so == 1 else self._rough + (rough - self._rough) / self._frames_so
+    def _usable(self, rough: Floats, colors: Floats, shown: Booleans, seen: bool) -> Booleans:
+        """(m,), which sources show the ground. ``rough``: (m,), and ``colors``: (m, 3), their means.
+
+        ``shown``: (m,), those in the frame. ``seen``: whether the tag is in sight.
+        """
+        if self._frames_so == 1:
+            self._rough, self._colors = rough, colors
         if shown.sum() < FEW:
             return shown
-        usual, now = (middle(each[shown], share=CALM) for each in (self._rough, rough))
-        return shown & (self._rough <= ROUGHER * usual + LEVELS) & (rough <= SUDDENLY * now + LEVELS)
+        change = (colors + DARK) / (self._colors + DARK)
+        same = np.abs(change / middle(change[shown]) - 1).max(axis=1) < CHANGED
+        same &= np.abs(rough - self._rough) < CHANGED_ROUGH * self._rough + LEVELS
+        if seen:
+            rate = (same | (same.mean() < SAME)) / self._frames_so
+            self._colors = self._colors + rate[:, None] * (colors - self._colors)
+            self._rough = self._rough + rate * (rough - self._rough)
+        usual = middle(self._rough[shown], share=CALM)
+        return shown & same & (np.abs(self._rough - usual) <= ROUGHER * usual + LEVELS)
 
 
 class _Layout(NamedTuple):

@@ -80,13 +80,29 @@ def test_the_smear_of_a_moving_camera_is_hidden_with_the_tag(smear_px):
     assert np.abs(image - cv2.filter2D(bare, -1, kernel)).max() < 8  # the tag is darker by 110
 
 
-def test_no_rim_of_the_tag_is_left_around_a_finger_over_it():
-    hidden, bare, finger = HiddenTags(), rough(1), np.zeros((HEIGHT, WIDTH), np.float32)
-    for _ in range(10):
-        hide(hidden, tagged(bare), keep=True)
+def under_finger(ground):
+    """(h, w, 3) float32: the ground with a finger over a part of the tag; and its share, (h, w, 1) float32."""
+    finger = np.zeros((HEIGHT, WIDTH), np.float32)
     cv2.ellipse(finger, (220, 130), (60, 14), 15, 0, 360, 1, -1)
     finger = cv2.GaussianBlur(finger, (0, 0), 1.2)[..., None]
-    seen, truth = (ground * (1 - finger) + (90, 110, 160) * finger for ground in (tagged(bare), bare))
-    image = hide(hidden, seen, keep=True)
-    rim = around(-100, -6) & (finger[..., 0] > 0.1) & (finger[..., 0] < 0.9)
+    return ground * (1 - finger) + (90, 110, 160) * finger, finger[..., 0]
+
+
+def test_no_rim_of_the_tag_is_left_around_a_finger_over_it():
+    hidden, bare = HiddenTags(), rough(1)
+    for _ in range(10):
+        hide(hidden, tagged(bare), keep=True)
+    truth, finger = under_finger(bare)
+    image = hide(hidden, under_finger(tagged(bare))[0], keep=True)
+    rim = around(-100, -6) & (finger > 0.1) & (finger < 0.9)
     assert np.abs(image - truth)[rim].mean() < 9
+
+
+def test_a_finger_beside_a_tag_does_not_color_what_is_under_it():
+    hidden, ground = HiddenTags(), tagged(rough(4))
+    for _ in range(10):
+        hide(hidden, ground, keep=True)
+    seen, finger = under_finger(ground)
+    image, free = hide(hidden, seen, keep=True), cv2.dilate(finger, np.ones((9, 9))) < 0.01
+    red = image[..., 2] - image[..., 0] - 20  # the finger's is 50
+    assert np.mean(np.abs(red[around(-100, -3) & free]) > 6) < 0.005
