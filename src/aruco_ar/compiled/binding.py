@@ -397,23 +397,23 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
 
 
 def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], frame: Image,
-                  to_tiles: Floats, shifts: Integers, planes: Floats) -> None:
+                  to_tiles: Floats, shifts: Integers, smooth: Floats) -> None:
     """Add what is not smooth to an image, (h, w, 3) or (h, w, 4) uint8, contiguous: see unit5.h.
 
     ``positions``: see warp in painting/paint.py. ``corner``: x and y in the frame, (H, W, 3) uint8, of the
-    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels. ``planes``: (n, n, 3, 3).
+    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels. ``smooth``: (n, n, 3, 3).
     """
     size = _sized(image, 3)[0]
     _check_changed('image', image, np.uint8, (*size, 3), (*size, 4))
     frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
-    to_tiles, shifts, planes = (_numbers(array, dtype) for array, dtype in (
-        (to_tiles, np.float64), (shifts, np.int32), (planes, np.float32)))
+    to_tiles, shifts, smooth = (_numbers(array, dtype) for array, dtype in (
+        (to_tiles, np.float64), (shifts, np.int32), (smooth, np.float32)))
     count = len(shifts) if shifts.ndim else 0
     check_array('homography', to_tiles, np.float64, (3, 3))
     check_array('shifts of the tiles', shifts, np.int32, (count, count, 2))
-    check_array('planes of the tiles', planes, np.float32, (count, count, 3, 3))
+    check_array('smooth part of the tiles', smooth, np.float32, (count, count, 3, 3))
     _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, _image(frame), to_tiles,
-                   count, shifts, planes)
+                   count, shifts, smooth)
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:

@@ -29,10 +29,10 @@ FAST static void find_places(const float h[9], const Positions *positions, int x
                              float *restrict across, float *restrict down)
 {
     float u[RUN], v[RUN];
+    const float *position = positions->first ? position_of(positions, x, y) : NULL;
     for (int i = 0; i < length; i++) {
-        const float *position = positions->first ? position_of(positions, x + i, y) : NULL;
-        u[i] = position ? position[0] : x + i;
-        v[i] = position ? position[1] : y;
+        u[i] = position ? position[2 * i] : x + i;
+        v[i] = position ? position[2 * i + 1] : y;
     }
     for (int i = 0; i < length; i++) {
         float scale = 1 / (h[6] * u[i] + h[7] * v[i] + h[8]);
@@ -43,7 +43,7 @@ FAST static void find_places(const float h[9], const Positions *positions, int x
 
 /* Add what is not smooth at a place, in tiles, to a pixel. ``x``, ``y``: where it is in the frame. */
 static inline void add_to(uint8_t *pixel, float across, float down, int x, int y, const Image *frame, int count,
-                          const int *shifts, const float *planes)
+                          const int *shifts, const float *smooth)
 {
     Mixture columns = mixture_at(across, count - 1), rows = mixture_at(down, count - 1);
     float sum[3] = {0};
@@ -54,7 +54,7 @@ static inline void add_to(uint8_t *pixel, float across, float down, int x, int y
             if (from_x < 0 || from_x >= frame->width || from_y < 0 || from_y >= frame->height)
                 continue;
             const uint8_t *from = frame->pixels + frame->row * from_y + 3 * from_x;
-            const float *plane = planes + 9 * tile;
+            const float *plane = smooth + 9 * tile;
             float weight = rows.weights[i] * columns.weights[j];
             for (int channel = 0; channel < 3; channel++)
                 sum[channel] += weight * (from[channel] - plane[channel] - plane[3 + channel] * columns.from[j]
@@ -66,7 +66,7 @@ static inline void add_to(uint8_t *pixel, float across, float down, int x, int y
 
 void unit5_add_roughness(const Image *image, const float *positions, int64_t row, int left, int top,
                          const Image *frame, const double to_tiles[9], int count, const int *shifts,
-                         const float *planes)
+                         const float *smooth)
 {
     Positions seen = {positions, row};
     float h[9], across[RUN], down[RUN];
@@ -80,6 +80,6 @@ void unit5_add_roughness(const Image *image, const float *positions, int64_t row
             for (int x = 0; x < length; x++)
                 if (across[x] >= 0 && across[x] < count && down[x] >= 0 && down[x] < count)
                     add_to(pixels + image->channels * x, across[x], down[x], left + begin + x, top + y, frame, count,
-                           shifts, planes);
+                           shifts, smooth);
         }
 }

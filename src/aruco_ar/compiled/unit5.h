@@ -159,11 +159,11 @@ extern const double unit5_seam;  /* the width of the strip in which two tiles ar
 /* Add what is not smooth to an image, BGR or BGRA, in the quadrilateral that ``to_tiles``
    maps, from undistorted pixels, to the square from 0 to ``count``. ``positions``, ``row``: those of the image's
    pixels; see Positions. ``frame``: BGR. ``left``, ``top``: where in it the image's first pixel is. ``shifts``: (count,
-   count, 2), x and y, pixels, from each tile to its source in the frame. ``planes``: (count, count, 3, 3), the smooth
+   count, 2), x and y, pixels, from each tile to its source in the frame. ``smooth``: (count, count, 3, 3), the smooth
    part of that source: its color, and what is added per tile to the right and down. */
 void unit5_add_roughness(const Image *image, const float *positions, int64_t row, int left, int top,
                          const Image *frame, const double to_tiles[9], int count, const int *shifts,
-                         const float *planes);
+                         const float *smooth);
 
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 

@@ -41,14 +41,14 @@ class Tiles(NamedTuple):
     """Roughness to put under a tag, from a frame, (h, w, 3) BGR uint8.
 
     ``to_tiles``: (3, 3), from undistorted pixels to the square from 0 to n. ``shifts``: (n, n, 2) int32,
-    pixels, from each tile to its source. ``planes``: (n, n, 3, 3), the smooth part of that source: its color,
+    pixels, from each tile to its source. ``smooth``: (n, n, 3, 3), the smooth part of that source: its color,
     and what is added to this per tile to the right and down.
     """
 
     frame: Image
     to_tiles: Floats
     shifts: Integers
-    planes: Floats
+    smooth: Floats
 
     def add_to(self, warped: Image, begin: Integers, positions: Image | None) -> None:
         """Add the roughness to a part of an image, (h, w, 3) or (h, w, 4) uint8. This changes it.
@@ -58,7 +58,7 @@ class Tiles(NamedTuple):
         to_tiles, (x, y) = self.to_tiles, begin.tolist()
         if positions is None:
             to_tiles = to_tiles @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1.0]])
-        binding.add_roughness(warped, positions, (x, y), self.frame, to_tiles, self.shifts, self.planes)
+        binding.add_roughness(warped, positions, (x, y), self.frame, to_tiles, self.shifts, self.smooth)
 
 
 class Roughness:

@@ -180,7 +180,7 @@ def of_add_roughness():
         'image': np.full((HEIGHT, WIDTH, 4), 99, np.uint8), 'positions': positions(),
         'frame': random.randint(0, 256, (90, 80, 3)).astype(np.uint8), 'to_tiles': np.diag([0.05, 0.07, 1]),
         'shifts': np.int32([[[-8, 3], [7, 1]], [[4, -9], [-9, 8]]]),
-        'planes': random.normal(0, 9, (2, 2, 3, 3)).astype(np.float32)}
+        'smooth': random.normal(0, 9, (2, 2, 3, 3)).astype(np.float32)}
 
 
 def of_refine_pose_pairs():
@@ -294,7 +294,7 @@ MADE = {made.__name__[3:]: made for made in
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
-             'planes', 'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'smooth', 'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
