@@ -30,6 +30,7 @@ ACROSS = 6            # a source is judged by so many pixels across and down
 # This share of the sources is calm. Those whose roughness differs from theirs by more than this share, and so
 # many gray levels, show the edges of other things, or a smooth thing.
 CALM, ROUGHER, LEVELS = 0.25, 0.6, 1.0
+INVISIBLE = 0.6       # ground with less roughness than this, gray levels, is smooth
 # Sources whose color or roughness differs from the usual one by more than this share, besides what light does
 # to all of them, show something in front. If fewer than this share remain, the ground itself has changed.
 CHANGED, CHANGED_ROUGH, SAME = 0.1, 0.4, 0.3
@@ -132,7 +133,7 @@ class Roughness:
         return (1 + 2 * self._distance) / self._count
 
     def _usable(self, rough: Floats, colors: Floats, shown: Booleans, seen: bool) -> Booleans:
-        """(m,), which sources show the ground. ``rough``: (m,), and ``colors``: (m, 3), their means.
+        """(m,), which sources show rough ground. ``rough``: (m,), and ``colors``: (m, 3), their means.
 
         ``shown``: (m,), those in the frame. ``seen``: whether the tag is in sight.
         """
@@ -148,7 +149,7 @@ class Roughness:
             self._colors = self._colors + rate[:, None] * (colors - self._colors)
             self._rough = self._rough + rate * (rough - self._rough)
         usual = middle(self._rough[shown], share=CALM)
-        return shown & same & (np.abs(self._rough - usual) <= ROUGHER * usual + LEVELS)
+        return shown & same & (usual > INVISIBLE) & (np.abs(self._rough - usual) <= ROUGHER * usual + LEVELS)
 
 
 class _Layout(NamedTuple):
