@@ -73,7 +73,8 @@ def rings_around(frame: Image, lens: Lens | None, quads: Floats) -> Rings:
     profiles = middle(gray, axis=1)
     inside = middle(profiles[:, 0].reshape(count, 4), axis=1).repeat(4)
     first, last, shares = _depths(np.abs(profiles[:, 1:] - inside[:, None]), offsets < MAX_REACH)
-    reach = offsets[np.arange(sides), first].reshape(count, 4)
+    # One offset farther than the blur: on the very rim of a cover, a little of it would be seen as a thin line.
+    reach = offsets[np.arange(sides), np.minimum(first + 1, last)].reshape(count, 4)
     corners = UNIT_SQUARE + reach[..., None] * OUTWARD + reach[:, BEFORE, None] * OUTWARD[BEFORE]
     blurs, depths = ((offsets[np.arange(sides), at] * across.ravel()).reshape(count, 4) for at in (first, last))
     return Rings((shares[:, None, None] @ colors[:, :, 1:]).reshape(count, -1, 3).astype(np.float64),
