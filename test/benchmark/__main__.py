@@ -57,7 +57,7 @@ def main():
         with recorded('real_looks', args.record):
             looks.run_clips(clips.clips_of(args.real))
             looks.run_arm(clips.clips_of(args.real))
-            real_hidden.run(clips.clips_of(args.real))
+            real_hidden.run(args.real)
         return
     if args.real and args.only == 'search':
         with recorded('real_search', args.record):

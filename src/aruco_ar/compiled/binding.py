@@ -90,6 +90,8 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
+_add_roughness = _function('add_roughness', _IMAGE, _Array, _LONG, _INT, _INT, _IMAGE, _Array, _INT, _Array,
+                           _Array)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
 _weigh_poses = _function('weigh_poses', _LONG, *[_Array] * 4, _DOUBLE, *[_Array] * 3)
@@ -104,7 +106,7 @@ _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FL
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
-NEAREST_M = ctypes.c_double.in_dll(_C, 'unit5_nearest').value
+NEAREST_M, SEAM = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
@@ -392,6 +394,26 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     if not 0 <= black <= 1:
         raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
     _light_picture(_image(picture), _image(white), round(255 * black))
+
+
+def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], frame: Image,
+                  to_tiles: Floats, shifts: Integers, smooth: Floats) -> None:
+    """Add what is not smooth to an image, (h, w, 3) or (h, w, 4) uint8, contiguous: see unit5.h.
+
+    ``positions``: see warp in painting/paint.py. ``corner``: x and y in the frame, (H, W, 3) uint8, of the
+    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels. ``smooth``: (n, n, 3, 3).
+    """
+    size = _sized(image, 3)[0]
+    _check_changed('image', image, np.uint8, (*size, 3), (*size, 4))
+    frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
+    to_tiles, shifts, smooth = (_numbers(array, dtype) for array, dtype in (
+        (to_tiles, np.float64), (shifts, np.int32), (smooth, np.float32)))
+    count = len(shifts) if shifts.ndim else 0
+    check_array('homography', to_tiles, np.float64, (3, 3))
+    check_array('shifts of the tiles', shifts, np.int32, (count, count, 2))
+    check_array('smooth part of the tiles', smooth, np.float32, (count, count, 3, 3))
+    _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, _image(frame), to_tiles,
+                   count, shifts, smooth)
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:

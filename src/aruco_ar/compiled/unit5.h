@@ -152,6 +152,19 @@ void unit5_mix_picture(const Image *window, const Image *picture, const Image *m
    its size, the level of white paper. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
 void unit5_light_picture(const Image *picture, const Image *white, int black);
 
+/* roughness.c, for roughness.py. */
+
+extern const double unit5_seam;  /* the width of the strip in which two tiles are mixed, in tiles */
+
+/* Add what is not smooth to an image, BGR or BGRA, in the quadrilateral that ``to_tiles``
+   maps, from undistorted pixels, to the square from 0 to ``count``. ``positions``, ``row``: those of the image's
+   pixels; see Positions. ``frame``: BGR. ``left``, ``top``: where in it the image's first pixel is. ``shifts``: (count,
+   count, 2), x and y, pixels, from each tile to its source in the frame. ``smooth``: (count, count, 3, 3), the smooth
+   part of that source: its color, and what is added per tile to the right and down. */
+void unit5_add_roughness(const Image *image, const float *positions, int64_t row, int left, int top,
+                         const Image *frame, const double to_tiles[9], int count, const int *shifts,
+                         const float *smooth);
+
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 
 extern const double unit5_nearest;  /* meters: an object nearer to the camera, or behind it, cannot be seen */

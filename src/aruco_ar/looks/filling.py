@@ -30,7 +30,7 @@ def filled(colors: Floats) -> Image:
         best = int(np.argmin(rest))
         share = shaded * np.interp(rest[best] / variance, (EXPLAINED, UNEXPLAINED), (1, 0))
         fill += share * (LINES_INSIDE[best] @ colors - FILM @ along[best])
-    return np.clip(np.round(fill), 0, 255).astype(np.uint8).reshape(COUNT, COUNT, 3)
+    return np.minimum(np.maximum(fill + 0.5, 0), 255).astype(np.uint8).reshape(COUNT, COUNT, 3)
 
 
 def _film() -> Floats:

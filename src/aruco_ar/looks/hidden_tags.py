@@ -17,8 +17,9 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, rings_around
-from .tag_look import SIZE, TagLook
+from .ring import COUNT, DARK, middle, rings_around
+from .roughness import Roughness, Tiles
+from .tag_look import SIZE, Front, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
 SAME_PLACE = 0.1
@@ -31,6 +32,7 @@ ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is
 DARKEST, LIGHTEST = 0.45, 2.2  # light changes a color of the ring less than this, besides what it does to all
 SAME_COLOR = 0.15     # light changes the channels of a color by factors that differ by less than this
 WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
+RIM = 8.0             # where a thing covers more than 1 part in so many, it is a rim, not noise
 TO_SIZE = np.diag([*SIZE, 1.0])
 
 
@@ -70,16 +72,15 @@ class HiddenTags:
             return
         rings = rings_around(frame, area.lens, np.stack(outlines))
         covers = []
-        for (hidden, is_seen), outline, ring, shown, corners in zip(chosen, outlines, *rings):
+        for (hidden, is_seen), outline, ring, shown, corners, *reach in zip(chosen, outlines, *rings):
             colors = hidden.without_others(ring, shown, is_seen)
             cover = filled(colors)
             front = hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens,
                                       colors.mean(axis=0), is_seen) if keep else None
-            covers.append((cover if front is None else _behind(cover, front, outline, corners), corners))
-        for cover, corners in covers:
-            covered = Area.from_undistorted(corners, lens=area.lens)
-            paint(find_place(image, covered, cover), cover, finish=lambda warped: warped if noisy is None else
-                  np.dstack([noisy(warped[:, :, :3]), warped[:, :, 3:]]))
+            cover = cover if front is None else _behind(cover, front, outline, corners)
+            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach, is_seen)))
+        for cover, corners, tiles in covers:
+            _put(image, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
@@ -102,7 +103,7 @@ class _HiddenTag:
 
     def __init__(self, place: Floats) -> None:
         self.place = place
-        self.outline, self.look = UNIT_SQUARE, TagLook()
+        self.outline, self.look, self.roughness = UNIT_SQUARE, TagLook(), Roughness()
         self._sights, self._misses = 1, 0
         self._search_in, self._is_found, self._last_found = 0, False, UNIT_SQUARE
         self._usual: Floats | None = None  # the usual colors of the ring
@@ -136,7 +137,7 @@ class _HiddenTag:
         if self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE:
             self._is_found = True
             if np.abs(found - self.outline).max() > SAME_OUTLINE:
-                self.outline, self.look, self._usual = found, TagLook(), None
+                self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
         self._last_found = found
 
     def without_others(self, colors: Floats, shown: Booleans, seen: bool) -> Floats:
@@ -162,7 +163,7 @@ def _without_others(colors: Floats, shown: Booleans, usual: Floats | None) -> tu
     """
     before = np.ones_like(colors) if usual is None else usual
     change = (colors + DARK) / (before + DARK)
-    common = np.median(change[shown], axis=0) if shown.any() else np.ones(3)
+    common = middle(change[shown]) if shown.any() else np.ones(3)
     if usual is not None and not _is_light(common):  # most of the ring is covered
         common = np.ones(3)
     usable = shown & _is_light(change / common)
@@ -182,16 +183,38 @@ def _is_light(factors: Floats) -> Booleans:
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
-def _behind(cover: Image, front: Floats, outline: Floats, corners: Floats) -> Image:
-    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front: see TagLook.front.
+def _behind(cover: Image, front: Front, outline: Floats, corners: Floats) -> Image:
+    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front.
 
+    At its rim, the frame's colors are a mixture with those of the tag. Painted with their share of the tag, the
+    cover's colors are such that this share is replaced: the frame's, less the tag's, plus the cover's.
     ``outline``, ``corners``: (4, 2) undistorted pixels, of what is covered, and where the cover goes.
     """
     looked_at = homography_to(outline) @ homography_to(WIDER)
-    to_cover = TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE)
-    free = np.asarray(np.round(255 * (1 - front)), np.uint8)
-    alpha = cv2.warpPerspective(free, np.asarray(to_cover, np.float64), SIZE, borderMode=cv2.BORDER_REPLICATE)
-    return np.dstack([cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR), alpha])
+    to_cover = np.asarray(TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
+    rim = np.minimum(RIM * front.share, 1)
+    more = np.dstack([rim[..., None] * front.off, 255 * (1 - front.share)])
+    more = np.asarray(cv2.warpPerspective(more, to_cover, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
+    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)
+    return np.asarray(np.clip(np.round(more), 0, 255), np.uint8)
+
+
+def _put(image: Image, covered: Area, cover: Image, tiles: Tiles | None,
+         noisy: Callable[[Image], Image] | None) -> None:
+    """Paint a cover, (h, w, 3) or (h, w, 4) uint8, into an image. This changes it.
+
+    ``covered``: where it goes. ``tiles``: what is not smooth there, if known. ``noisy``: see HiddenTags.hide.
+    """
+    place = find_place(image, covered, cover)
+
+    def finish(warped: Image) -> Image:
+        if tiles is not None:
+            begin = np.round(covered.corners[0] - place.area.corners[0]).astype(int)
+            tiles.add_to(warped, begin, place.positions)
+        elif noisy is not None:
+            warped[:, :, :3] = noisy(warped[:, :, :3])
+        return warped
+    paint(place, cover, finish=finish)
 
 
 def _nearness() -> Floats:

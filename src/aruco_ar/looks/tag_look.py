@@ -1,6 +1,8 @@
 """What a tag and its paper look like, so that what stands in front of them is known."""
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 
@@ -17,6 +19,16 @@ LASTING = 60          # what is in front of a tag that is in sight for so many f
 VARIANCE = 4.0        # assumed variance of the noise
 
 
+class Front(NamedTuple):
+    """What is in front of a tag. ``share``: SIZE, float32, how much of each place it covers, 0 to 1.
+
+    ``off``: SIZE and 3 colors, float32, how the frame differs from the tag without it.
+    """
+
+    share: Floats
+    off: Floats
+
+
 class TagLook:
     """Learns what a tag and its paper look like."""
 
@@ -25,8 +37,8 @@ class TagLook:
         self._light: Floats = np.ones(3)  # the mean color around the tag that belongs to the look
         self._count = self._hindered = 0  # frames in the look, and frames in a row with something in front
 
-    def front(self, frame: Image, quad: Floats, lens: Lens | None, light: Floats, seen: bool) -> Floats | None:
-        """How much of each place things in front cover: SIZE, float32, 0 to 1; or None if there is nothing.
+    def front(self, frame: Image, quad: Floats, lens: Lens | None, light: Floats, seen: bool) -> Front | None:
+        """What is in front of the tag, or None if there is nothing.
 
         ``frame``: (h, w, 3) BGR uint8. ``quad``: (4, 2) undistorted pixels, what is looked at. ``lens``: that
         of the frame, or None. ``light``: (3,), the mean color around the tag. ``seen``: whether the tag is in
@@ -42,7 +54,8 @@ class TagLook:
             labels, count = parts_of(apart) if apart.any() else (apart, 0)
             self._hindered = self._hindered + 1 if seen and count else 0
             if count and self._hindered < LASTING:
-                return soft_rim(colors, self._look * change, labels > 0)
+                look = self._look * change
+                return Front(soft_rim(colors, look, labels > 0), colors - look)
         if seen and valid.all():
             self._count = 1 if self._hindered else min(self._count + 1, MEAN_OF)
             if self._count == 1:

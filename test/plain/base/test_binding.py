@@ -174,6 +174,15 @@ def of_light_picture():
         'picture': arrays['picture'], 'white': arrays['mask']}
 
 
+def of_add_roughness():
+    random = np.random.RandomState(4)
+    return lambda **arrays: binding.add_roughness(corner=(10, 10), **arrays), {
+        'image': np.full((HEIGHT, WIDTH, 4), 99, np.uint8), 'positions': positions(),
+        'frame': random.randint(0, 256, (90, 80, 3)).astype(np.uint8), 'to_tiles': np.diag([0.05, 0.07, 1]),
+        'shifts': np.int32([[[-8, 3], [7, 1]], [[4, -9], [-9, 8]]]),
+        'smooth': random.normal(0, 9, (2, 2, 3, 3)).astype(np.float32)}
+
+
 def of_refine_pose_pairs():
     points = np.float64([[[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]] * 2)
     turned = np.float64([cv2.Rodrigues(np.float64([0.3 * sign, 0.2, 0.1]))[0] for sign in (1, -1)])
@@ -279,16 +288,18 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others,
-         of_add_off, of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
+         of_add_roughness, of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses, of_mix_poses,
+         of_place_tags, of_off_others, of_add_off, of_measure_light, of_light_wall, of_compare_wall,
+         of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
-CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'points', 'places',
-             'pixels', 'deviation', 'bias', *(
+CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
+             'smooth', 'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
-WRITTEN = {('light_picture', 'picture'), ('weigh_poses', 'memories'), ('add_off', 'memories'),
+WRITTEN = {('light_picture', 'picture'), ('add_roughness', 'image'),
+           ('weigh_poses', 'memories'), ('add_off', 'memories'),
            *(('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')),
            *((name, 'motion') for name in ('start_motion', 'predict_motion', 'jerk_motion', 'correct_motion'))}
 GRAY_TOO = {('draw_mask', 'frame'), ('warp_picture', 'mask'), *((name, 'frame') for name in OF_TAGS)}
@@ -384,6 +395,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
         fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
                 ('warp_picture', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
                 ('warp_picture', 'mask'): other.shape == array.shape[:2],
+                ('add_roughness', 'frame'): other.ndim == 3 and other.shape[2] == 3,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},

@@ -22,7 +22,7 @@ print(*paths)
 OTHER = '''
 #include <stdlib.h>
 const char *unit5_version(void) { return "0123456789abcdef"; }
-const double unit5_nearest;
+const double unit5_nearest, unit5_seam;
 const int unit5_plane_count, unit5_profile_count, unit5_block_width, unit5_block_height, unit5_levels,
     unit5_widest_window;
 const float unit5_profile_positions[1];
