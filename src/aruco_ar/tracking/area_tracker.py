@@ -177,12 +177,12 @@ class AreaTracker:
         self._recognized = self._motion is None and self._find_wall(search.frame)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
-        seen, covered = self._completed(self._layout, seen, search)
+        seen, covered = self._completed(self._layout, seen, expected, search)
         if not self._recognized and self._needs_look(self._layout, seen) and self._use_look(seen):
             before, expected = expected, expected_places(self._layout, self._motion)
             if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
                 seen, missing = search.fit_expected(self._layout, expected)
-                seen, covered = self._completed(self._layout, seen, search)
+                seen, covered = self._completed(self._layout, seen, expected, search)
         # While the wall's look is recognized, a tag is looked for beside its place only when it was just lost.
         others = search.find_near({tag_id: expected[tag_id] for tag_id in missing
                                    if not self._recognized or tag_id not in self._lost})
@@ -308,7 +308,7 @@ class AreaTracker:
         known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
         covered = nearby.covered
         if tags:
-            known, more = self._completed(layout, known, search)
+            known, more = self._completed(layout, known, expected, search)
             covered |= more
         self._seen = seen = {**seen, **known}
         agreed, moved_on = self._take_in(layout, known)
@@ -337,12 +337,15 @@ class AreaTracker:
         completed = {tag.id: tag for tag in four}
         return [completed.get(tag.id, tag) for tag in tags]
 
-    def _completed(self, layout: Layout, seen: Mapping[int, Tag],
+    def _completed(self, layout: Layout, seen: Mapping[int, Tag], expected: Mapping[int, Floats],
                    search: FrameSearch) -> tuple[dict[int, Tag], frozenset[int]]:
-        """Known tags of a frame, {id: Tag}, as they are without what covers some, and the ids of these."""
+        """Known tags of a frame, {id: Tag}, as they are without what covers some, and the ids of these.
+
+        ``expected``: {id: (4, 2) pixels}, the places of all known tags.
+        """
         completed = {}
         if self._motion is not None:
-            for tag_id, possible in short_tags(layout, self._motion, seen).items():
+            for tag_id, possible in short_tags(layout, self._motion, seen, expected).items():
                 tag = search.complete_short(seen[tag_id], possible)
                 if tag is not None:
                     completed[tag_id] = tag
