@@ -344,11 +344,11 @@ class AreaTracker:
         ``expected``: {id: (4, 2) pixels}, the places of all known tags.
         """
         completed = {}
-        if self._motion is not None:
-            for tag_id, possible in short_tags(layout, self._motion, seen, expected).items():
-                tag = search.complete_short(seen[tag_id], possible)
-                if tag is not None:
-                    completed[tag_id] = tag
+        short = {} if self._motion is None else short_tags(layout, self._motion, seen, expected)
+        for tag_id, possible in short.items():
+            tag = search.complete_short(seen[tag_id], possible)
+            if tag is not None:
+                completed[tag_id] = tag
         return {**seen, **completed}, frozenset(completed)
 
     def _note_displaced(self, layout: Layout, seen: Mapping[int, Tag], ids: set[int]) -> None:

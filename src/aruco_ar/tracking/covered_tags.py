@@ -15,7 +15,7 @@ from .motion import AreaMotion
 # A side of a covered tag is shorter than the others say by more than the first limit, and by more than so many
 # times what these are off themselves: on a sheet that is bent, or seen through a bad lens, no tag fits exactly.
 SHORT_PX, SHORT_SPREADS = 0.5, 2.0
-LEAST = 2  # so many tags must be left, and agree
+LEAST = 2  # so many tags must agree, and half of those in sight
 NEXT = np.array([1, 2, 3, 0])
 
 
@@ -26,16 +26,18 @@ def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
     ``seen``: {id: Tag}, known ones in a frame. ``motion``: as it is expected in this frame. It tells what a
     few tags alone do not. ``expected``: {id: (4, 2) pixels}, where it expects these tags.
     """
-    ids = list(seen)
-    if not ids:
+    if not seen:
         return {}
-    quads = np.array([tag.corners for tag in seen.values()], np.float64)
+    ids, count = list(seen), len(seen)
+    both = [*(tag.corners for tag in seen.values()), *(expected[tag_id] for tag_id in ids)]
+    quads = np.array(both, np.float64)
     lengths = _lengths(quads)
-    if (_lengths(np.array([expected[tag_id] for tag_id in ids])) - lengths).max() <= SHORT_PX:
+    if max((lengths[count:] - lengths[:count]).ravel().tolist()) <= SHORT_PX:
         return {}  # usually, and fast
+    quads, lengths = quads[:count], lengths[:count]
     soft = np.array([softness_of(tag) for tag in seen.values()])
-    is_left, places = np.ones(len(ids), bool), layout.quads(ids)
-    while np.count_nonzero(is_left) >= LEAST:
+    is_left, places = np.ones(count, bool), layout.quads(ids)
+    while np.count_nonzero(is_left) >= max(LEAST, count / 2):
         left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
         corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
         missing = _lengths(corrected) - lengths
@@ -70,5 +72,5 @@ def _completed(quad: Floats, expected: Floats) -> dict[int, Floats]:
 
 def _lengths(quads: Floats) -> Floats:
     """(n, 4) pixels: the lengths of the sides of quadrilaterals, (n, 4, 2)."""
-    corners = quads.view(np.complex128)[..., 0]  # as complex numbers, which is faster
-    return np.abs(corners[:, NEXT] - corners)
+    corners = quads.view(np.complex128)[..., 0]  # complex numbers, which NumPy subtracts faster than pairs
+    return np.abs(corners.take(NEXT, axis=1) - corners)
