@@ -10,7 +10,7 @@ from rig.nodes.master import Master
 from rig.processes.record import recorded
 
 from .looks import looks, real_hidden
-from .real_clips import clips, other_walls, remembered, searches, video
+from .real_clips import clips, covered, other_walls, remembered, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
 from .simulated import accuracy, painting, poses, search, speed
@@ -73,6 +73,7 @@ def main():
         with recorded('real', args.record):
             charts = clips.run(args.real, args.chart)
             remembered.run(clips.clips_of(args.real))
+            covered.run(clips.clips_of(args.real))
         print('\nWrote %s' % ', '.join(charts))
         return
     if args.video:

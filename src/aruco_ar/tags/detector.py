@@ -11,6 +11,7 @@ from aruco_ar.base.checks import GRAY_OR_COLOR, check_array
 from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
+from .completion import Completion
 from .edges import (
     MARGIN,
     UNEVEN,
@@ -160,6 +161,10 @@ class Detector:
         likeness = compare_tags(frame, moved.reshape(-1, 4, 2), cells.repeat(len(SHIFTS), axis=0), samples=1)
         best = likeness.reshape(moved.shape[:2]).argmax(axis=1)
         return self._fitted(frame, list(ids), moved[np.arange(len(best)), best], needs_edges=True)
+
+    def completion(self, tag_id: int) -> Completion:
+        """What completes the tag with that id, if something covers a side of it."""
+        return Completion(self._cells_of([tag_id])[0], self._border)
 
     def _cells_of(self, ids: Sequence[int]) -> Image:
         """(n, m, m) uint8: the cells of the tags with those ids."""

@@ -18,6 +18,7 @@ from aruco_ar.tags.tag import Tag
 from aruco_ar.walls.remembered import RememberedWall
 
 from .area import Area
+from .covered_tags import short_tags
 from .features import Views
 from .frame_clock import FrameClock
 from .layout import EXACT, FurtherTags, Layout, NewLayout, tolerance_of
@@ -59,14 +60,16 @@ REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the
 class Nearby:
     """What an AreaTracker finds in a frame before the whole frame is searched.
 
-    ``tags``: {id: Tag}, those in their expected places. ``others``: those found
-    near their places. ``expected``: {id: (4, 2)}, the places of all known tags.
-    ``lost``: the ids of those of the four that were not found. ``smallest``:
-    how small the tags are that the whole frame should be searched for: pixels,
-    or ANY_SIDE. It is None if the frame need not be searched.
+    ``tags``: {id: Tag}, those in their expected places. ``covered``: the ids of
+    those of which something covers a side; they are completed. ``others``: those
+    found near their places. ``expected``: {id: (4, 2)}, the places of all known
+    tags. ``lost``: the ids of those of the four that were not found.
+    ``smallest``: how small the tags are that the whole frame should be searched
+    for: pixels, or ANY_SIDE. It is None if the frame need not be searched.
     """
 
     tags: Mapping[int, Tag]
+    covered: frozenset[int]
     others: Sequence[Tag]
     expected: Mapping[int, Floats]
     lost: frozenset[int]
@@ -168,16 +171,18 @@ class AreaTracker:
         if self._layout is None and self._wall is not None:
             self._recall(self._wall)
         if self._layout is None:
-            return Nearby({}, [], {}, frozenset(), ANY_SIDE)
+            return Nearby({}, frozenset(), [], {}, frozenset(), ANY_SIDE)
         self._predict(passed, hold)
         self._frame = search.frame
         self._recognized = self._motion is None and self._find_wall(search.frame)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
+        seen, covered = self._completed(self._layout, seen, expected, search)
         if not self._recognized and self._needs_look(self._layout, seen) and self._use_look(seen):
             before, expected = expected, expected_places(self._layout, self._motion)
             if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
                 seen, missing = search.fit_expected(self._layout, expected)
+                seen, covered = self._completed(self._layout, seen, expected, search)
         # While the wall's look is recognized, a tag is looked for beside its place only when it was just lost.
         others = search.find_near({tag_id: expected[tag_id] for tag_id in missing
                                    if not self._recognized or tag_id not in self._lost})
@@ -189,15 +194,15 @@ class AreaTracker:
         interval = SEARCH_S * self._calm
         is_due = (self._clock.now - self._searched_at >= interval or bool(self._displaced or lost - self._lost)
                   or not (seen or others or self._recognized))
-        return Nearby(seen, others, expected, lost, search.smallest_side(
+        return Nearby(seen, covered, others, expected, lost, search.smallest_side(
             [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
 
     def locate(self, search: FrameSearch, nearby: Nearby, found: Sequence[Tag], hold: float) -> SeenArea:
         """Finish a frame. ``found``: the tags in the whole frame, if ``nearby`` asks for them."""
         if self._layout is None:
-            self._start(found)
+            self._start(self._without_covers(found, search))
         else:
-            self._use_tags(self._layout, nearby, found)
+            self._use_tags(self._layout, nearby, found, search)
             if self._motion is not None and not self._displaced:
                 self._learn_look(search.frame, self._layout, self._motion)
         self._frame = None
@@ -287,7 +292,7 @@ class AreaTracker:
             else:
                 self._motion.predict(passed, calm=unseen > passed)
 
-    def _use_tags(self, layout: Layout, nearby: Nearby, found: Sequence[Tag]) -> None:
+    def _use_tags(self, layout: Layout, nearby: Nearby, found: Sequence[Tag], search: FrameSearch) -> None:
         """Correct the motion by the tags of a frame. ``found``: see locate."""
         has_searched = nearby.smallest is not None
         if has_searched:
@@ -300,25 +305,51 @@ class AreaTracker:
         expected = nearby.expected
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag)
-        self._seen = seen
         known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
+        covered = nearby.covered
+        if tags:
+            known, more = self._completed(layout, known, expected, search)
+            covered |= more
+        self._seen = seen = {**seen, **known}
         agreed, moved_on = self._take_in(layout, known)
         has_all = set(agreed) >= set(layout.ids)
-        self._is_sharp = has_all and self._sharpness.take_in(seen[tag_id] for tag_id in layout.ids)
+        self._is_sharp = (has_all and not covered
+                          and self._sharpness.take_in(seen[tag_id] for tag_id in layout.ids))
         if has_searched:
             has_learned = len(seen) == len(known) and layout.is_exact
             self._calm = min(self._calm + 1, CALM) if has_learned else 1
         if tags:
             # A few known ids may also occur on another wall.
             if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
-                self._start(tags)
+                self._start(self._without_covers(tags, search))
                 return
             self._note_displaced(layout, known, set(known) - set(agreed))
         if self._displaced:
             if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
-                self._start(tags)
+                self._start(self._without_covers(tags, search))
         elif has_searched and self._motion is not None and len(agreed) >= 3 and (self._is_sharp or not has_all):
             self._further.learn(layout, self._motion, seen, agreed)
+
+    def _without_covers(self, tags: Sequence[Tag], search: FrameSearch) -> list[Tag]:
+        """Tags of a frame that may span an area, those four as they are without what covers some."""
+        layout = self._layout_of(tags)
+        four = [] if layout is None else search.complete([tag for tag in tags if tag.id in layout.ids])
+        completed = {tag.id: tag for tag in four}
+        return [completed.get(tag.id, tag) for tag in tags]
+
+    def _completed(self, layout: Layout, seen: Mapping[int, Tag], expected: Mapping[int, Floats],
+                   search: FrameSearch) -> tuple[dict[int, Tag], frozenset[int]]:
+        """Known tags of a frame, {id: Tag}, as they are without what covers some, and the ids of these.
+
+        ``expected``: {id: (4, 2) pixels}, the places of all known tags.
+        """
+        completed = {}
+        short = {} if self._motion is None else short_tags(layout, self._motion, seen, expected)
+        for tag_id, possible in short.items():
+            tag = search.complete_short(seen[tag_id], possible)
+            if tag is not None:
+                completed[tag_id] = tag
+        return {**seen, **completed}, frozenset(completed)
 
     def _note_displaced(self, layout: Layout, seen: Mapping[int, Tag], ids: set[int]) -> None:
         """Take in which of the known tags, {id: Tag}, are not in their places.

@@ -70,6 +70,13 @@ class AreaMotion:
         binding.jerk_motion(other._state)
         return other
 
+    def corrected(self, points: Floats, pixels: Floats, deviation: Floats, bias: Floats) -> AreaMotion:
+        """A copy that is corrected by a measurement; see ``correct``."""
+        other = copy(self)
+        other._state = self._state.copy()
+        other.correct(points, pixels, deviation, bias)
+        return other
+
     def project(self, points: Floats) -> Floats:
         """(..., 2) pixels: where points of the plane, (..., 2), are in the frame."""
         return binding.project(self._state, points)

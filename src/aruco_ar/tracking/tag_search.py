@@ -137,6 +137,22 @@ class FrameSearch:
             if smallest == ANY_SIDE else self._search.find_large(self.frame, max(smallest, MIN_SIDE_PX))
         return undistorted_tags(tags, self.lens)
 
+    def complete(self, tags: Sequence[Tag]) -> list[Tag]:
+        """Those of the tags of which something covers a side, as they are without that."""
+        found = found_tags(tags, self.lens)
+        quads = [self._detector.completion(tag.id).complete(self.frame, tag.corners) for tag in found]
+        return undistorted_tags([replace(tag, corners=quad) for tag, quad in zip(found, quads)
+                                 if quad is not None], self.lens)
+
+    def complete_short(self, tag: Tag, completed: Mapping[int, Floats]) -> Tag | None:
+        """A tag that is too short, as it is without what covers a side of it; None if nothing seems to.
+
+        ``completed``: {side: (4, 2) pixels}, its corners if that side is covered.
+        """
+        found, *quads = self._distorted([tag.corners, *completed.values()])
+        side = self._detector.completion(tag.id).covered_side(self.frame, found, dict(zip(completed, quads)))
+        return None if side is None else replace(tag, corners=np.asarray(completed[side], np.float32))
+
     def smallest_side(self, expected: Sequence[Floats]) -> float:
         """The side of the smallest tag that is expected, (4, 2) pixels each; ANY_SIDE if none is."""
         return float(side_of(self._distorted(expected)).min()) if len(expected) else ANY_SIDE

@@ -1,0 +1,76 @@
+"""Tags of which something covers a side: they are shorter than the other tags say."""
+from __future__ import annotations
+
+from typing import Mapping
+
+import numpy as np
+
+from aruco_ar.base.arrays import Floats
+from aruco_ar.tags.tag import Tag
+
+from .layout import Layout, tolerance_of
+from .measurement import measurement, softness_of
+from .motion import AreaMotion
+
+# A side of a covered tag is shorter than the others say by more than the first limit, and by more than so many
+# times what these are off themselves: on a sheet that is bent, or seen through a bad lens, no tag fits exactly.
+SHORT_PX, SHORT_SPREADS = 0.5, 2.0
+LEAST = 2  # so many tags must agree, and half of those in sight
+NEXT = np.array([1, 2, 3, 0])
+
+
+def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
+               expected: Mapping[int, Floats]) -> dict[int, dict[int, Floats]]:
+    """The tags that are too short: {id: {side: (4, 2) pixels}}, their corners if that side is covered.
+
+    ``seen``: {id: Tag}, known ones in a frame. ``motion``: as it is expected in this frame. It tells what a
+    few tags alone do not. ``expected``: {id: (4, 2) pixels}, where it expects these tags.
+    """
+    if not seen:
+        return {}
+    ids, count = list(seen), len(seen)
+    both = [*(tag.corners for tag in seen.values()), *(expected[tag_id] for tag_id in ids)]
+    quads = np.array(both, np.float64)
+    lengths = _lengths(quads)
+    if max((lengths[count:] - lengths[:count]).ravel().tolist()) <= SHORT_PX:
+        return {}  # usually, and fast
+    quads, lengths = quads[:count], lengths[:count]
+    soft = np.array([softness_of(tag) for tag in seen.values()])
+    is_left, places = np.ones(count, bool), layout.quads(ids)
+    while np.count_nonzero(is_left) >= max(LEAST, count / 2):
+        left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
+        corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
+        missing = _lengths(corrected) - lengths
+        short, spread = missing.max(axis=1), np.abs(missing[is_left]).max()
+        if not is_left.all() and np.all((short > SHORT_PX + SHORT_SPREADS * spread + soft)[~is_left]):
+            off = np.linalg.norm(corrected - quads, axis=2)
+            in_place = np.count_nonzero(off < tolerance_of(quads)[:, None], axis=1) >= 2  # others were moved
+            return {ids[number]: _completed(quads[number], corrected[number])
+                    for number in np.flatnonzero(~is_left & in_place)}
+        worst = np.argmax(np.where(is_left, short, -np.inf))
+        if short[worst] <= SHORT_PX:
+            break
+        is_left[worst] = False
+    return {}
+
+
+def _completed(quad: Floats, expected: Floats) -> dict[int, Floats]:
+    """{side: (4, 2)}: a tag, (4, 2), with that side moved so far that it is as long as is expected, (4, 2).
+
+    These are the two sides across the direction in which it is too short: 0 to 3, clockwise from the top.
+    """
+    ratio = _lengths(expected[None])[0] / np.maximum(_lengths(quad[None])[0], 1e-6)
+    long = int(np.argmax(ratio[:2] + ratio[2:]))  # this side and the opposite one are too short
+    found = {}
+    for side in (long + 1) % 4, (long + 3) % 4:
+        before, first, second, after = (np.arange(4) + side - 1) % 4
+        found[side] = quad.copy()
+        found[side][first] = quad[before] + ratio[before] * (quad[first] - quad[before])
+        found[side][second] = quad[after] + ratio[second] * (quad[second] - quad[after])
+    return found
+
+
+def _lengths(quads: Floats) -> Floats:
+    """(n, 4) pixels: the lengths of the sides of quadrilaterals, (n, 4, 2)."""
+    corners = quads.view(np.complex128)[..., 0]  # complex numbers, which NumPy subtracts faster than pairs
+    return np.abs(corners.take(NEXT, axis=1) - corners)
