@@ -25,7 +25,7 @@ from .tag_look import SIZE, Front, TagLook
 SAME_PLACE = 0.1
 PLACE_OF = 30         # a tag's place is the running mean of about this many frames
 SIGHTS, MISSES = 3, 15  # a tag in sight in fewer frames is forgotten after so many without it: a mistake
-OUTLINE_EVERY = 4, 30  # the outline is looked for in one of so many frames, before and after it is found
+SOON, RARELY = 4, 30  # the outline is looked for after so many frames: soon at first, rarely if there is none
 SAME_OUTLINE = 0.06   # outlines that differ by less are the same, in sides of the tag
 USUAL_OF = 15         # the ring's usual colors are the running mean of about this many frames
 ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
@@ -105,7 +105,7 @@ class _HiddenTag:
         self.place = place
         self.outline, self.look, self.roughness = UNIT_SQUARE, TagLook(), Roughness()
         self._sights, self._misses = 1, 0
-        self._search_in, self._is_found, self._last_found = 0, False, UNIT_SQUARE
+        self._search_in, self._pause, self._last_found = 0, SOON, UNIT_SQUARE  # see find_outline
         self._usual: Floats | None = None  # the usual colors of the ring
 
     def is_at(self, place: Floats) -> bool:
@@ -130,14 +130,14 @@ class _HiddenTag:
         self._search_in -= 1
         if self._search_in > 0:
             return
-        self._search_in = OUTLINE_EVERY[self._is_found]
         found = paper_of(frame, quad, lens)
         if found is None:
+            self._search_in = self._pause = min(2 * self._pause, RARELY)
             return
-        if self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE:
-            self._is_found = True
-            if np.abs(found - self.outline).max() > SAME_OUTLINE:
-                self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
+        is_same = self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE
+        self._search_in = self._pause = RARELY if is_same else SOON
+        if is_same and np.abs(found - self.outline).max() > SAME_OUTLINE:
+            self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
         self._last_found = found
 
     def without_others(self, colors: Floats, shown: Booleans, seen: bool) -> Floats:
