@@ -132,7 +132,7 @@ class Hanging:
         self._is_turn = not self._is_turn
         if keep or self._is_turn or not begun:  # for the light alone, every other frame tells enough
             self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
-                               self._unlearned_s, settle)
+                               self._unlearned_s, settle, area.slope(frame))
             self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None

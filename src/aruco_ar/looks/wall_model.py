@@ -18,6 +18,7 @@ from .difference import Difference, difference, largest_channel, largest_differe
 from .outlines import came_or_left
 from .parts import around, grown, parts_of, still_parts
 from .patches import Patches
+from .views import WHOLE, Views, without
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
@@ -81,12 +82,13 @@ class WallModel:
         self._earlier: list[_Earlier] = []
 
     def update(self, image: Image, valid: Booleans, tags: Callable[[], Booleans], passed: float,
-               settle: float) -> None:
+               settle: float, slope: Floats | None = None) -> None:
         """Take in a frame.
 
         ``image``: (h, w, 3) BGR uint8. ``valid``: (h, w), where the frame shows the area. ``tags``: a function
         that says where the tags are, (h, w); it is called when a wall is seen first. ``passed``: seconds since
         the frame before. ``settle``: seconds after which a thing that does not move becomes a part of the wall.
+        ``slope``: (2,), the view, see Area.slope; None if it is unknown.
         """
         seen = cv2.blur(image, (3, 3))
         if not self.look.size:
@@ -98,11 +100,15 @@ class WallModel:
             self._begin(seen, valid, tags)
             found = self._compare(seen, valid, passed)
         self._front_share = share
-        labels, count = parts_of(found.front) if found.front.any() else (np.zeros(valid.shape, np.int32), 0)
+        if slope is not None and self._views.is_new(slope):
+            self._look_from(slope, seen, found, valid)
+        in_front = found.front | self._views.in_front(self._unlit(seen), self.look, valid)
+        labels, count = parts_of(in_front) if in_front.any() else (np.zeros(valid.shape, np.int32), 0)
         front = labels > 0
         part = around(front, NEAR_PART_PX) if count else (slice(0), slice(0))
         self.free = valid & self._known & ~(grown(front, NEAR_PX) if count else front)
-        lit = _times(self.look[part], self.light) if count else self.look  # before it is learned further
+        # The wall, before it is learned further.
+        lit = _times(without(self.look[part], self._views.standing[part]), self.light) if count else self.look
         self._learn_wall(seen, found, valid & ~front, passed, settle)
         self.front = np.zeros(valid.shape, np.float32)
         if count:
@@ -134,6 +140,7 @@ class WallModel:
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
         self._papers = ~valid | tags()              # where no patch can be
         self._blank = found = blank_wall(self.look, ~self._papers)
+        self._views: Views = Views(~self._papers, found)
         if found is not None:
             self.look[found.hidden] = found.surface[found.hidden]
             self._seen_s[found.hidden | found.shown] = GUESS_S
@@ -197,8 +204,22 @@ class WallModel:
         np.copyto(other, unlit, where=new[..., None])
         other_s[new], was_wall[new] = 0, False
         wins = (same & was_wall) | self._became_wall(unlit, labels, count, settle, part)
+        if self._views.standing.any():
+            wins &= ~self._views.like_things(unlit)
         if wins.any():
             self._swap_looks(wins, part)
+
+    def _look_from(self, slope: Floats, seen: Image, found: Difference, valid: Booleans) -> None:
+        """Learn from a new view, (2,), which parts of the wall are things, and what is behind them."""
+        unlit = self._unlit(seen)
+        bare = self._views.add(slope, unlit, self.look, valid)
+        found.front[bare] = (largest_difference(unlit, self.look) > SAME_LEVELS)[bare]
+        self._take_for_wall(bare)
+
+    def _take_for_wall(self, where: Booleans) -> None:
+        """Take the look at some pixels for the wall for good."""
+        self._known[where], self._seen_s[where], self._variance[where] = True, LASTING_S, VARIANCE
+        self._find_plain(where, WHOLE)
 
     def _clear_patches(self, seen: Image, valid: Booleans, labels: Integers, wall: BlankWall) -> None:
         """Learn which patches of a blank wall are things in front of it.
@@ -209,9 +230,8 @@ class WallModel:
         if things is None:
             return
         self.look[things] = wall.surface[things]
-        self._known[things], self._seen_s[things], self._variance[things] = True, LASTING_S, VARIANCE
-        if self.plain is not None:
-            self.plain[things] = True
+        self._views.look_changed(things, WHOLE, self.look)
+        self._take_for_wall(things)
 
     def _became_wall(self, unlit: Floats, labels: Integers, count: int, settle: float,
                      part: tuple[slice, slice]) -> Booleans:
@@ -234,10 +254,15 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
+        self._views.look_changed(where, part, self.look)
+        self._find_plain(where, part)
         if self._blank is not None:
             self._patches = Patches(self._blank, self.look, ~self._papers)
-            if self.plain is not None:
-                self.plain[part][where] = _is_near(self.look[part][where], self._blank.surface[part][where])
+
+    def _find_plain(self, where: Booleans, part: tuple[slice, slice]) -> None:
+        """Find out what is plain where the look of a blank wall has changed, within a part of the image."""
+        if self._blank is not None and self.plain is not None:
+            self.plain[part][where] = _is_near(self.look[part][where], self._blank.surface[part][where])
 
 
 def _is_near(colors: Floats, surface: Floats) -> Booleans:

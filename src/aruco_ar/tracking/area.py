@@ -21,6 +21,7 @@ MIN_AREA_PX = 0.1  # an area of fewer square pixels is not visible
 STEP_PX = 16       # step of the grid that shows which part of a distorted frame the area touches
 SIDE_POINTS = 32   # number of points of an outline along each side
 MAX_SHRINK = 16    # most times that a frame is shrunk if its area is larger than the rectified view
+USUAL_FOCAL = 0.9  # focal length without a calibration, as a share of the frame's longer side
 MARGIN_PX = 2      # width of the frame's rim, in which rectified pixels are mixtures with what is outside
 
 
@@ -137,6 +138,24 @@ class Area:
         inner = np.zeros(frame.shape[:2], np.uint8)
         inner[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX] = 255
         return rectify(inner, self.homography(*size), size, self.lens) == 255
+
+    def slope(self, frame: Image) -> Floats:
+        """(2,) float64: from which side a frame, (h, w, 3), shows the area.
+
+        It is how far to the right and below the area's middle the camera is, divided by its distance from the
+        wall. The columns of a homography are those of a rotation and the way to the area (Z. Zhang, A flexible
+        new technique for camera calibration, 2000, section 3.1). Without a lens, a usual focal length is taken.
+        """
+        height, width = frame.shape[:2]
+        focal = USUAL_FOCAL * max(height, width)
+        matrix = (np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
+                  if self.lens is None else self.lens.matrix)
+        across = float(np.sqrt(self.ratio or 1.0))
+        to_rays = np.linalg.inv(matrix) @ homography_to(self.undistorted) @ np.diag([1 / across, across, 1.0])
+        right, down, away = to_rays.T / np.sqrt(np.linalg.norm(to_rays[:, 0]) * np.linalg.norm(to_rays[:, 1]))
+        right, down = right / np.linalg.norm(right), down / np.linalg.norm(down)
+        place = np.linalg.solve(np.column_stack([right, down, np.cross(right, down)]), -away)
+        return (place[:2] - (across / 2, 0.5 / across)) / max(abs(place[2]), 1e-6)
 
     def _box_inside(self, positions: Image) -> Floats:
         """(2, 2) pixels: the box around the points of a grid that are in the area, with a margin; or (0, 2)."""

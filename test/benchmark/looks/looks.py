@@ -12,7 +12,7 @@ from rig import PACKAGE
 
 from benchmark.course import Course
 
-from . import grain, hidden, real_arm
+from . import grain, hidden, real_arm, standing
 from .painter import Painter
 from .scenes import SCENES
 
@@ -168,6 +168,7 @@ def run(chart='unit5-bench-looks.png'):
     tell('\nmilliseconds a frame on one thread, the tracker included (median, 99 %)')
     for each, values in ms.items():
         tell('%-10s %5.2f %6.2f' % (each, np.median(values), np.percentile(values, 99)))
+    standing.run()
     hidden.run()
     grain.run()
     cv2.imwrite(chart, cv2.resize(np.vstack(rows), None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))

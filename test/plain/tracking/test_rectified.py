@@ -1,7 +1,7 @@
 """The area of a frame, seen straight from the front."""
 import numpy as np
 import pytest
-from aruco_ar import Area
+from aruco_ar import Area, Lens
 
 
 @pytest.mark.parametrize('side', [399, 1978, 1982, 1989, 1999])
@@ -13,3 +13,15 @@ def test_each_pixel_shows_its_own_place_however_large_the_area_is_in_the_frame(s
     seen = area.rectified(frame, size)[2:-2, 2:-2, 0].mean(axis=0)
     places = left + np.arange(size[0]) / size[0] * side  # as in the course, (0, 0) is at the area's corner
     np.testing.assert_allclose(seen, places[2:-2], atol=0.1 * side / size[0])
+
+
+@pytest.mark.parametrize('right, down, away', [(0.0, 0.0, 2.0), (0.8, 0.0, 2.0), (-0.3, 1.1, 1.5)])
+def test_the_slope_says_from_which_side_a_frame_shows_the_area(right, down, away):
+    lens = Lens(640, 480, np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]]), np.zeros(5))
+    wall = np.array([[-0.6, -0.4, 0], [0.6, -0.4, 0], [0.6, 0.4, 0], [-0.6, 0.4, 0]])
+    forward = np.array([-right, -down, away]) / np.linalg.norm([right, down, away])
+    across = np.cross([0, 1, 0], forward) / np.linalg.norm(np.cross([0, 1, 0], forward))
+    seen = (wall - (right, down, -away)) @ np.stack([across, np.cross(forward, across), forward]).T
+    corners = np.float32((seen @ lens.matrix.T)[:, :2] / seen[:, 2:])
+    slope = Area(corners, 1.5, lens).slope(np.zeros((480, 640, 3), np.uint8))
+    np.testing.assert_allclose(slope, (right / away, down / away), atol=0.01)
