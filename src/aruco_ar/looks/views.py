@@ -17,6 +17,7 @@ from .parts import components, grown, opened, outline_of, shrunk
 # MAX_SLOPE, a view is blurred.
 NEW_SLOPE, MAX_SLOPE = 0.08, 1.7
 MOST, LEAST = 12, 3   # number of views that are kept, and that are needed
+MOST_CHANGED = 0.25   # a frame that differs from the look on more of the wall shows another light, or a person
 # A place shows another color than the wall if no pixel in a window around it has it. A lens without a
 # calibration displaces a pattern by some pixels.
 BLANK_PX, PATTERN_PX = 5, 9
@@ -81,11 +82,14 @@ class Views:
         ``valid``: (h, w), where the frame shows the area.
         """
         usable = valid & self._usable
-        differs = _differs(unlit, look, PATTERN_PX if self._wall is None else BLANK_PX)
+        changed = usable & opened(_differs(unlit, look, PATTERN_PX if self._wall is None else BLANK_PX))
+        nowhere = np.zeros(usable.shape, bool)
+        if np.count_nonzero(changed) > MOST_CHANGED * np.count_nonzero(usable):
+            return nowhere
         self._views = [*self._views[1 - MOST:], _View(
-            slope, np.clip(unlit, 0, 255).astype(np.uint8), _bins(unlit), usable, usable & opened(differs))]
+            slope, np.clip(unlit, 0, 255).astype(np.uint8), _bins(unlit), usable, changed)]
         if len(self._views) < LEAST:
-            return np.zeros(usable.shape, bool)
+            return nowhere
         bins: Integers = np.stack([view.bins for view in self._views])
         seen: Booleans = np.stack([view.usable for view in self._views])
         changed = self._changed()
