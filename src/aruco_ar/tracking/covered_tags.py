@@ -34,15 +34,17 @@ def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
     lengths = _lengths(quads)
     if max((lengths[count:] - lengths[:count]).ravel().tolist()) <= SHORT_PX:
         return {}  # usually, and fast
-    quads, lengths = quads[:count], lengths[:count]
-    soft = np.array([softness_of(tag) for tag in seen.values()])
+    quads, lengths, likely = quads[:count], lengths[:count], lengths[count:]
+    soft = np.array([softness_of(tag, side) for tag, side in zip(seen.values(), lengths.mean(axis=1).tolist())])
+    if ((likely - lengths).max(axis=1) - soft).max() <= SHORT_PX:
+        return {}
     is_left, places = np.ones(count, bool), layout.quads(ids)
     while np.count_nonzero(is_left) >= max(LEAST, count / 2):
         left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
         corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
         missing = _lengths(corrected) - lengths
-        short, spread = missing.max(axis=1), np.abs(missing[is_left]).max()
-        if not is_left.all() and np.all((short > SHORT_PX + SHORT_SPREADS * spread + soft)[~is_left]):
+        short, spread = missing.max(axis=1) - soft, np.abs(missing[is_left]).max()
+        if not is_left.all() and np.all(short[~is_left] > SHORT_PX + SHORT_SPREADS * spread):
             off = np.linalg.norm(corrected - quads, axis=2)
             in_place = np.count_nonzero(off < tolerance_of(quads)[:, None], axis=1) >= 2  # others were moved
             return {ids[number]: _completed(quads[number], corrected[number])

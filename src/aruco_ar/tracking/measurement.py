@@ -32,18 +32,14 @@ def measurement(layout: Layout, seen: Mapping[int, Tag],
     quads = np.array([tag.corners for tag in tags], np.float64)
     deviations, biases = [], []
     for tag, side in zip(tags, side_of(quads).tolist()):
-        soft = _softness(tag, side)
+        soft = softness_of(tag, side)
         deviations += [0.15 + 0.002 * side + soft] * 4
         biases += [BIAS_PX * (SMALL_PX / side)**2 + soft] * 4
     return layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.array(deviations), np.array(biases)
 
 
-def softness_of(tag: Tag) -> float:
-    """Pixels: how far off the corners of a tag may be since it is blurred."""
-    return _softness(tag, float(side_of(tag.corners[None])[0]))
-
-
-def _softness(tag: Tag, side: float) -> float:
+def softness_of(tag: Tag, side: float) -> float:
+    """Pixels: how far off the corners of a tag may be since it is blurred. ``side``: its mean side, pixels."""
     return SOFT_SIDES * side * max(SHARP_LIKENESS - tag.likeness, 0)
 
 
