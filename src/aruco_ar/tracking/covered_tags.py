@@ -15,7 +15,8 @@ from .motion import AreaMotion
 # A side of a covered tag is shorter than the others say by more than the first limit, and by more than so many
 # times what these are off themselves: on a sheet that is bent, or seen through a bad lens, no tag fits exactly.
 SHORT_PX, SHORT_SPREADS = 0.5, 2.0
-LEAST = 2  # so many tags must agree, and half of those in sight
+LEAST = 2         # so many tags must agree, and half of those in sight
+MOST_COVERED = 3  # if more tags seem short, it is something else, such as the blur of a moving camera
 NEXT = np.array([1, 2, 3, 0])
 
 
@@ -39,7 +40,7 @@ def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
     if ((likely - lengths).max(axis=1) - soft).max() <= SHORT_PX:
         return {}
     is_left, places = np.ones(count, bool), layout.quads(ids)
-    while np.count_nonzero(is_left) >= max(LEAST, count / 2):
+    while np.count_nonzero(is_left) >= max(LEAST, count / 2, count - MOST_COVERED):
         left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
         corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
         missing = _lengths(corrected) - lengths
