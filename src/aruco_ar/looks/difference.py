@@ -223,6 +223,16 @@ def largest_difference(one: Floats, other: Floats) -> Floats:
     return np.asarray(largest_channel(cv2.absdiff(one, other)), np.float32)
 
 
+def difference_from_window(image: Floats, other: Floats, px: int) -> Floats:
+    """(h, w) float32: how far a color is off all that another image has in a window of that width there.
+
+    Both are (h, w, 3) float32. It is the largest one of the channels, each for itself; 0 or less in between.
+    """
+    window = np.ones((px, px), np.uint8)
+    off = cv2.max(cv2.subtract(image, cv2.dilate(other, window)), cv2.subtract(cv2.erode(other, window), image))
+    return np.asarray(largest_channel(off), np.float32)
+
+
 def largest_channel(image: Image) -> Image:
     """(h, w): the largest of the three channels of an image. NumPy's own maximum takes many times as long."""
     blue, green, red = cv2.split(image)

@@ -195,7 +195,8 @@ def noise_of(window: Image) -> Floats | None:
     gray = cv2.transform(patches, GRAY[None])
     slopes = np.abs(cv2.Sobel(gray, cv2.CV_32F, 1, 0)) + np.abs(cv2.Sobel(gray, cv2.CV_32F, 0, 1))
     slopes = _inner(slopes)[shown]
-    calm = np.argpartition(slopes, int(CALM_SHARE * slopes.shape[1]))[:, :int(CALM_SHARE * slopes.shape[1])]
+    few = int(CALM_SHARE * slopes.shape[1])
+    calm = np.argpartition(slopes, few)[:, :few]
     found = _deviations(patches, KERNEL, shown, calm)
     if found[0] > LITTLE:
         wide = _deviations(patches, WIDE, shown, calm)
@@ -219,8 +220,8 @@ def _deviations(patches: Image, kernel: Image, shown: Booleans, calm: Integers) 
 
 def _inner(image: Image) -> Floats:
     """(n, m): the pixels of each patch of an image, (h, w), but for its rim, where it meets another patch."""
-    inner = image.reshape(PATCHES, PATCH_PX, PATCHES, PATCH_PX)[:, RIM_PX:-RIM_PX, :, RIM_PX:-RIM_PX]
-    return np.asarray(inner.swapaxes(1, 2).reshape(PATCHES**2, -1))
+    inner = _in_patches(image)[:, RIM_PX:-RIM_PX, RIM_PX:-RIM_PX]
+    return np.asarray(inner.reshape(PATCHES**2, -1), np.float32)
 
 
 def _in_patches(image: Image) -> Image:

@@ -69,19 +69,20 @@ class WallLight:
 
         ``image``: (h, w, 3) BGR uint8, the rectified frame, which the model has taken in.
         """
-        seen, is_free = self._coarse(image), bool(model.free.all())
-        if not is_free or self._frees % COLORS_EVERY == 0:
-            self._color = self._color_of(model)
-            self._colors = [_mean(self._color, window) for window in WINDOWS_PX]
-        self._frees = self._frees + 1 if is_free else 0
+        seen = self._coarse(image)
         whole = self._first * np.reshape(model.light, (3, 1, 1))
         light = whole
-        if is_free:
-            for window, color in zip(WINDOWS_PX[1:], self._colors[1:]):
+        if model.free.all():
+            if self._frees % COLORS_EVERY == 0:
+                wall = self._color_of(model)
+                self._colors = [_mean(wall, window) for window in WINDOWS_PX[1:]]
+            self._frees += 1
+            for window, color in zip(WINDOWS_PX[1:], self._colors):
                 light = _refined(light, _mean(seen, window), color)
         else:
+            self._frees = 0
             free = self._share(model.free)
-            seen, color = seen * free, self._color * free
+            seen, color = seen * free, self._color_of(model) * free
             for window in WINDOWS_PX:
                 share = np.maximum(_mean(free, window), 1e-4)
                 refined = _refined(light, _mean(seen, window) / share, _mean(color, window) / share)

@@ -4,12 +4,13 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Integers
+from aruco_ar.base.arrays import Booleans, Floats, Integers
 
 GAP_PX = 5          # smaller gaps in a part are closed
 MIN_PART_PX = 40    # smaller parts are noise
 MAX_HOLE_PX = 500   # smaller holes are filled: what stands in front may have spots of the wall's color
 MARGIN_PX = 24      # such a margin around all parts is larger than a hole, even in a corner of the image
+WHOLE = slice(None), slice(None)  # the rows and columns of an image
 
 
 def grown(mask: Booleans, px: int) -> Booleans:
@@ -20,6 +21,22 @@ def grown(mask: Booleans, px: int) -> Booleans:
 def shrunk(mask: Booleans, px: int) -> Booleans:
     """The mask, shrunk by px // 2 pixels, but not at the rim of the image."""
     return np.asarray(cv2.erode(mask.view(np.uint8), np.ones((px, px), np.uint8))).view(bool)
+
+
+def grown_labels(labels: Integers, px: int) -> Integers:
+    """(h, w) int32: the largest label in a window of that width around each pixel: parts with what is near."""
+    # OpenCV does not dilate integers.
+    return np.asarray(cv2.dilate(labels.astype(np.float32), np.ones((px, px), np.uint8)), np.int32)
+
+
+def mean_color(image: Floats, mask: Booleans, px: int) -> Floats:
+    """(h, w, 3) float32: the mean color of the pixels of a mask in a window of that width around each pixel.
+
+    ``image``: (h, w, 3) float32. Where no such pixel is near, it is 0.
+    """
+    weight = mask.astype(np.float32)
+    sums, weights = (cv2.blur(each, (px, px)) for each in (image * weight[..., None], weight))
+    return np.asarray(sums / np.maximum(weights, 1e-6)[..., None], np.float32)
 
 
 def opened(mask: Booleans) -> Booleans:
@@ -75,8 +92,7 @@ def still_parts(labels: Integers, count: int, before: Booleans, changed: Boolean
     """
     now = labels > 0
     changed = changed & ((now & ~grown(before, 3)) | (before & ~grown(now, 3)))
-    near = np.asarray(cv2.dilate(labels.astype(np.float32), np.ones((5, 5), np.uint8)), np.int32)
-    moved = np.bincount(near[changed], minlength=count + 1)
+    moved = np.bincount(grown_labels(labels, 5)[changed], minlength=count + 1)
     outline = np.bincount(labels[outline_of(now)], minlength=count + 1)
     still = moved <= share * outline
     still[0] = False

@@ -1,14 +1,13 @@
 """What is not blank on a blank wall: patches that are flat, or things that stand there."""
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 
 from .blank import BlankWall
 from .difference import largest_difference
-from .parts import around, grown, parts_of, shrunk
+from .parts import WHOLE, around, grown, grown_labels, mean_color, parts_of, shrunk
 
 EVERY = 3    # patches are looked at in every third frame
 TIMES = 3    # something may pass in front of a patch, but does not stay for so many looks
@@ -29,11 +28,9 @@ class Patches:
     def __init__(self, wall: BlankWall, look: Floats, usable: Booleans) -> None:
         """Take for patches what is not blank in a look, (h, w, 3) float32, where it is ``usable``, (h, w)."""
         self._wall, self._usable, self._frames = wall, usable, 0
-        self._labels, count = parts_of(usable & ~wall.shows(look, (slice(None), slice(None))))
+        self._labels, count = parts_of(usable & ~wall.shows(look, WHOLE))
         self._times = np.zeros(count + 1, np.int32)  # for how many looks on end they seemed to be things
-        is_patch = (self._labels > 0).astype(np.float32)
-        shares = np.maximum(cv2.blur(is_patch, (NEAR_PX, NEAR_PX)), 1e-6)[..., None]
-        self._colors = np.asarray(cv2.blur(look * is_patch[..., None], (NEAR_PX, NEAR_PX)) / shares, np.float32)
+        self._colors = mean_color(look, self._labels > 0, NEAR_PX)
 
     def things(self, seen: Image, valid: Booleans, light: Floats, in_front: Integers) -> Booleans | None:
         """(h, w): the patches that a frame shows to be things, with their rims; None if it shows none.
@@ -48,13 +45,13 @@ class Patches:
         if self._frames % EVERY or not is_patch.any():
             return None
         part = around(is_patch, NEAR_PX)
-        near = cv2.dilate(self._labels[part].astype(np.float32), np.ones((NEAR_PX, NEAR_PX), np.uint8))
+        near = grown_labels(self._labels[part], NEAR_PX)
         rim = np.concatenate([in_front[0], in_front[-1], in_front[:, 0], in_front[:, -1]])
         is_other = np.bincount(rim, minlength=in_front.max() + 1) > 0
         is_other[0] = False
         moved = self._moved(np.asarray(seen[part] / light, np.float32), part)
         moved &= shrunk(valid, RIM_PX)[part] & ~is_other[in_front[part]]
-        labels = np.asarray(near, np.int32)[shrunk(moved, MOVED_PX)]
+        labels = near[shrunk(moved, MOVED_PX)]
         self._times = np.where(np.bincount(labels, minlength=len(self._times)) > 0, self._times + 1, 0)
         self._times[0] = 0
         things = (self._times >= TIMES)[self._labels]

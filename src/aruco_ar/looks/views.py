@@ -3,14 +3,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 
 from .blank import BlankWall
-from .difference import largest_channel, largest_difference
-from .parts import components, grown, opened, outline_of, shrunk
+from .difference import difference_from_window, largest_difference
+from .parts import WHOLE, components, grown, grown_labels, mean_color, opened, outline_of, shrunk
 
 # The slope of a view is how far beside the middle of the area the camera is, divided by its distance from the
 # wall. What is h high moves against the wall by h times the change of the slope. With a larger slope than
@@ -34,7 +33,6 @@ NEAR_PX = 21          # width of the window in which a thing has about one color
 # A thing is seen to have moved by at least so many pixels as near to it as half of TOUCH_PX, and as this share
 # of its outline.
 TOUCH_PX, MOVED_PX, MOVED_SHARE = 7, 12, 0.1
-WHOLE = slice(None), slice(None)  # the rows and columns of an image
 
 
 class _View(NamedTuple):
@@ -116,8 +114,6 @@ class Views:
 
     def in_front(self, unlit: Floats, look: Floats, valid: Booleans) -> Booleans:
         """(h, w): where things that stand there are in front of the wall in a frame: see add."""
-        if not self.standing.any():
-            return self.standing
         other = valid & self._usable & (largest_difference(unlit, look) > SAME_LEVELS)
         labels, count = components((other & self.like_things(unlit)) | self.standing)
         is_thing = np.bincount(labels[self.standing], minlength=count + 1) > 0
@@ -172,14 +168,13 @@ class Views:
         """Find out where the look is that of things: it has their colors, and they move at its rim."""
         like = self.like_things(look) & self._usable
         like &= grown(shrunk(like, THING_PX), THING_PX)
-        colors = _mean_of(look, like, NEAR_PX)
+        colors = mean_color(look, like, NEAR_PX)
         moved = self._bared & (largest_difference(self._bared_from, colors) < SAME_LEVELS)
         for view in self._views:
             off = largest_difference(np.asarray(view.unlit, np.float32), colors)
             moved |= view.changed & ~like & (off < SAME_LEVELS) & (self._likely[view.bins] > self._least_likely)
         labels, count = components(grown(like, 3))
-        near = cv2.dilate(labels.astype(np.float32), np.ones((TOUCH_PX, TOUCH_PX), np.uint8))
-        moved_px = np.bincount(np.asarray(near, np.int32)[moved], minlength=count + 1)
+        moved_px = np.bincount(grown_labels(labels, TOUCH_PX)[moved], minlength=count + 1)
         outline_px = np.bincount(labels[outline_of(labels > 0)], minlength=count + 1)
         self.standing = like & ((moved_px >= MOVED_PX) & (moved_px > MOVED_SHARE * outline_px))[labels]
 
@@ -189,21 +184,12 @@ def without(look: Floats, things: Booleans) -> Floats:
     if not things.any():
         return look
     hidden = grown(things, THING_PX)
-    return np.where(hidden[..., None], _mean_of(look, ~hidden, 2 * NEAR_PX), look)
-
-
-def _mean_of(image: Floats, mask: Booleans, px: int) -> Floats:
-    """(h, w, 3) float32: the mean color of the pixels of a mask in a window of that width around each pixel."""
-    weight = mask.astype(np.float32)
-    sums, weights = (cv2.blur(each, (px, px)) for each in (image * weight[..., None], weight))
-    return np.asarray(sums / np.maximum(weights, 1e-6)[..., None], np.float32)
+    return np.where(hidden[..., None], mean_color(look, ~hidden, 2 * NEAR_PX), look)
 
 
 def _differs(image: Floats, look: Floats, px: int) -> Booleans:
     """(h, w): where a frame has a color that the look has nowhere in a window of that width. Both (h, w, 3)."""
-    window = np.ones((px, px), np.uint8)
-    off = cv2.max(cv2.subtract(image, cv2.dilate(look, window)), cv2.subtract(cv2.erode(look, window), image))
-    return np.asarray(largest_channel(off) > OTHER_LEVELS + OTHER_SHARE * look.mean(axis=2))
+    return np.asarray(difference_from_window(image, look, px) > OTHER_LEVELS + OTHER_SHARE * look.mean(axis=2))
 
 
 def _bins(colors: Image | Floats) -> Integers:

@@ -14,11 +14,11 @@ from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 
 from .blank import BlankWall, blank_wall
-from .difference import Difference, difference, largest_channel, largest_difference, soft_rim
+from .difference import Difference, difference, difference_from_window, largest_difference, soft_rim
 from .outlines import came_or_left
-from .parts import around, grown, parts_of, still_parts
+from .parts import WHOLE, around, grown, parts_of, still_parts
 from .patches import Patches
-from .views import WHOLE, Views, without
+from .views import Views, without
 
 MEAN_OF = 30                    # the wall's look is the running mean of about this many frames
 KNOWN_S = 0.25                  # a color seen for less time than this is not trusted
@@ -102,7 +102,9 @@ class WallModel:
         self._front_share = share
         if slope is not None and self._views.is_new(slope):
             self._look_from(slope, seen, found, valid)
-        in_front = found.front | self._views.in_front(self._unlit(seen), self.look, valid)
+        in_front = found.front
+        if self._views.standing.any():
+            in_front = in_front | self._views.in_front(self._unlit(seen), self.look, valid)
         labels, count = parts_of(in_front) if in_front.any() else (np.zeros(valid.shape, np.int32), 0)
         front = labels > 0
         part = around(front, NEAR_PART_PX) if count else (slice(0), slice(0))
@@ -277,6 +279,4 @@ def _times(image: Floats, factors: Floats) -> Floats:
 
 def _changed(image: Floats, before: Floats) -> Booleans:
     """(h, w): where no pixel nearby had that color before. Both are (h, w, 3) float32."""
-    near = np.ones((3, 3), np.uint8)
-    off = cv2.max(cv2.subtract(image, cv2.dilate(before, near)), cv2.subtract(cv2.erode(before, near), image))
-    return np.asarray(largest_channel(off) > SAME_LEVELS)
+    return np.asarray(difference_from_window(image, before, 3) > SAME_LEVELS)

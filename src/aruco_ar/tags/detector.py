@@ -112,6 +112,7 @@ class Detector:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
         self._correction, self._likeness, self._min_side = correction, likeness, min_side
         self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
+        self._completions: dict[tuple[int, bool], Completion] = {}
         self._preset = _PRESETS[search]
         self._words = tag_words(dictionary)
         self._corrected = int(correction * self._marker.maxCorrectionBits)
@@ -164,7 +165,11 @@ class Detector:
 
     def completion(self, tag_id: int) -> Completion:
         """What completes the tag with that id, if something covers a side of it."""
-        return Completion(self._cells_of([tag_id])[0], self._border)
+        cells = self._cells_of([tag_id])[0]
+        key = tag_id, bool(cells[0, 0])  # some are white on black
+        if key not in self._completions:
+            self._completions[key] = Completion(cells, self._border)
+        return self._completions[key]
 
     def _cells_of(self, ids: Sequence[int]) -> Image:
         """(n, m, m) uint8: the cells of the tags with those ids."""

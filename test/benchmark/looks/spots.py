@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from aruco_ar import Area, Tag
+from aruco_ar.geometry.homography import UNIT_SQUARE
 from aruco_ar.looks.hidden_tags import HiddenTags
 from aruco_ar.tags.tag import tag_cells
 
@@ -56,7 +57,7 @@ def with_tag(frame, middle, side, tag_id=3, corners=CORNERS):
     """(the frame with a tag on it, the Tag, (h, w) bool: the pixels that it changes)."""
     corners = np.array(middle) + side * corners
     cells = np.kron(np.where(tag_cells('DICT_6X6_250', tag_id) > 0, 1, INK), np.ones((CELL_PX, CELL_PX)))
-    square = np.float32([[0, 0], [1, 0], [1, 1], [0, 1]]) * len(cells) - 0.5
+    square = np.float32(UNIT_SQUARE * len(cells) - 0.5)
     height, width = frame.shape[:2]
     to_fine = cv2.getPerspectiveTransform(square, np.float32((corners + 0.5) * FINER - 0.5))
     ink = cv2.warpPerspective(cells, to_fine, (width * FINER, height * FINER), borderValue=1)

@@ -9,6 +9,9 @@ import numpy as np
 from aruco_ar import InputError, Tracker
 from aruco_ar.base.files import yaml_entries
 from aruco_ar.base.progress import progress, tell
+from aruco_ar.settings.settings import HOLD_S
+from aruco_ar.tracking.tag_search import FrameSearch
+from aruco_ar.tracking.tracker import see_areas
 from rig import PACKAGE
 
 from benchmark.course import Course
@@ -108,6 +111,12 @@ def turned(corners, truth):
     off = [np.linalg.norm(np.roll(corners, turn, axis=1) - truth, axis=2).sum(axis=1) for turn in range(4)]
     known = ~np.isnan(off[0])
     return np.where(known, np.argmin(np.nan_to_num(off), axis=0), np.nan)
+
+
+def corners_by(tracker, search, frame, stamp):
+    """(4, 2): the area's corners in a frame, by an AreaTracker with its TagSearch; NaN without an area."""
+    seen, = see_areas([tracker], [HOLD_S], FrameSearch(search, frame, None), stamp)
+    return np.full((4, 2), np.nan) if seen.area is None else seen.area.corners
 
 
 def errors_of(corners, truth):

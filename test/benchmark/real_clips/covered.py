@@ -13,11 +13,11 @@ import numpy as np
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.tracking.area_tracker import AreaTracker
-from aruco_ar.tracking.tag_search import FrameSearch, TagSearch
-from aruco_ar.tracking.tracker import see_areas
+from aruco_ar.tracking.tag_search import TagSearch
 from rig import PACKAGE
 
-HOLD_S = 0.3
+from .clips import corners_by
+
 COVERED_S, AFTER_S = 1.5, 1.0  # how long something covers a tag, and how long the clip is watched after that
 # How far a thing reaches over a tag, in its sides: one that slides goes that far and back, others lie still.
 SLIDES, LIES = 0.33, (0.06, 0.11)
@@ -88,8 +88,7 @@ class Following:
 
     def corners(self, frame, stamp):
         """(4, 2): the area's corners in a frame, NaN without an area."""
-        seen, = see_areas([self.tracker], [HOLD_S], FrameSearch(self._search, frame, None), stamp)
-        return np.full((4, 2), np.nan) if seen.area is None else seen.area.corners
+        return corners_by(self.tracker, self._search, frame, stamp)
 
 
 COVERS = [Cover(color, side, depth) for color, side, depth in product(COLORS, FROM, (None, *LIES))]

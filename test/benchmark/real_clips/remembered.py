@@ -9,11 +9,10 @@ from aruco_ar import InputError, Tracker
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.geometry.homography import homography_to, transform
 from aruco_ar.tracking.area_tracker import AreaTracker
-from aruco_ar.tracking.tag_search import FrameSearch, TagSearch
-from aruco_ar.tracking.tracker import see_areas
+from aruco_ar.tracking.tag_search import TagSearch
 from aruco_ar.walls.remembered import load_remembered
 
-from .clips import errors_of
+from .clips import corners_by, errors_of
 from .truth import truth_of
 
 PAPER = 1.35       # width of what is blacked out, in sides of a tag
@@ -78,8 +77,7 @@ class Searching:
 
     def corners(self, frame, stamp):
         """(4, 2): the area's corners, NaN without an area."""
-        seen, = see_areas([self._tracker], [0.3], FrameSearch(self._search, frame, None), stamp)
-        return np.full((4, 2), np.nan) if seen.area is None else seen.area.corners
+        return corners_by(self._tracker, self._search, frame, stamp)
 
 
 def find_again(clip, path, frames, stamps, truth, starts=STARTS):
