@@ -6,7 +6,7 @@ import struct
 import subprocess
 import sys
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 from unittest import mock
 
@@ -63,10 +63,19 @@ def server(monkeypatch):
     made.shutdown()
 
 
+FIELD = b'topic=/any'
+HEADER = struct.pack('<II', len(FIELD) + 4, len(FIELD)) + FIELD
+
+
 def ask_for_topic(connection):
-    field = b'topic=/any'
-    connection.sendall(struct.pack('<II', len(field) + 4, len(field)) + field)
+    connection.sendall(HEADER)
     return connection.recv(100)
+
+
+def assert_hung_up(connection):
+    connection.settimeout(WAIT_S)
+    with suppress(ConnectionResetError):  # there are bytes that nobody has read
+        assert connection.recv(100) == b''
 
 
 @pytest.mark.parametrize('is_admitted_alone', [True, False])
@@ -82,6 +91,34 @@ def test_a_silent_connection_does_not_lock_out_others(server, is_admitted_alone,
             with pytest.raises(socket.timeout):
                 ask_for_topic(other)
     warnings.assert_not_called()
+
+
+def test_a_connection_that_was_hung_up_is_not_admitted_after_the_one_that_replaces_it(server):
+    admitted = []
+
+    def note(connection, address, header):
+        admitted.append(address)
+        return 'noted'
+    server.topic_connection_handler = note
+    admission.admit_concurrently()
+    address = 'localhost', server.tcp_ros_server.port
+    with socket.create_connection(address) as first, socket.create_connection(address, WAIT_S) as second:
+        first.sendall(HEADER[:-1])
+        addresses = [second.getsockname()]
+        assert b'noted' in ask_for_topic(second)
+        first.sendall(HEADER[-1:], socket.MSG_MORE)  # arrives together with the end
+        first.shutdown(socket.SHUT_WR)
+        assert_hung_up(first)
+    assert admitted == addresses
+
+
+@pytest.mark.parametrize('sent', [b'POST / HTTP/1.1\r\n', b'\1', b''])
+def test_what_sends_no_header_is_hung_up(server, sent, monkeypatch):
+    monkeypatch.setattr(admission, 'HEADER_S', 0.1)
+    admission.admit_concurrently()
+    with socket.create_connection(('localhost', server.tcp_ros_server.port), WAIT_S) as connection:
+        connection.sendall(sent)
+        assert_hung_up(connection)
 
 
 def test_another_server_causes_a_warning(monkeypatch, warnings):
