@@ -125,26 +125,34 @@ def errors_of(corners, truth):
     return np.array([np.roll(quad, turn, axis=0) for quad, turn in zip(corners, turns)]) - truth
 
 
-def summary(found, truth):
-    """A dict of what the table shows about one method. ``found``: Found."""
+def summary(found, truth, size):
+    """A dict of what the table shows about one method.
+
+    ``found``: Found. ``size``: of the frames, (width, height) pixels.
+    """
     error = errors_of(found.corners, truth)
     length = np.linalg.norm(error, axis=2)                               # (n, 4)
     known = ~np.isnan(length[:, 0])
+    inside = known[:, None] & np.all((truth >= 0) & (truth <= np.array(size) - 1), axis=2)
     longer = np.linalg.norm(truth - np.roll(truth, 1, axis=1), axis=2).max(axis=1)
     changes = np.linalg.norm(np.diff(error, axis=0), axis=2)
     changes = changes[~np.isnan(changes)]
     turns = turned(found.corners, truth)
     turns = turns[~np.isnan(turns)]
     return {'area': int((~np.isnan(found.corners[:, 0, 0])).sum()), 'compared': int(known.sum()),
-            'rms': np.sqrt(np.mean(length[known]**2)) if known.any() else np.nan,
-            'wobble': np.sqrt(np.mean(changes**2)) if changes.size else np.nan,
+            'rms': _rms(length[known]), 'inside': _rms(length[inside]),
+            'wobble': _rms(changes),
             'worst': length[known].max() if known.any() else np.nan,
             'wrong': int(np.sum(length[known].max(axis=1) > WRONG * longer[known])),
             'turned': int(np.sum(np.diff(turns) != 0)), 'ms': float(np.median(found.took))}
 
 
-HEAD = '%-42s %-9s %5s %8s %6s %6s %6s %6s %6s %7s' % (
-    '', '', 'area', 'compared', 'rms', 'wobble', 'worst', 'wrong', 'turned', 'ms')
+def _rms(lengths):
+    return np.sqrt(np.mean(lengths**2)) if lengths.size else np.nan
+
+
+HEAD = '%-42s %-9s %5s %8s %6s %6s %6s %6s %6s %6s %7s' % (
+    '', '', 'area', 'compared', 'rms', 'inside', 'wobble', 'worst', 'wrong', 'turned', 'ms')
 
 
 def measure(clip, chart=None):
@@ -154,8 +162,8 @@ def measure(clip, chart=None):
     truth, by = truth_of(frames, clip.dictionary, clip.ids, clip.lens((width, height)))
     course, ours = follow(clip, frames, rate)
     name = '%s, %d x %d, %d frames, by %s' % (os.path.basename(clip.path), width, height, len(frames), by)
-    rows = _print_rows(name, truth, course, ours)
-    _print_rows('  with jerks of the camera', *_with_jerks(clip, frames, truth, rate))
+    rows = _print_rows(name, (width, height), truth, course, ours)
+    _print_rows('  with jerks of the camera', (width, height), *_with_jerks(clip, frames, truth, rate))
     if chart is not None:
         from benchmark.report.chart import draw  # needs matplotlib, which nothing else here does
         stamps = np.arange(len(frames)) / rate
@@ -171,13 +179,13 @@ def _with_jerks(clip, frames, truth, rate):
     return (np.where(smeared[:, None, None], corners, np.nan), *found)
 
 
-def _print_rows(name, truth, course, ours):
-    """Print the lines of both methods, and return what they show."""
-    rows = {'course': summary(course, truth), 'ours': summary(ours, truth)}
+def _print_rows(name, size, truth, course, ours):
+    """Print the lines of both methods, and return what they show. ``size``: see summary."""
+    rows = {'course': summary(course, truth, size), 'ours': summary(ours, truth, size)}
     for method, row in rows.items():
-        tell('%-42s %-9s %5d %8d %6.2f %6.2f %6.1f %6d %6d %7.2f%s' % (
-            name if method == 'course' else '', method, row['area'], row['compared'], row['rms'], row['wobble'],
-            row['worst'], row['wrong'], row['turned'], row['ms'],
+        tell('%-42s %-9s %5d %8d %6.2f %6.2f %6.2f %6.1f %6d %6d %7.2f%s' % (
+            name if method == 'course' else '', method, row['area'], row['compared'], row['rms'], row['inside'],
+            row['wobble'], row['worst'], row['wrong'], row['turned'], row['ms'],
             ' = 1/%.1f' % (rows['course']['ms'] / row['ms']) if method == 'ours' else ''))
     return rows
 
@@ -189,8 +197,9 @@ def run(folder, chart):
     """
     clips = clips_of(folder)
     print('\nReal clips: tags and area, on one thread. Errors are in pixels. The truth does not depend on the\n'
-          'four tags: it comes from the other tags of the plane, or from its texture. wobble: the change of\n'
-          'the error from frame to frame. wrong: a corner is off by more than 5 %% of the longer side.\n'
+          'four tags: it comes from the other tags of the plane, or from its texture. inside: the rms of\n'
+          'the corners within the frame: nobody sees the others. wobble: the change of the error from\n'
+          'frame to frame. wrong: a corner is off by more than 5 %% of the longer side.\n'
           'turned: the picture jumps by a quarter turn. With jerks: in each 16th frame, some 15 a second, the\n'
           'camera turns by 4.7 %% of the width in two frames, which smears them; only these are compared.\n\n%s'
           % HEAD)
