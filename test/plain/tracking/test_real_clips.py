@@ -26,8 +26,8 @@ def filmed(request):
 
 
 # For each clip: the least number of frames with an area, the largest rms of all corners and of those within the
-# frame, and the largest wobble, pixels. In pushed.mp4, the lens bends the sheet, a hand lifts a corner of it, and
-# later a corner is outside the frame.
+# frame, and the largest wobble, pixels. In pushed.mp4, the lens bends the sheet, a hand lifts a corner of it,
+# and later a corner is outside the frame.
 STICKS = {'board.mp4': (161, 0.40, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.35, 0.25),
           'pushed.mp4': (73, 2.8, 1.5, 1.3), 'turned.avi': (43, 0.6, 0.6, 0.4)}
 
