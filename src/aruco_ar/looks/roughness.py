@@ -72,7 +72,7 @@ class Roughness:
         self._blur = self._depth = self._distance = 0.0  # in sides of the tag
         self._count, self._frames, self._frames_so = 0, 0, 0
         self._rough = self._colors = np.zeros(0)
-        self._shifts: Integers = np.zeros(0, np.int32)
+        self._shifts: Integers | None = None  # those of this layout, if any are known yet
 
     def tiles(self, frame: Image, lens: Lens | None, outline: Floats, blur_px: float,
               depth_px: float, seen: bool) -> Tiles | None:
@@ -107,7 +107,7 @@ class Roughness:
             return None
         chosen = np.where(usable, layout.order, np.inf).argmin(axis=1)
         shifts = sources[chosen] - tiles
-        if self._frames_so > 1:
+        if self._shifts is not None:
             stay = np.all(np.abs(shifts - self._shifts) < STAYS_PX, axis=1, keepdims=True)
             shifts = np.where(stay, self._shifts, shifts)
         self._shifts = np.round(shifts).astype(np.int32)
@@ -126,7 +126,7 @@ class Roughness:
         self._distance = BEYOND * (max(blur, self._blur) if blur > NOW * self._distance else self._blur)
         room = (self._depth - self._distance) / (1 + binding.SEAM)
         self._count = max(int(np.ceil((1 + 2 * self._distance) / max(room, 1e-3))), FEWEST)
-        self._frames_so = 1
+        self._frames_so, self._shifts = 1, None
 
     def _size(self) -> float:
         """The size of a tile, in sides of the tag."""
