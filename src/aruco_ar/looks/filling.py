@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from aruco_ar.base.arrays import Floats, Image
+from aruco_ar.base.arrays import Floats
 
 from .ring import COUNT, DARK, points_of_sides
 
@@ -14,8 +14,8 @@ EXPLAINED, UNEXPLAINED = 0.15, 0.5
 PLAIN, SHADED = 0.04, 0.07  # by such shares, colors vary without an edge, and where there may be one
 
 
-def filled(colors: Floats) -> Image:
-    """(COUNT, COUNT, 3) uint8: what is inside of a ring with these colors, (4 * COUNT, 3); see Rings.
+def filled(colors: Floats) -> Floats:
+    """(COUNT, COUNT, 4) float32, BGRA: what is inside of a ring with these colors, (4 * COUNT, 3); see Rings.
 
     The edge of a shadow is nearly straight. So if straight lines of equal color in one direction explain most
     of the change along the ring, these lines go on inside. The rest is like a soap film.
@@ -30,7 +30,9 @@ def filled(colors: Floats) -> Image:
         best = int(np.argmin(rest))
         share = shaded * np.interp(rest[best] / variance, (EXPLAINED, UNEXPLAINED), (1, 0))
         fill += share * (LINES_INSIDE[best] @ colors - FILM @ along[best])
-    return np.minimum(np.maximum(fill + 0.5, 0), 255).astype(np.uint8).reshape(COUNT, COUNT, 3)
+    cover = np.full((COUNT, COUNT, 4), 255, np.float32)
+    cover[:, :, :3] = fill.reshape(COUNT, COUNT, 3)
+    return cover
 
 
 def _film() -> Floats:

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import UNIT_SQUARE, homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.painting.paint import paint
-from aruco_ar.painting.place import find_place
+from aruco_ar.painting.paint import put_in
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import MIN_AREA_PX, Area
@@ -18,7 +18,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 from .filling import filled
 from .paper_outline import paper_of
 from .ring import COUNT, DARK, middle, rings_around
-from .roughness import Roughness, Tiles
+from .roughness import SMOOTH, Roughness, Tiles
 from .tag_look import SIZE, Front, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
@@ -80,7 +80,7 @@ class HiddenTags:
             cover = cover if front is None else _behind(cover, front, outline, corners)
             covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach, is_seen)))
         for cover, corners, tiles in covers:
-            _put(image, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
+            _put(image, frame, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
@@ -183,8 +183,8 @@ def _is_light(factors: Floats) -> Booleans:
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
-def _behind(cover: Image, front: Front, outline: Floats, corners: Floats) -> Image:
-    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front.
+def _behind(cover: Floats, front: Front, outline: Floats, corners: Floats) -> Floats:
+    """A cover, (h, w, 4) float32, BGRA, made transparent where something is in front.
 
     At its rim, the frame's colors are a mixture with those of the tag. Painted with their share of the tag, the
     cover's colors are such that this share is replaced: the frame's, less the tag's, plus the cover's.
@@ -195,26 +195,28 @@ def _behind(cover: Image, front: Front, outline: Floats, corners: Floats) -> Ima
     rim = np.minimum(RIM * front.share, 1)
     more = np.dstack([rim[..., None] * front.off, 255 * (1 - front.share)])
     more = np.asarray(cv2.warpPerspective(more, to_cover, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
-    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)
-    return np.asarray(np.clip(np.round(more), 0, 255), np.uint8)
+    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)[:, :, :3]
+    return more
 
 
-def _put(image: Image, covered: Area, cover: Image, tiles: Tiles | None,
+def _put(image: Image, frame: Image, covered: Area, cover: Floats, tiles: Tiles,
          noisy: Callable[[Image], Image] | None) -> None:
-    """Paint a cover, (h, w, 3) or (h, w, 4) uint8, into an image. This changes it.
+    """Paint a cover, (h, w, 4) float32, BGRA, into an image. This changes it.
 
-    ``covered``: where it goes. ``tiles``: what is not smooth there, if known. ``noisy``: see HiddenTags.hide.
+    ``frame``: see HiddenTags.hide. ``covered``: where the cover goes. ``tiles``: what is not smooth there.
+    ``noisy``: see HiddenTags.hide.
     """
-    place = find_place(image, covered, cover)
-
-    def finish(warped: Image) -> Image:
-        if tiles is not None:
-            begin = np.round(covered.corners[0] - place.area.corners[0]).astype(int)
-            tiles.add_to(warped, begin, place.positions)
-        elif noisy is not None:
-            warped[:, :, :3] = noisy(warped[:, :, :3])
-        return warped
-    paint(place, cover, finish=finish)
+    window, there = covered.window(image)
+    if not window.size:
+        return
+    x, y = np.round(covered.corners[0] - there.corners[0]).astype(int).tolist()
+    mask = binding.draw_mask(window, there.undistorted, there.positions)
+    channels = 3 if cover[:, :, 3].min() == 255 else 4
+    drawn = binding.draw_cover(mask, there.positions, (x, y), cover, homography_from(covered.undistorted),
+                               channels, frame, *tiles)
+    if tiles is SMOOTH and noisy is not None:
+        drawn[:, :, :3] = noisy(drawn[:, :, :3])
+    put_in(window, drawn, mask)
 
 
 def _nearness() -> Floats:
