@@ -90,6 +90,7 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
+_read_rings = _function('read_rings', _IMAGE, _INT, *[_Array] * 6)
 _draw_cover = _function('draw_cover', _IMAGE, _IMAGE, _Array, _LONG, *[_INT] * 4, _Array, _Array, _IMAGE, _INT,
                         *[_Array] * 3)
 _choose_sources = _function('choose_sources', _IMAGE, _INT, _Array, _INT, _INT, _Array, _INT, *[_Array] * 3)
@@ -111,6 +112,8 @@ NEAREST_M, SEAM = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('neare
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 MOST_SOURCES = _INT.in_dll(_C, 'unit5_most_sources').value
+RING_STEPS, RING_PLACES = (_INT.in_dll(_C, 'unit5_ring_' + name).value for name in ('steps', 'places'))
+RING_OFFSETS_PX = np.ctypeslib.as_array((_FLOAT * RING_STEPS).in_dll(_C, 'unit5_ring_offsets'))
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
 BELIEF_SIZE, FLATNESS_SIZE = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('belief_size', 'flatness_size'))
@@ -396,6 +399,29 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     if not 0 <= black <= 1:
         raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
     _light_picture(_image(picture), _image(white), round(255 * black))
+
+
+def read_rings(frame: Image, ends: Floats, parts: Floats,
+               steps: Integers) -> tuple[Floats, Booleans, Integers]:
+    """The colors of the ground beside n quadrilaterals, where the frame shows it, and its depths: see unit5.h.
+
+    ``frame``: (h, w, 3) uint8. ``ends``: (n, 4, RING_PLACES, 2, 2), ``parts``: (n, 4, 1 + RING_STEPS), and
+    ``steps``: (n, 4), 1 to RING_STEPS. The results are (n, 4, RING_PLACES, 3) float64, (n, 4, RING_PLACES) and
+    (n, 4, 2) int32.
+    """
+    frame = _rows('frame', frame, np.uint8, ('h', 'w', 3))
+    ends, parts, steps = (_numbers(array, dtype) for array, dtype in (
+        (ends, np.float64), (parts, np.float64), (steps, np.int32)))
+    count = len(ends) if ends.ndim else 0
+    check_array('ends', ends, np.float64, (count, 4, RING_PLACES, 2, 2))
+    check_array('parts', parts, np.float64, (count, 4, 1 + RING_STEPS))
+    check_array('steps', steps, np.int32, (count, 4))
+    if count and not 1 <= steps.min() <= steps.max() <= RING_STEPS:
+        raise InputError('A ring has 1 to %d steps, not %d to %d.' % (RING_STEPS, steps.min(), steps.max()))
+    colors, shown = np.empty((count, 4, RING_PLACES, 3)), np.empty((count, 4, RING_PLACES), bool)
+    depths = np.empty((count, 4, 2), np.int32)
+    _read_rings(_image(frame), count, ends, parts, steps, colors, shown, depths)
+    return colors, shown, depths
 
 
 def draw_cover(mask: Image, positions: Image | None, corner: tuple[int, int], cover: Floats, to_cover: Floats,

@@ -152,6 +152,19 @@ void unit5_mix_picture(const Image *window, const Image *picture, const Image *m
    its size, the level of white paper. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
 void unit5_light_picture(const Image *picture, const Image *white, int black);
 
+/* ring.c, for ring.py. */
+
+extern const int unit5_ring_steps, unit5_ring_places;
+extern const float unit5_ring_offsets[];  /* how far out from a side each step is, pixels of the frame */
+
+/* Read what is beside the sides of quadrilaterals, and find out where their blur ends, and the ground. ``frame``: BGR,
+   not empty. ``ends``: (count, 4, places, 2, 2), the two ends of a line from inside to outside, pixels of it. ``parts``:
+   (count, 4, 1 + steps), how far on such a line the frame is read: inside, and at the steps. ``steps``: (count, 4), how
+   many of these count, 1 to all. Writes ``colors``: (count, 4, places, 3), of the ground, ``shown``: (count, 4,
+   places), whether the frame shows that, and ``depths``: (count, 4, 2), the first step of the ground and the last. */
+void unit5_read_rings(const Image *frame, int count, const double *ends, const double *parts, const int *steps,
+                      double *colors, uint8_t *shown, int *depths);
+
 /* roughness.c, for roughness.py. */
 
 extern const double unit5_seam;  /* the width of the strip in which two tiles are mixed, in tiles */

@@ -15,24 +15,28 @@ PLAIN, SHADED = 0.04, 0.07  # by such shares, colors vary without an edge, and w
 
 
 def filled(colors: Floats) -> Floats:
-    """(COUNT, COUNT, 4) float32, BGRA: what is inside of a ring with these colors, (4 * COUNT, 3); see Rings.
+    """(n, COUNT, COUNT, 4) float32, BGRA: what is inside of n rings of colors, (n, 4 * COUNT, 3); see Rings.
 
     The edge of a shadow is nearly straight. So if straight lines of equal color in one direction explain most
     of the change along the ring, these lines go on inside. The rest is like a soap film.
     """
-    mean = colors.mean(axis=0)
-    variance = np.mean((colors - mean)**2)
-    shaded = np.interp(np.sqrt(variance) / (mean.mean() + DARK), (PLAIN, SHADED), (0, 1))
-    fill = FILM @ colors
-    if shaded:
-        along = (LINES_ON_RING.reshape(-1, 4 * COUNT) @ colors).reshape(DIRECTIONS, 4 * COUNT, 3)
-        rest = np.mean((along - colors)**2, axis=(1, 2))
+    count = len(colors)
+    mean = colors.mean(axis=1)
+    variance = np.mean((colors - mean[:, None])**2, axis=(1, 2))
+    shaded = np.interp(np.sqrt(variance) / (mean.mean(axis=1) + DARK), (PLAIN, SHADED), (0, 1))
+    side_by_side = colors.swapaxes(0, 1).reshape(4 * COUNT, -1)
+    fill = (FILM @ side_by_side).reshape(COUNT**2, count, 3).swapaxes(0, 1)
+    for number in np.flatnonzero(shaded):
+        along = (LINES_ON_RING.reshape(-1, 4 * COUNT) @ colors[number]).reshape(DIRECTIONS, 4 * COUNT, 3)
+        off = (along - colors[number]).reshape(DIRECTIONS, -1)
+        rest = np.einsum('dn,dn->d', off, off) / off.shape[1]
         best = int(np.argmin(rest))
-        share = shaded * np.interp(rest[best] / variance, (EXPLAINED, UNEXPLAINED), (1, 0))
-        fill += share * (LINES_INSIDE[best] @ colors - FILM @ along[best])
-    cover = np.full((COUNT, COUNT, 4), 255, np.float32)
-    cover[:, :, :3] = fill.reshape(COUNT, COUNT, 3)
-    return cover
+        share = shaded[number] * np.interp(rest[best] / variance[number], (EXPLAINED, UNEXPLAINED), (1, 0))
+        if share:
+            fill[number] += share * (LINES_INSIDE[best] @ colors[number] - FILM @ along[best])
+    covers = np.full((count, COUNT, COUNT, 4), 255, np.float32)
+    covers[..., :3] = fill.reshape(count, COUNT, COUNT, 3)
+    return covers
 
 
 def _film() -> Floats:

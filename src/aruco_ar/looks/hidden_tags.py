@@ -17,7 +17,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, middle, rings_around
+from .ring import COUNT, DARK, Rings, rings_around
 from .roughness import SMOOTH, Roughness, Tiles
 from .tag_look import SIZE, Front, TagLook
 
@@ -34,6 +34,8 @@ SAME_COLOR = 0.15     # light changes the channels of a color by factors that di
 WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
 RIM = 8.0             # where a thing covers more than 1 part in so many, it is a rim, not noise
 TO_SIZE = np.diag([*SIZE, 1.0])
+UNKNOWN = np.full((4 * COUNT, 3), np.nan)
+MEAN = np.full(3, 1 / 3)
 
 
 class HiddenTags:
@@ -71,16 +73,18 @@ class HiddenTags:
         if not chosen:
             return
         rings = rings_around(frame, area.lens, np.stack(outlines))
-        covers = []
-        for (hidden, is_seen), outline, ring, shown, corners, *reach in zip(chosen, outlines, *rings):
-            colors = hidden.without_others(ring, shown, is_seen)
-            cover = filled(colors)
-            front = hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens,
-                                      colors.mean(axis=0), is_seen) if keep else None
-            cover = cover if front is None else _behind(cover, front, outline, corners)
-            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach, is_seen)))
-        for cover, corners, tiles in covers:
-            _put(image, frame, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
+        colors = _without_others(rings, chosen)
+        covers = filled(colors)
+        tiles = [hidden.roughness.tiles(frame, area.lens, outline, blur_px, depth_px, is_seen)
+                 for (hidden, is_seen), outline, blur_px, depth_px in zip(
+                     chosen, outlines, rings.blurs.tolist(), rings.depths.tolist())]
+        fronts = [hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens, mean, is_seen)
+                  if keep else None
+                  for (hidden, is_seen), outline, mean in zip(chosen, outlines, colors.mean(axis=1))]
+        # Only now the image changes, which may be the frame itself.
+        for cover, front, outline, corners, rough in zip(covers, fronts, outlines, rings.corners, tiles):
+            _put(image, frame, Area.from_undistorted(corners, lens=area.lens),
+                 cover if front is None else _behind(cover, front, outline, corners), rough, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
@@ -97,8 +101,9 @@ class _HiddenTag:
     """What is known of a tag.
 
     ``place``: (4, 2) float64, its corners in the area, which is the unit square. ``outline``: (4, 2) float64,
-    the part that is covered, where the tag is the unit square: the tag alone, or its paper, too. ``look``: that
-    of this part.
+    the part that is covered, where the tag is the unit square: the tag alone, or its paper, too. ``look``,
+    ``roughness``: those of this part. ``usual``: (4 * COUNT, 3), the usual colors of the ring around it, NaN if
+    unknown.
     """
 
     def __init__(self, place: Floats) -> None:
@@ -106,7 +111,7 @@ class _HiddenTag:
         self.outline, self.look, self.roughness = UNIT_SQUARE, TagLook(), Roughness()
         self._sights, self._misses = 1, 0
         self._search_in, self._pause, self._last_found = 0, SOON, UNIT_SQUARE  # see find_outline
-        self._usual: Floats | None = None  # the usual colors of the ring
+        self.usual = UNKNOWN
 
     def is_at(self, place: Floats) -> bool:
         """Whether the tag is still where it was. Its place is a running mean."""
@@ -137,48 +142,61 @@ class _HiddenTag:
         is_same = self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE
         self._search_in = self._pause = RARELY if is_same else SOON
         if is_same and np.abs(found - self.outline).max() > SAME_OUTLINE:
-            self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
+            self.outline, self.look, self.roughness, self.usual = found, TagLook(), Roughness(), UNKNOWN
         self._last_found = found
 
-    def without_others(self, colors: Floats, shown: Booleans, seen: bool) -> Floats:
-        """The colors of the ring around the outline without those of things in front and of other tags.
-
-        ``colors``: (n, 3), and ``shown``: (n,): see Rings. ``seen``: whether the tag is in sight.
-        """
-        even, share = _without_others(colors, shown, self._usual)
-        if seen and share < ENOUGH and self._usual is not None:
-            self._usual = None
-            even, _ = _without_others(colors, shown, None)
-        if seen:
-            self._usual = even if self._usual is None else self._usual + (even - self._usual) / USUAL_OF
-        return even
 
 
-def _without_others(colors: Floats, shown: Booleans, usual: Floats | None) -> tuple[Floats, float]:
-    """Colors of a ring, (n, 3), without those of other things, and the share of those that remain.
+def _without_others(rings: Rings, tags: Sequence[tuple[_HiddenTag, bool]]) -> Floats:
+    """(n, 4 * COUNT, 3): the colors of rings without those of things in front and of other tags.
 
-    ``usual``: (n, 3), the colors of before, or None if they are unknown; then most of the ring has about one
-    color. Light changes all channels by about the same factor, and less than a thing does. What is left out is
-    filled in from the colors beside it, in the light of now.
+    ``tags``: the n tags, which learn the usual colors, and whether they are in sight.
     """
-    before = np.ones_like(colors) if usual is None else usual
+    usual = np.stack([hidden.usual for hidden, _ in tags])
+    even, share = _even(rings.colors, rings.shown, usual)
+    for number, (hidden, is_seen) in enumerate(tags):
+        if not is_seen:
+            continue
+        known = hidden.usual is not UNKNOWN
+        if known and share[number] < ENOUGH:
+            known, part = False, slice(number, number + 1)
+            even[part], _ = _even(rings.colors[part], rings.shown[part], UNKNOWN[None])
+        hidden.usual = usual[number] + (even[number] - usual[number]) / USUAL_OF if known else even[number]
+    return even
+
+
+def _even(colors: Floats, shown: Booleans, usual: Floats) -> tuple[Floats, Floats]:
+    """Colors of n rings, (n, k, 3), without those of other things, and the share of those that remain, (n,).
+
+    ``shown``: (n, k), see Rings. ``usual``: (n, k, 3), the colors of before, or NaN if they are unknown; then
+    most of the ring has about one color. Light changes all channels by about the same factor, and less than a
+    thing does. What is left out is filled in from the colors beside it, in the light of now.
+    """
+    known = ~np.isnan(usual[:, 0, 0])
+    before = np.where(known[:, None, None], usual, 1.0)
     change = (colors + DARK) / (before + DARK)
-    common = middle(change[shown]) if shown.any() else np.ones(3)
-    if usual is not None and not _is_light(common):  # most of the ring is covered
-        common = np.ones(3)
+    # The middle one of those that are shown; of two, it is the larger one.
+    ordered = np.sort(np.where(shown[..., None], change, np.inf), axis=1)
+    common = np.take_along_axis(ordered, (shown.sum(axis=1) // 2 % shown.shape[1])[:, None, None], axis=1)
+    # If there is none, or if most of the ring is covered, it tells nothing.
+    common[~shown.any(axis=1) | (known & ~_is_light(common[:, 0]))] = 1
     usable = shown & _is_light(change / common)
-    if usable.all():
-        return colors, 1.0
-    if not usable.any():
-        return colors if usual is None else before, 0.0
-    weights = NEARNESS * usable
-    instead = weights @ change / weights.sum(axis=1)[:, None] * (before + DARK) - DARK
-    return np.where(usable[:, None], colors, instead), float(usable.mean())
+    share = usable.mean(axis=1)
+    even = colors.copy()
+    for number in np.flatnonzero(share < 1):
+        if share[number]:
+            weights = NEARNESS * usable[number]
+            left_out = ~usable[number]
+            mean = weights[left_out] @ change[number] / weights[left_out].sum(axis=1)[:, None]
+            even[number, left_out] = mean * (before[number, left_out] + DARK) - DARK
+        elif known[number]:
+            even[number] = before[number]
+    return even, share
 
 
 def _is_light(factors: Floats) -> Booleans:
     """(...): whether light may change colors, BGR, by such factors, (..., 3)."""
-    bright = factors.mean(axis=-1)
+    bright = factors @ MEAN
     off = np.abs(factors - bright[..., None]).max(axis=-1)
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 

@@ -174,6 +174,15 @@ def of_light_picture():
         'picture': arrays['picture'], 'white': arrays['mask']}
 
 
+def of_read_rings():
+    random = np.random.RandomState(6)
+    return binding.read_rings, {
+        'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8),
+        'ends': random.uniform(5, 40, (2, 4, binding.RING_PLACES, 2, 2)),
+        'parts': np.sort(random.uniform(0, 1, (2, 4, 1 + binding.RING_STEPS))),
+        'steps': random.randint(1, binding.RING_STEPS + 1, (2, 4))}
+
+
 def of_draw_cover():
     random = np.random.RandomState(4)
     return lambda **arrays: binding.draw_cover(corner=(10, 10), channels=4, **arrays), {
@@ -297,13 +306,14 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses,
-         of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light, of_light_wall,
+         of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
+         of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light, of_light_wall,
          of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
-             'smooth', 'cover', 'to_cover', 'at', 'order', 'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'smooth', 'cover', 'to_cover', 'at', 'order', 'ends', 'parts', 'steps',
+             'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
@@ -406,6 +416,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('warp_picture', 'mask'): other.shape == array.shape[:2],
                 **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3
                    for of in ('draw_cover', 'choose_sources')},
+                ('read_rings', 'frame'): other.ndim == 3 and other.shape[2] == 3 and other.size,
                 ('draw_cover', 'cover'): other.ndim == 3 and other.shape[2] == 4 and min(other.shape) > 1,
                 ('choose_sources', 'order'): other.ndim == 2 and other.shape[1] == 6,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
