@@ -1,7 +1,6 @@
 /* What a frame shows right around tags, beyond their blur. */
+#include "sort.h"
 #include "unit5.h"
-
-#include <stdlib.h>
 
 #define PLACES 16              /* number of colors of a ring along each side */
 #define STEPS 14
@@ -28,12 +27,6 @@ typedef struct {
     uint8_t shown[PLACES][STEPS + 1];
     int first, end;
 } Beside;
-
-static int compare(const void *one, const void *other)
-{
-    float a = *(const float *)one, b = *(const float *)other;
-    return (a > b) - (a < b);
-}
 
 /* The color of a frame at a point; outside of it, that of the nearest pixel. Returns whether it shows the point. */
 static int color_at(const Image *frame, double x, double y, float color[3])
@@ -63,7 +56,7 @@ static void read_side(const Image *frame, const double ends[PLACES][2][2], const
                                                          inner[1] + parts[step] * (outer[1] - inner[1]), color);
             grays[place] = (color[0] + color[1] + color[2]) / 3;
         }
-        qsort(grays, PLACES, sizeof *grays, compare);
+        sort(grays, PLACES);
         side->gray[step] = grays[PLACES / 2];
     }
 }
@@ -84,7 +77,7 @@ static void find_ground(Beside *side, float inside, int count)
         end++;
     end -= end < count && end - begin > 1;  /* the other thing is blurred, too */
     memcpy(sorted, contrast + begin, (end - begin) * sizeof *sorted);
-    qsort(sorted, end - begin, sizeof *sorted, compare);
+    sort(sorted, end - begin);
     float usual = sorted[(end - begin - 1) / 2];
     side->first = begin;
     side->end = end;
@@ -124,12 +117,12 @@ void unit5_read_rings(const Image *frame, int count, const double *ends, const d
             read_side(frame, ends_of[4 * quad + side], parts + (STEPS + 1) * (4 * quad + side), sides + side);
             grays[side] = sides[side].gray[0];
         }
-        qsort(grays, 4, sizeof *grays, compare);
+        sort(grays, 4);
         for (int side = 0; side < 4; side++) {
             find_ground(sides + side, grays[MIDDLE], steps[4 * quad + side]);
             firsts[side] = (float)sides[side].first;
         }
-        qsort(firsts, 4, sizeof *firsts, compare);
+        sort(firsts, 4);
         for (int side = 0; side < 4; side++) {
             Beside *here = sides + side;
             /* On rough ground, the blur may seem to end too early on a side. It hardly does so on two of the four. */

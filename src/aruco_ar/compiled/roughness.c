@@ -1,9 +1,8 @@
 /* Ground that goes on under a tag: which places beside it show its texture and the camera's noise, and the cover that
    is put together of them. */
+#include "sort.h"
 #include "unit5.h"
 #include "vectors.h"
-
-#include <stdlib.h>
 
 #define SEAM 0.25f
 #define RUN 64
@@ -205,16 +204,10 @@ static int find_source(const Image *frame, const double at[6], Source *source)
     return 1;
 }
 
-static int compare(const void *one, const void *other)
-{
-    float a = *(const float *)one, b = *(const float *)other;
-    return (a > b) - (a < b);
-}
-
 /* What this share of ``count`` values is less than. They are sorted. */
 static float middle_of(float *values, int count, float share)
 {
-    qsort(values, count, sizeof *values, compare);
+    sort(values, count);
     return values[(int)(count * share)];
 }
 

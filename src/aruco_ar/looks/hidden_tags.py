@@ -25,7 +25,8 @@ from .tag_look import SIZE, Front, TagLook
 SAME_PLACE = 0.1
 PLACE_OF = 30         # a tag's place is the running mean of about this many frames
 SIGHTS, MISSES = 3, 15  # a tag in sight in fewer frames is forgotten after so many without it: a mistake
-SOON, RARELY = 4, 30  # the outline is looked for after so many frames: soon at first, rarely if there is none
+# The outline is looked for after so many frames: soon at first, later if there is none, rarely if it is known.
+SOON, LATER, RARELY = 4, 30, 120
 SAME_OUTLINE = 0.06   # outlines that differ by less are the same, in sides of the tag
 USUAL_OF = 15         # the ring's usual colors are the running mean of about this many frames
 ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
@@ -81,16 +82,21 @@ class HiddenTags:
         fronts = [hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens, mean, is_seen)
                   if keep else None
                   for (hidden, is_seen), outline, mean in zip(chosen, outlines, colors.mean(axis=1))]
+        to_covers = np.linalg.inv(np.stack([homography_to(corners) for corners in rings.corners]))
         # Only now the image changes, which may be the frame itself.
-        for cover, front, outline, corners, rough in zip(covers, fronts, outlines, rings.corners, tiles):
-            _put(image, frame, Area.from_undistorted(corners, lens=area.lens),
-                 cover if front is None else _behind(cover, front, outline, corners), rough, noisy)
+        for cover, front, outline, corners, to_cover, rough in zip(covers, fronts, outlines, rings.corners,
+                                                                   to_covers, tiles):
+            covered = Area.from_undistorted(corners, lens=area.lens)
+            if front is None:
+                _put(image, frame, covered, cover, 3, to_cover, rough, noisy)
+            else:
+                _put(image, frame, covered, _behind(cover, front, outline, to_cover), 4, to_cover, rough, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
-        to_area = homography_from(area.undistorted)
-        for tag_id, quad in seen.items():
-            place, hidden = transform(to_area, quad), self._hidden.get(tag_id)
+        places = transform(homography_from(area.undistorted), np.array([*seen.values()]).reshape(-1, 4, 2))
+        for tag_id, place in zip(seen, places):
+            hidden = self._hidden.get(tag_id)
             if hidden is None or not hidden.is_at(place):
                 self._hidden[tag_id] = _HiddenTag(place)
         self._hidden = {tag_id: hidden for tag_id, hidden in self._hidden.items()
@@ -137,10 +143,10 @@ class _HiddenTag:
             return
         found = paper_of(frame, quad, lens)
         if found is None:
-            self._search_in = self._pause = min(2 * self._pause, RARELY)
+            self._search_in = self._pause = min(2 * self._pause, LATER)
             return
         is_same = self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE
-        self._search_in = self._pause = RARELY if is_same else SOON
+        self._search_in = self._pause = min(max(2 * self._pause, LATER), RARELY) if is_same else SOON
         if is_same and np.abs(found - self.outline).max() > SAME_OUTLINE:
             self.outline, self.look, self.roughness, self.usual = found, TagLook(), Roughness(), UNKNOWN
         self._last_found = found
@@ -201,37 +207,36 @@ def _is_light(factors: Floats) -> Booleans:
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
-def _behind(cover: Floats, front: Front, outline: Floats, corners: Floats) -> Floats:
+def _behind(cover: Floats, front: Front, outline: Floats, to_cover: Floats) -> Floats:
     """A cover, (h, w, 4) float32, BGRA, made transparent where something is in front.
 
     At its rim, the frame's colors are a mixture with those of the tag. Painted with their share of the tag, the
     cover's colors are such that this share is replaced: the frame's, less the tag's, plus the cover's.
-    ``outline``, ``corners``: (4, 2) undistorted pixels, of what is covered, and where the cover goes.
+    ``outline``: (4, 2) undistorted pixels, of what is covered. ``to_cover``: see _put.
     """
     looked_at = homography_to(outline) @ homography_to(WIDER)
-    to_cover = np.asarray(TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
+    to_pixels = np.asarray(TO_SIZE @ to_cover @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
     rim = np.minimum(RIM * front.share, 1)
     more = np.dstack([rim[..., None] * front.off, 255 * (1 - front.share)])
-    more = np.asarray(cv2.warpPerspective(more, to_cover, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
+    more = np.asarray(cv2.warpPerspective(more, to_pixels, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
     more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)[:, :, :3]
     return more
 
 
-def _put(image: Image, frame: Image, covered: Area, cover: Floats, tiles: Tiles,
-         noisy: Callable[[Image], Image] | None) -> None:
+def _put(image: Image, frame: Image, covered: Area, cover: Floats, channels: int, to_cover: Floats,
+         tiles: Tiles, noisy: Callable[[Image], Image] | None) -> None:
     """Paint a cover, (h, w, 4) float32, BGRA, into an image. This changes it.
 
-    ``frame``: see HiddenTags.hide. ``covered``: where the cover goes. ``tiles``: what is not smooth there.
-    ``noisy``: see HiddenTags.hide.
+    ``frame``, ``noisy``: see HiddenTags.hide. ``covered``: where the cover goes. ``channels``: 3 if it is
+    opaque, else 4. ``to_cover``: (3, 3), from undistorted pixels to the unit square, which it fills.
+    ``tiles``: what is not smooth there.
     """
     window, there = covered.window(image)
     if not window.size:
         return
-    x, y = np.round(covered.corners[0] - there.corners[0]).astype(int).tolist()
+    x, y = (round(offset) for offset in (covered.corners[0] - there.corners[0]).tolist())
     mask = binding.draw_mask(window, there.undistorted, there.positions)
-    channels = 3 if cover[:, :, 3].min() == 255 else 4
-    drawn = binding.draw_cover(mask, there.positions, (x, y), cover, homography_from(covered.undistorted),
-                               channels, frame, *tiles)
+    drawn = binding.draw_cover(mask, there.positions, (x, y), cover, to_cover, channels, frame, *tiles)
     if tiles is SMOOTH and noisy is not None:
         drawn[:, :, :3] = noisy(drawn[:, :, :3])
     put_in(window, drawn, mask)

@@ -307,8 +307,8 @@ MADE = {made.__name__[3:]: made for made in
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
          of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
-         of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light, of_light_wall,
-         of_compare_wall, of_learn_wall)}
+         of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light,
+         of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
