@@ -108,7 +108,7 @@ _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FL
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
-NEAREST_M, SEAM = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam'))
+NEAREST_M, SEAM, DARK = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam', 'dark'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 MOST_SOURCES = _INT.in_dll(_C, 'unit5_most_sources').value

@@ -9,7 +9,7 @@
 #define MOST_SOURCES 68        /* around 16 rows and columns of tiles */
 #define ACROSS 6               /* a source is judged by so many pixels across and down */
 #define FEW 4                  /* with fewer sources than this, a tag's place stays smooth */
-#define DARK 12.0f             /* gray levels to add to colors before their ratios are taken; see ring.py */
+#define DARK 12.0f             /* gray levels to add to colors before their ratios are taken: noise is no pattern */
 /* Sources whose color or roughness differs from the usual one by more than this share, besides what light does to all
    of them, show something in front. If fewer than this share remain, the ground itself has changed. */
 #define CHANGED 0.1f
@@ -22,7 +22,7 @@
 #define LEVELS 1.0f
 #define INVISIBLE 0.6f         /* ground with less roughness than this, gray levels, is smooth */
 
-const double unit5_seam = SEAM;
+const double unit5_seam = SEAM, unit5_dark = DARK;
 const int unit5_most_sources = MOST_SOURCES;
 
 /* A color, BGR and one more, anywhere in memory. */
@@ -74,10 +74,10 @@ static inline Four roughness_at(const Mixtures *across, const Mixtures *down, in
             if (weight == 0)
                 continue;
             int tile = (down->before[at] + i) * count + across->before[at] + j;
-            int from_x = x + shifts[2 * tile], from_y = y + shifts[2 * tile + 1];
+            int64_t from_x = (int64_t)x + shifts[2 * tile], from_y = (int64_t)y + shifts[2 * tile + 1];
             if (from_x < 0 || from_x >= frame->width || from_y < 0 || from_y >= frame->height)
                 continue;
-            const uint8_t *from = frame->pixels + frame->row * from_y + 3 * (int64_t)from_x;
+            const uint8_t *from = frame->pixels + frame->row * from_y + 3 * from_x;
             const Pixel *plane = smooth + 3 * tile;
             sum += ((Four){from[0], from[1], from[2], 0} - plane[0] - plane[1] * (across->from[at] - j)
                     - plane[2] * (down->from[at] - i)) * weight;
@@ -242,8 +242,9 @@ static int find_usable(const Source *sources, int *numbers, int count, int frame
     int as_usual = find_same(sources, (const float (*)[4])usual, numbers, count, same), usable = 0;
     for (int i = 0; i < count; i++) {
         float *look = usual[numbers[i]];
-        for (int part = 0; part < 4 && learns && (same[i] || as_usual < SAME * count); part++)
-            look[part] += (sources[numbers[i]].look[part] - look[part]) / frames;
+        if (learns && (same[i] || as_usual < SAME * count))
+            for (int part = 0; part < 4; part++)
+                look[part] += (sources[numbers[i]].look[part] - look[part]) / frames;
         rough[i] = look[3];
     }
     float calm = middle_of(rough, count, CALM);

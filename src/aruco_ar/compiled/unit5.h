@@ -181,6 +181,7 @@ void unit5_draw_cover(const Image *image, const Image *mask, const float *positi
                       int count, const double to_tiles[9], const int *shifts, const float *smooth);
 
 extern const int unit5_most_sources;
+extern const double unit5_dark;  /* gray levels to add to colors before their ratios are taken */
 
 /* Choose a source for each tile. ``frame``: BGR. ``at``: (count, 3, 2), in it: the middle of each source, and the
    places one tile right of it and below. ``frames``: at least 1, of the mean that is ``usual``: (count, 4), the color

@@ -66,7 +66,8 @@ class HiddenTags:
         for tag_id, hidden in self._hidden.items():
             # A tag may stand off the wall, or the wall be bent. So its own corners count if they are seen.
             quad = seen[tag_id] if tag_id in seen else transform(to_frame, hidden.place)
-            if cv2.contourArea(quad.astype(np.float32)) > MIN_AREA_PX:
+            contour = quad.astype(np.float32)
+            if cv2.contourArea(contour) > MIN_AREA_PX and cv2.isContourConvex(contour):
                 if tag_id in seen:
                     hidden.find_outline(frame, quad, area.lens)
                 chosen.append((hidden, tag_id in seen))
@@ -152,7 +153,6 @@ class _HiddenTag:
         self._last_found = found
 
 
-
 def _without_others(rings: Rings, tags: Sequence[tuple[_HiddenTag, bool]]) -> Floats:
     """(n, 4 * COUNT, 3): the colors of rings without those of things in front and of other tags.
 
@@ -184,8 +184,8 @@ def _even(colors: Floats, shown: Booleans, usual: Floats) -> tuple[Floats, Float
     # The middle one of those that are shown; of two, it is the larger one.
     ordered = np.sort(np.where(shown[..., None], change, np.inf), axis=1)
     common = np.take_along_axis(ordered, (shown.sum(axis=1) // 2 % shown.shape[1])[:, None, None], axis=1)
-    # If there is none, or if most of the ring is covered, it tells nothing.
-    common[~shown.any(axis=1) | (known & ~_is_light(common[:, 0]))] = 1
+    common[~shown.any(axis=1)] = 1
+    common[known & ~_is_light(common[:, 0])] = 1  # most of the ring is covered
     usable = shown & _is_light(change / common)
     share = usable.mean(axis=1)
     even = colors.copy()

@@ -14,7 +14,7 @@ from aruco_ar.geometry.lens import Lens
 COUNT = binding.RING_PLACES  # number of colors of a ring along each side
 MAX_REACH = 0.4       # the frame is looked at so far out from a side, at most, in lengths of a side
 INSIDE = 0.05         # where the color inside of a side is taken, in lengths of a side
-DARK = 12.0           # gray levels to add to colors before their ratios are taken, so that noise is no pattern
+DARK = binding.DARK   # gray levels to add to colors before their ratios are taken, so that noise is no pattern
 
 OUTWARD = np.array([[0.0, -1], [1, 0], [0, 1], [-1, 0]])  # of the sides of that square
 AFTER, BEFORE = [1, 2, 3, 0], [3, 0, 1, 2]                # the numbers of their neighbors
