@@ -90,8 +90,10 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
-_add_roughness = _function('add_roughness', _IMAGE, _Array, _LONG, _INT, _INT, _IMAGE, _Array, _INT, _Array,
-                           _Array)
+_read_rings = _function('read_rings', _IMAGE, _INT, *[_Array] * 6)
+_draw_cover = _function('draw_cover', _IMAGE, _IMAGE, _Array, _LONG, *[_INT] * 4, _Array, _Array, _IMAGE, _INT,
+                        *[_Array] * 3)
+_choose_sources = _function('choose_sources', _IMAGE, _INT, _Array, _INT, _INT, _Array, _INT, *[_Array] * 3)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
 _weigh_poses = _function('weigh_poses', _LONG, *[_Array] * 4, _DOUBLE, *[_Array] * 3)
@@ -106,9 +108,12 @@ _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FL
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
 
-NEAREST_M, SEAM = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam'))
+NEAREST_M, SEAM, DARK = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam', 'dark'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
+MOST_SOURCES = _INT.in_dll(_C, 'unit5_most_sources').value
+RING_STEPS, RING_PLACES = (_INT.in_dll(_C, 'unit5_ring_' + name).value for name in ('steps', 'places'))
+RING_OFFSETS_PX = np.ctypeslib.as_array((_FLOAT * RING_STEPS).in_dll(_C, 'unit5_ring_offsets'))
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
 BELIEF_SIZE, FLATNESS_SIZE = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('belief_size', 'flatness_size'))
@@ -396,24 +401,76 @@ def light_picture(picture: Image, white: Image, black: float) -> None:
     _light_picture(_image(picture), _image(white), round(255 * black))
 
 
-def add_roughness(image: Image, positions: Image | None, corner: tuple[int, int], frame: Image,
-                  to_tiles: Floats, shifts: Integers, smooth: Floats) -> None:
-    """Add what is not smooth to an image, (h, w, 3) or (h, w, 4) uint8, contiguous: see unit5.h.
+def read_rings(frame: Image, ends: Floats, parts: Floats,
+               steps: Integers) -> tuple[Floats, Booleans, Integers]:
+    """The colors of the ground beside n quadrilaterals, where the frame shows it, and its depths: see unit5.h.
 
-    ``positions``: see warp in painting/paint.py. ``corner``: x and y in the frame, (H, W, 3) uint8, of the
-    image's first pixel. ``to_tiles``: (3, 3). ``shifts``: (n, n, 2), pixels. ``smooth``: (n, n, 3, 3).
+    ``frame``: (h, w, 3) uint8. ``ends``: (n, 4, RING_PLACES, 2, 2), ``parts``: (n, 4, 1 + RING_STEPS), and
+    ``steps``: (n, 4), 1 to RING_STEPS. The results are (n, 4, RING_PLACES, 3) float64, (n, 4, RING_PLACES) and
+    (n, 4, 2) int32.
     """
-    size = _sized(image, 3)[0]
-    _check_changed('image', image, np.uint8, (*size, 3), (*size, 4))
+    frame = _rows('frame', frame, np.uint8, ('h', 'w', 3))
+    ends, parts, steps = (_numbers(array, dtype) for array, dtype in (
+        (ends, np.float64), (parts, np.float64), (steps, np.int32)))
+    count = len(ends) if ends.ndim else 0
+    check_array('ends', ends, np.float64, (count, 4, RING_PLACES, 2, 2))
+    check_array('parts', parts, np.float64, (count, 4, 1 + RING_STEPS))
+    check_array('steps', steps, np.int32, (count, 4))
+    if count and not 1 <= steps.min() <= steps.max() <= RING_STEPS:
+        raise InputError('A ring has 1 to %d steps, not %d to %d.' % (RING_STEPS, steps.min(), steps.max()))
+    colors, shown = np.empty((count, 4, RING_PLACES, 3)), np.empty((count, 4, RING_PLACES), bool)
+    depths = np.empty((count, 4, 2), np.int32)
+    _read_rings(_image(frame), count, ends, parts, steps, colors, shown, depths)
+    return colors, shown, depths
+
+
+def draw_cover(mask: Image, positions: Image | None, corner: tuple[int, int], cover: Floats, to_cover: Floats,
+               channels: int, frame: Image, to_tiles: Floats, shifts: Integers, smooth: Floats) -> Image:
+    """(h, w, channels) uint8: a cover of a tag; black where the mask is. See unit5.h.
+
+    ``mask``: (h, w, 3) uint8. ``positions``: see warp in painting/paint.py. ``corner``: x and y in the frame,
+    (H, W, 3) uint8, of the mask's first pixel. ``cover``: (m, k, 4), m and k at least 2. ``to_cover``,
+    ``to_tiles``: (3, 3). ``channels``: 3 or 4. ``shifts``: (n, n, 2), pixels. ``smooth``: (n, n, 3, 4).
+    """
+    mask = _rows('mask', mask, np.uint8, *_sized(mask, 3)[1:])
     frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
-    to_tiles, shifts, smooth = (_numbers(array, dtype) for array, dtype in (
-        (to_tiles, np.float64), (shifts, np.int32), (smooth, np.float32)))
+    cover, to_cover, to_tiles, shifts, smooth = (_numbers(array, dtype) for array, dtype in (
+        (cover, np.float32), (to_cover, np.float64), (to_tiles, np.float64), (shifts, np.int32),
+        (smooth, np.float32)))
+    rows, columns = cover.shape[:2] if cover.ndim == 3 else (2, 2)
     count = len(shifts) if shifts.ndim else 0
+    check_array('cover', cover, np.float32, (max(rows, 2), max(columns, 2), 4))
+    check_array('homography', to_cover, np.float64, (3, 3))
     check_array('homography', to_tiles, np.float64, (3, 3))
     check_array('shifts of the tiles', shifts, np.int32, (count, count, 2))
-    check_array('smooth part of the tiles', smooth, np.float32, (count, count, 3, 3))
-    _add_roughness(_image(image), *_positions_and_row(positions, image), *corner, _image(frame), to_tiles,
-                   count, shifts, smooth)
+    check_array('smooth part of the tiles', smooth, np.float32, (count, count, 3, 4))
+    if channels not in (3, 4):
+        raise InputError('A cover cannot have %s channels; choose 3 or 4.' % channels)
+    image = np.zeros((*mask.shape[:2], channels), np.uint8)
+    _draw_cover(_image(image), _image(mask), *_positions_and_row(positions, mask), *corner, rows, columns,
+                cover, to_cover, _image(frame), count, to_tiles, shifts, smooth)
+    return image
+
+
+def choose_sources(frame: Image, at: Floats, frames: int, learns: bool, usual: Floats,
+                   order: Floats) -> tuple[Integers, Floats] | None:
+    """The number of the source of each of n tiles, (n,), and its smooth part, (n, 3, 4) float32: see unit5.h.
+
+    None if too few sources are usable. ``frame``: (h, w, 3) uint8. ``at``: (m, 3, 2). ``frames``: at least 1.
+    ``usual``: (m, 4) float32, contiguous, which may change. ``order``: (n, m).
+    """
+    frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
+    at, order = _numbers(at, np.float64), _numbers(order, np.float32)
+    count, tiles = len(at) if at.ndim else 0, len(order) if order.ndim else 0
+    check_array('places of the sources', at, np.float64, (count, 3, 2))
+    check_array('order', order, np.float32, (tiles, count))
+    _check_changed('usual look of the sources', usual, np.float32, (count, 4))
+    if count > MOST_SOURCES or frames < 1:
+        raise InputError('There are %d sources and %s frames; give at most %d, and at least 1.'
+                         % (count, frames, MOST_SOURCES))
+    chosen, smooth = np.empty(tiles, np.int32), np.zeros((tiles, 3, 4), np.float32)
+    _choose_sources(_image(frame), count, at, frames, learns, usual, tiles, order, chosen, smooth)
+    return None if np.any(chosen < 0) else (chosen, smooth)
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:

@@ -152,18 +152,45 @@ void unit5_mix_picture(const Image *window, const Image *picture, const Image *m
    its size, the level of white paper. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
 void unit5_light_picture(const Image *picture, const Image *white, int black);
 
+/* ring.c, for ring.py. */
+
+extern const int unit5_ring_steps, unit5_ring_places;
+extern const float unit5_ring_offsets[];  /* how far out from a side each step is, pixels of the frame */
+
+/* Read what is beside the sides of quadrilaterals, and find out where their blur ends, and the ground. ``frame``: BGR,
+   not empty. ``ends``: (count, 4, places, 2, 2), the two ends of a line from inside to outside, pixels of it. ``parts``:
+   (count, 4, 1 + steps), how far on such a line the frame is read: inside, and at the steps. ``steps``: (count, 4), how
+   many of these count, 1 to all. Writes ``colors``: (count, 4, places, 3), of the ground, ``shown``: (count, 4,
+   places), whether the frame shows that, and ``depths``: (count, 4, 2), the first step of the ground and the last. */
+void unit5_read_rings(const Image *frame, int count, const double *ends, const double *parts, const int *steps,
+                      double *colors, uint8_t *shown, int *depths);
+
 /* roughness.c, for roughness.py. */
 
 extern const double unit5_seam;  /* the width of the strip in which two tiles are mixed, in tiles */
 
-/* Add what is not smooth to an image, BGR or BGRA, in the quadrilateral that ``to_tiles``
-   maps, from undistorted pixels, to the square from 0 to ``count``. ``positions``, ``row``: those of the image's
-   pixels; see Positions. ``frame``: BGR. ``left``, ``top``: where in it the image's first pixel is. ``shifts``: (count,
-   count, 2), x and y, pixels, from each tile to its source in the frame. ``smooth``: (count, count, 3, 3), the smooth
-   part of that source: its color, and what is added per tile to the right and down. */
-void unit5_add_roughness(const Image *image, const float *positions, int64_t row, int left, int top,
-                         const Image *frame, const double to_tiles[9], int count, const int *shifts,
-                         const float *smooth);
+/* Draw a cover where ``mask``, of the image's size, is not black: what is smooth, ``cover``, and what is not, in
+   ``count`` rows and columns of tiles. Elsewhere, the image, 3 or 4 channels, is left as it is. ``positions``, ``row``:
+   those of its pixels; see Positions. ``left``, ``top``: where its first pixel is in the ``frame``, BGR. ``cover``:
+   (rows, columns, 4), at least 2 each way. ``to_cover``: (3, 3), from undistorted pixels to the unit square, which the cover fills.
+   ``to_tiles``: (3, 3), from undistorted pixels to the square from 0 to ``count``; beyond it, the cover is smooth.
+   ``shifts``: (count, count, 2), x and y, pixels, from each tile to its source in the frame. ``smooth``: (count, count,
+   3, 4), the smooth part of that source: its color, and what is added per tile to the right and down, BGR and 0. */
+void unit5_draw_cover(const Image *image, const Image *mask, const float *positions, int64_t row, int left, int top,
+                      int rows, int columns, const float *cover, const double to_cover[9], const Image *frame,
+                      int count, const double to_tiles[9], const int *shifts, const float *smooth);
+
+extern const int unit5_most_sources;
+extern const double unit5_dark;  /* gray levels to add to colors before their ratios are taken */
+
+/* Choose a source for each tile. ``frame``: BGR. ``at``: (count, 3, 2), in it: the middle of each source, and the
+   places one tile right of it and below. ``frames``: at least 1, of the mean that is ``usual``: (count, 4), the color
+   and the roughness of each source, or -1 if that is unknown. The first frame begins it; later, it is changed if
+   ``learns`` is not 0. ``order``: (tiles, count): the usable source with the least of these is chosen. Writes
+   ``chosen``: (tiles), the numbers of the sources, or -1 if too few are usable; and if there are enough, ``smooth``:
+   (tiles, 3, 4), as above. */
+void unit5_choose_sources(const Image *frame, int count, const double *at, int frames, int learns, float *usual,
+                          int tiles, const float *order, int *chosen, float *smooth);
 
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 

@@ -7,25 +7,26 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import UNIT_SQUARE, homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.painting.paint import paint
-from aruco_ar.painting.place import find_place
+from aruco_ar.painting.paint import put_in
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, middle, rings_around
-from .roughness import Roughness, Tiles
+from .ring import COUNT, DARK, Rings, rings_around
+from .roughness import SMOOTH, Roughness, Tiles
 from .tag_look import SIZE, Front, TagLook
 
 # A tag that moves farther than this is not fixed to the wall. It is a share of the tag's side.
 SAME_PLACE = 0.1
 PLACE_OF = 30         # a tag's place is the running mean of about this many frames
 SIGHTS, MISSES = 3, 15  # a tag in sight in fewer frames is forgotten after so many without it: a mistake
-SOON, RARELY = 4, 30  # the outline is looked for after so many frames: soon at first, rarely if there is none
+# The outline is looked for after so many frames: soon at first, later if there is none, rarely if it is known.
+SOON, LATER, RARELY = 4, 30, 120
 SAME_OUTLINE = 0.06   # outlines that differ by less are the same, in sides of the tag
 USUAL_OF = 15         # the ring's usual colors are the running mean of about this many frames
 ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
@@ -34,6 +35,8 @@ SAME_COLOR = 0.15     # light changes the channels of a color by factors that di
 WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
 RIM = 8.0             # where a thing covers more than 1 part in so many, it is a rim, not noise
 TO_SIZE = np.diag([*SIZE, 1.0])
+UNKNOWN = np.full((4 * COUNT, 3), np.nan)
+MEAN = np.full(3, 1 / 3)
 
 
 class HiddenTags:
@@ -63,7 +66,8 @@ class HiddenTags:
         for tag_id, hidden in self._hidden.items():
             # A tag may stand off the wall, or the wall be bent. So its own corners count if they are seen.
             quad = seen[tag_id] if tag_id in seen else transform(to_frame, hidden.place)
-            if cv2.contourArea(quad.astype(np.float32)) > MIN_AREA_PX:
+            contour = quad.astype(np.float32)
+            if cv2.contourArea(contour) > MIN_AREA_PX and cv2.isContourConvex(contour):
                 if tag_id in seen:
                     hidden.find_outline(frame, quad, area.lens)
                 chosen.append((hidden, tag_id in seen))
@@ -71,22 +75,29 @@ class HiddenTags:
         if not chosen:
             return
         rings = rings_around(frame, area.lens, np.stack(outlines))
-        covers = []
-        for (hidden, is_seen), outline, ring, shown, corners, *reach in zip(chosen, outlines, *rings):
-            colors = hidden.without_others(ring, shown, is_seen)
-            cover = filled(colors)
-            front = hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens,
-                                      colors.mean(axis=0), is_seen) if keep else None
-            cover = cover if front is None else _behind(cover, front, outline, corners)
-            covers.append((cover, corners, hidden.roughness.tiles(frame, area.lens, outline, *reach, is_seen)))
-        for cover, corners, tiles in covers:
-            _put(image, Area.from_undistorted(corners, lens=area.lens), cover, tiles, noisy)
+        colors = _without_others(rings, chosen)
+        covers = filled(colors)
+        tiles = [hidden.roughness.tiles(frame, area.lens, outline, blur_px, depth_px, is_seen)
+                 for (hidden, is_seen), outline, blur_px, depth_px in zip(
+                     chosen, outlines, rings.blurs.tolist(), rings.depths.tolist())]
+        fronts = [hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens, mean, is_seen)
+                  if keep else None
+                  for (hidden, is_seen), outline, mean in zip(chosen, outlines, colors.mean(axis=1))]
+        to_covers = np.linalg.inv(np.stack([homography_to(corners) for corners in rings.corners]))
+        # Only now the image changes, which may be the frame itself.
+        for cover, front, outline, corners, to_cover, rough in zip(covers, fronts, outlines, rings.corners,
+                                                                   to_covers, tiles):
+            covered = Area.from_undistorted(corners, lens=area.lens)
+            if front is None:
+                _put(image, frame, covered, cover, 3, to_cover, rough, noisy)
+            else:
+                _put(image, frame, covered, _behind(cover, front, outline, to_cover), 4, to_cover, rough, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""
-        to_area = homography_from(area.undistorted)
-        for tag_id, quad in seen.items():
-            place, hidden = transform(to_area, quad), self._hidden.get(tag_id)
+        places = transform(homography_from(area.undistorted), np.array([*seen.values()]).reshape(-1, 4, 2))
+        for tag_id, place in zip(seen, places):
+            hidden = self._hidden.get(tag_id)
             if hidden is None or not hidden.is_at(place):
                 self._hidden[tag_id] = _HiddenTag(place)
         self._hidden = {tag_id: hidden for tag_id, hidden in self._hidden.items()
@@ -97,8 +108,9 @@ class _HiddenTag:
     """What is known of a tag.
 
     ``place``: (4, 2) float64, its corners in the area, which is the unit square. ``outline``: (4, 2) float64,
-    the part that is covered, where the tag is the unit square: the tag alone, or its paper, too. ``look``: that
-    of this part.
+    the part that is covered, where the tag is the unit square: the tag alone, or its paper, too. ``look``,
+    ``roughness``: those of this part. ``usual``: (4 * COUNT, 3), the usual colors of the ring around it, NaN if
+    unknown.
     """
 
     def __init__(self, place: Floats) -> None:
@@ -106,7 +118,7 @@ class _HiddenTag:
         self.outline, self.look, self.roughness = UNIT_SQUARE, TagLook(), Roughness()
         self._sights, self._misses = 1, 0
         self._search_in, self._pause, self._last_found = 0, SOON, UNIT_SQUARE  # see find_outline
-        self._usual: Floats | None = None  # the usual colors of the ring
+        self.usual = UNKNOWN
 
     def is_at(self, place: Floats) -> bool:
         """Whether the tag is still where it was. Its place is a running mean."""
@@ -132,89 +144,102 @@ class _HiddenTag:
             return
         found = paper_of(frame, quad, lens)
         if found is None:
-            self._search_in = self._pause = min(2 * self._pause, RARELY)
+            self._search_in = self._pause = min(2 * self._pause, LATER)
             return
         is_same = self._sights == 1 or np.abs(found - self._last_found).max() < SAME_OUTLINE
-        self._search_in = self._pause = RARELY if is_same else SOON
+        self._search_in = self._pause = min(max(2 * self._pause, LATER), RARELY) if is_same else SOON
         if is_same and np.abs(found - self.outline).max() > SAME_OUTLINE:
-            self.outline, self.look, self.roughness, self._usual = found, TagLook(), Roughness(), None
+            self.outline, self.look, self.roughness, self.usual = found, TagLook(), Roughness(), UNKNOWN
         self._last_found = found
 
-    def without_others(self, colors: Floats, shown: Booleans, seen: bool) -> Floats:
-        """The colors of the ring around the outline without those of things in front and of other tags.
 
-        ``colors``: (n, 3), and ``shown``: (n,): see Rings. ``seen``: whether the tag is in sight.
-        """
-        even, share = _without_others(colors, shown, self._usual)
-        if seen and share < ENOUGH and self._usual is not None:
-            self._usual = None
-            even, _ = _without_others(colors, shown, None)
-        if seen:
-            self._usual = even if self._usual is None else self._usual + (even - self._usual) / USUAL_OF
-        return even
+def _without_others(rings: Rings, tags: Sequence[tuple[_HiddenTag, bool]]) -> Floats:
+    """(n, 4 * COUNT, 3): the colors of rings without those of things in front and of other tags.
 
-
-def _without_others(colors: Floats, shown: Booleans, usual: Floats | None) -> tuple[Floats, float]:
-    """Colors of a ring, (n, 3), without those of other things, and the share of those that remain.
-
-    ``usual``: (n, 3), the colors of before, or None if they are unknown; then most of the ring has about one
-    color. Light changes all channels by about the same factor, and less than a thing does. What is left out is
-    filled in from the colors beside it, in the light of now.
+    ``tags``: the n tags, which learn the usual colors, and whether they are in sight.
     """
-    before = np.ones_like(colors) if usual is None else usual
+    usual = np.stack([hidden.usual for hidden, _ in tags])
+    even, share = _even(rings.colors, rings.shown, usual)
+    for number, (hidden, is_seen) in enumerate(tags):
+        if not is_seen:
+            continue
+        known = hidden.usual is not UNKNOWN
+        if known and share[number] < ENOUGH:
+            known, part = False, slice(number, number + 1)
+            even[part], _ = _even(rings.colors[part], rings.shown[part], UNKNOWN[None])
+        hidden.usual = usual[number] + (even[number] - usual[number]) / USUAL_OF if known else even[number]
+    return even
+
+
+def _even(colors: Floats, shown: Booleans, usual: Floats) -> tuple[Floats, Floats]:
+    """Colors of n rings, (n, k, 3), without those of other things, and the share of those that remain, (n,).
+
+    ``shown``: (n, k), see Rings. ``usual``: (n, k, 3), the colors of before, or NaN if they are unknown; then
+    most of the ring has about one color. Light changes all channels by about the same factor, and less than a
+    thing does. What is left out is filled in from the colors beside it, in the light of now.
+    """
+    known = ~np.isnan(usual[:, 0, 0])
+    before = np.where(known[:, None, None], usual, 1.0)
     change = (colors + DARK) / (before + DARK)
-    common = middle(change[shown]) if shown.any() else np.ones(3)
-    if usual is not None and not _is_light(common):  # most of the ring is covered
-        common = np.ones(3)
+    # The middle one of those that are shown; of two, it is the larger one.
+    ordered = np.sort(np.where(shown[..., None], change, np.inf), axis=1)
+    common = np.take_along_axis(ordered, (shown.sum(axis=1) // 2 % shown.shape[1])[:, None, None], axis=1)
+    common[~shown.any(axis=1)] = 1
+    common[known & ~_is_light(common[:, 0])] = 1  # most of the ring is covered
     usable = shown & _is_light(change / common)
-    if usable.all():
-        return colors, 1.0
-    if not usable.any():
-        return colors if usual is None else before, 0.0
-    weights = NEARNESS * usable
-    instead = weights @ change / weights.sum(axis=1)[:, None] * (before + DARK) - DARK
-    return np.where(usable[:, None], colors, instead), float(usable.mean())
+    share = usable.mean(axis=1)
+    even = colors.copy()
+    for number in np.flatnonzero(share < 1):
+        if share[number]:
+            weights = NEARNESS * usable[number]
+            left_out = ~usable[number]
+            mean = weights[left_out] @ change[number] / weights[left_out].sum(axis=1)[:, None]
+            even[number, left_out] = mean * (before[number, left_out] + DARK) - DARK
+        elif known[number]:
+            even[number] = before[number]
+    return even, share
 
 
 def _is_light(factors: Floats) -> Booleans:
     """(...): whether light may change colors, BGR, by such factors, (..., 3)."""
-    bright = factors.mean(axis=-1)
+    bright = factors @ MEAN
     off = np.abs(factors - bright[..., None]).max(axis=-1)
     return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
-def _behind(cover: Image, front: Front, outline: Floats, corners: Floats) -> Image:
-    """A cover, (h, w, 3) BGR uint8, as BGRA, transparent where something is in front.
+def _behind(cover: Floats, front: Front, outline: Floats, to_cover: Floats) -> Floats:
+    """A cover, (h, w, 4) float32, BGRA, made transparent where something is in front.
 
     At its rim, the frame's colors are a mixture with those of the tag. Painted with their share of the tag, the
     cover's colors are such that this share is replaced: the frame's, less the tag's, plus the cover's.
-    ``outline``, ``corners``: (4, 2) undistorted pixels, of what is covered, and where the cover goes.
+    ``outline``: (4, 2) undistorted pixels, of what is covered. ``to_cover``: see _put.
     """
     looked_at = homography_to(outline) @ homography_to(WIDER)
-    to_cover = np.asarray(TO_SIZE @ homography_from(corners) @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
+    to_pixels = np.asarray(TO_SIZE @ to_cover @ looked_at @ np.linalg.inv(TO_SIZE), np.float64)
     rim = np.minimum(RIM * front.share, 1)
     more = np.dstack([rim[..., None] * front.off, 255 * (1 - front.share)])
-    more = np.asarray(cv2.warpPerspective(more, to_cover, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
-    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)
-    return np.asarray(np.clip(np.round(more), 0, 255), np.uint8)
+    more = np.asarray(cv2.warpPerspective(more, to_pixels, SIZE, borderMode=cv2.BORDER_REPLICATE), np.float32)
+    more[:, :, :3] += cv2.resize(cover, SIZE, interpolation=cv2.INTER_LINEAR)[:, :, :3]
+    return more
 
 
-def _put(image: Image, covered: Area, cover: Image, tiles: Tiles | None,
-         noisy: Callable[[Image], Image] | None) -> None:
-    """Paint a cover, (h, w, 3) or (h, w, 4) uint8, into an image. This changes it.
+def _put(image: Image, frame: Image, covered: Area, cover: Floats, channels: int, to_cover: Floats,
+         tiles: Tiles, noisy: Callable[[Image], Image] | None) -> None:
+    """Paint a cover, (h, w, 4) float32, BGRA, into an image. This changes it.
 
-    ``covered``: where it goes. ``tiles``: what is not smooth there, if known. ``noisy``: see HiddenTags.hide.
+    ``frame``, ``noisy``: see HiddenTags.hide. ``covered``: where the cover goes. ``channels``: 3 if it is
+    opaque, else 4. ``to_cover``: (3, 3), from undistorted pixels to the unit square, which it fills.
+    ``tiles``: what is not smooth there.
     """
-    place = find_place(image, covered, cover)
-
-    def finish(warped: Image) -> Image:
-        if tiles is not None:
-            begin = np.round(covered.corners[0] - place.area.corners[0]).astype(int)
-            tiles.add_to(warped, begin, place.positions)
-        elif noisy is not None:
-            warped[:, :, :3] = noisy(warped[:, :, :3])
-        return warped
-    paint(place, cover, finish=finish)
+    window, there = covered.window(image)
+    if not window.size:
+        return
+    x, y = (round(offset) for offset in (covered.corners[0] - there.corners[0]).tolist())
+    mask = binding.draw_mask(window, there.undistorted, there.positions)
+    drawn = binding.draw_cover(mask, there.positions, (x, y), cover, to_cover, channels, frame, *tiles)
+    if tiles is SMOOTH and noisy is not None:
+        drawn[:, :, :3] = noisy(drawn[:, :, :3])
+    put_in(window, drawn, mask)
 
 
 def _nearness() -> Floats:

@@ -38,7 +38,7 @@ def paper_of(frame: Image, quad: Floats, lens: Lens | None) -> Floats | None:
     colors, shown = colors_at(frame, lens, transform(homography_to(quad), POINTS))
     colors += DARK
     usual = np.median(colors[:, BESIDE], axis=1)                     # (4, STEPS, 3)
-    alike = shown & (np.abs(colors / usual[:, None] - 1).max(axis=3) < ALIKE)
+    alike = shown & _alike(colors, usual[:, None])
     plain = np.sum(alike & AROUND, axis=(0, 1)) >= PLAIN * 4 * AROUND.sum(axis=0)
     plain &= np.abs(usual / usual.mean(axis=0) - 1).max(axis=(0, 2)) < EQUAL
     change = np.abs(usual[:, 2 * LAG:] / usual[:, :-2 * LAG] - 1).max(axis=(0, 2))
@@ -53,9 +53,15 @@ def paper_of(frame: Image, quad: Floats, lens: Lens | None) -> Floats | None:
     begin, end = runs[0]
     # Somewhere farther in than this, on each side, the wall's color ends.
     wall = np.median(usual[:, begin:end], axis=1)
-    others = np.abs(colors[:, BESIDE, :begin] / wall[:, None, None] - 1).max(axis=3) >= ALIKE  # (4, 16, begin)
+    others = ~_alike(colors[:, BESIDE, :begin], wall[:, None, None])  # (4, 16, begin)
     margin = np.where(others.any(axis=2), OUT[begin - 1 - others[:, :, ::-1].argmax(axis=2)], 0.0)
     return _straight(margin)
+
+
+def _alike(colors: Floats, usual: Floats) -> Booleans:
+    """(...): whether colors, (..., 3), are like the usual ones, (..., 3)."""
+    near = np.abs(colors / usual - 1) < ALIKE
+    return np.asarray(near[..., 0] & near[..., 1] & near[..., 2])  # by NumPy's all, it takes many times as long
 
 
 def _runs(plain: Booleans) -> list[tuple[int, int]]:

@@ -174,13 +174,31 @@ def of_light_picture():
         'picture': arrays['picture'], 'white': arrays['mask']}
 
 
-def of_add_roughness():
+def of_read_rings():
+    random = np.random.RandomState(6)
+    return binding.read_rings, {
+        'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8),
+        'ends': random.uniform(5, 40, (2, 4, binding.RING_PLACES, 2, 2)),
+        'parts': np.sort(random.uniform(0, 1, (2, 4, 1 + binding.RING_STEPS))),
+        'steps': random.randint(1, binding.RING_STEPS + 1, (2, 4))}
+
+
+def of_draw_cover():
     random = np.random.RandomState(4)
-    return lambda **arrays: binding.add_roughness(corner=(10, 10), **arrays), {
-        'image': np.full((HEIGHT, WIDTH, 4), 99, np.uint8), 'positions': positions(),
+    return lambda **arrays: binding.draw_cover(corner=(10, 10), channels=4, **arrays), {
+        'mask': np.full((HEIGHT, WIDTH, 3), 255, np.uint8), 'positions': positions(),
+        'cover': random.uniform(80, 120, (5, 6, 4)).astype(np.float32), 'to_cover': np.diag([0.025, 0.035, 1]),
         'frame': random.randint(0, 256, (90, 80, 3)).astype(np.uint8), 'to_tiles': np.diag([0.05, 0.07, 1]),
         'shifts': np.int32([[[-8, 3], [7, 1]], [[4, -9], [-9, 8]]]),
-        'smooth': random.normal(0, 9, (2, 2, 3, 3)).astype(np.float32)}
+        'smooth': random.normal(0, 9, (2, 2, 3, 4)).astype(np.float32)}
+
+
+def of_choose_sources():
+    random = np.random.RandomState(5)
+    at = random.uniform(10, 30, (6, 1, 2)) + [[0, 0], [9, 1], [-1, 8]]
+    return lambda **arrays: binding.choose_sources(frames=1, learns=True, **arrays), {
+        'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8), 'at': at,
+        'usual': np.zeros((6, 4), np.float32), 'order': random.uniform(0, 1, (4, 6)).astype(np.float32)}
 
 
 def of_refine_pose_pairs():
@@ -288,17 +306,18 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_add_roughness, of_find_pose_pairs, of_refine_pose_pairs, of_weigh_poses, of_mix_poses,
-         of_place_tags, of_off_others, of_add_off, of_measure_light, of_light_wall, of_compare_wall,
-         of_learn_wall)}
+         of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
+         of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light,
+         of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
-             'smooth', 'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'smooth', 'cover', 'to_cover', 'at', 'order', 'ends', 'parts', 'steps',
+             'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
                                        of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
-WRITTEN = {('light_picture', 'picture'), ('add_roughness', 'image'),
+WRITTEN = {('light_picture', 'picture'), ('choose_sources', 'usual'),
            ('weigh_poses', 'memories'), ('add_off', 'memories'),
            *(('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')),
            *((name, 'motion') for name in ('start_motion', 'predict_motion', 'jerk_motion', 'correct_motion'))}
@@ -395,7 +414,11 @@ def test_an_array_of_another_shape_is_refused(name, argument):
         fits = {('draw_mask', 'frame'): other.ndim in (2, 3) and other.shape[:2] == array.shape[:2],
                 ('warp_picture', 'picture'): other.ndim == 3 and other.shape[2] == 4 and other.size,
                 ('warp_picture', 'mask'): other.shape == array.shape[:2],
-                ('add_roughness', 'frame'): other.ndim == 3 and other.shape[2] == 3,
+                **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3
+                   for of in ('draw_cover', 'choose_sources')},
+                ('read_rings', 'frame'): other.ndim == 3 and other.shape[2] == 3 and other.size,
+                ('draw_cover', 'cover'): other.ndim == 3 and other.shape[2] == 4 and min(other.shape) > 1,
+                ('choose_sources', 'order'): other.ndim == 2 and other.shape[1] == 6,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},

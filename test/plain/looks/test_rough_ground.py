@@ -61,6 +61,20 @@ def test_the_texture_stays_where_it_is_and_the_noise_changes_from_frame_to_frame
     assert 0.85 < noise[inside].mean() / noise[beside].mean() < 1.15
 
 
+def test_ground_may_become_rough_only_after_the_first_frame():
+    hidden, ground = HiddenTags(), tagged(rough(1.2))
+    hide(hidden, tagged(rough(0)))  # a video's first frame may be smooth
+    images = [fine(hide(hidden, ground)) for _ in range(10)]
+    assert 0.7 < images[-1][around(-100, -3)].std() / images[-1][around(8, 40)].std() < 1.3
+
+
+def test_light_that_falls_off_goes_on_under_a_tag_without_a_step():
+    y, x = np.indices((HEIGHT, WIDTH))
+    ground = (60 + 0.5 * x + 0.3 * y)[..., None] * np.float32([0.9, 1, 1.05])
+    off = np.abs(hide(HiddenTags(), tagged(ground)) - ground)[around(-100, -3)]
+    assert off.max() < 2  # half a pixel of the cover, which is 16 pixels wide, makes 2.7
+
+
 def test_edges_of_other_things_beside_a_tag_are_not_under_it():
     ground = rough(2)
     ground[:78], ground[:, 205:] = (30, 30, 30), (220, 220, 240)
