@@ -172,8 +172,9 @@ extern const double unit5_seam;  /* the width of the strip in which two tiles ar
 /* Draw a cover where ``mask``, of the image's size, is not black: what is smooth, ``cover``, and what is not, in
    ``count`` rows and columns of tiles. Elsewhere, the image, 3 or 4 channels, is left as it is. ``positions``, ``row``:
    those of its pixels; see Positions. ``left``, ``top``: where its first pixel is in the ``frame``, BGR. ``cover``:
-   (rows, columns, 4), at least 2 each way. ``to_cover``: (3, 3), from undistorted pixels to the unit square, which the cover fills.
-   ``to_tiles``: (3, 3), from undistorted pixels to the square from 0 to ``count``; beyond it, the cover is smooth.
+   (rows, columns, 4), at least 2 each way. ``to_cover``: (3, 3), from undistorted pixels to the unit square, which the
+   cover fills. ``to_tiles``: (3, 3), from undistorted pixels to the square from 0 to ``count``; beyond it, the cover is
+   smooth.
    ``shifts``: (count, count, 2), x and y, pixels, from each tile to its source in the frame. ``smooth``: (count, count,
    3, 4), the smooth part of that source: its color, and what is added per tile to the right and down, BGR and 0. */
 void unit5_draw_cover(const Image *image, const Image *mask, const float *positions, int64_t row, int left, int top,

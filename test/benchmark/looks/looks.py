@@ -12,7 +12,7 @@ from rig import PACKAGE
 
 from benchmark.course import Course
 
-from . import grain, hidden, real_arm, standing
+from . import alike, grain, hidden, real_arm, standing
 from .painter import Painter
 from .scenes import SCENES
 
@@ -169,6 +169,7 @@ def run(chart='unit5-bench-looks.png'):
     for each, values in ms.items():
         tell('%-10s %5.2f %6.2f' % (each, np.median(values), np.percentile(values, 99)))
     standing.run()
+    alike.run()
     hidden.run()
     grain.run()
     cv2.imwrite(chart, cv2.resize(np.vstack(rows), None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA))
