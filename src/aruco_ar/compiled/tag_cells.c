@@ -128,6 +128,13 @@ static void keep_edge(const Point quad[4], int edge, double matrix[UNKNOWNS][UNK
     }
 }
 
+/* Whether a cell is at an edge of the tag that is not known exactly, so that something may cover it. */
+static int may_be_covered(const int exact[4], int cells, int row, int column)
+{
+    return (row == 0 && !exact[0]) || (column == cells - 1 && !exact[1]) || (row == cells - 1 && !exact[2])
+        || (column == 0 && !exact[3]);
+}
+
 int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, const int exact[4],
               Point fitted[4])
 {
@@ -145,6 +152,9 @@ int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t 
                 for (int column = 0; column < cells - 1 + down; column++) {
                     int here = wanted[row * cells + column] > 127;
                     if (here == (wanted[(row + down) * cells + column + 1 - down] > 127))
+                        continue;
+                    if (exact && (may_be_covered(exact, cells, row, column)
+                                  || may_be_covered(exact, cells, row + down, column + 1 - down)))
                         continue;
                     edges++;
                     float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells, further = 1.0f / cells;

@@ -25,7 +25,7 @@
 #define MAX_FINE_PX 5.0f
 #define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
 #define MAX_BENT 0.35f    /* half of an edge's profiles must be off its line by less than this share of the reach */
-#define LEAST_SEEN 2      /* so many edges of a tag must be seen if something covers the others */
+#define LEAST_SEEN 3      /* so many edges of a tag must be seen if something covers the others */
 #define LEAST_CELL_PX 3.0f  /* with smaller cells, blur mixes what covers an edge into those beside it */
 #define MIN_WITHIN_PX 1   /* nearer to the frame's rim, an edge is not measured by profiles across it */
 #define MARGIN_LIGHT 0.9f /* samples at least this light, as a share of the contrast, are the margin */
