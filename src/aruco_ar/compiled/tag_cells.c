@@ -17,14 +17,17 @@
 #define MAX_BLUR 0.6f
 #define MIN_SLOPE 0.05f  /* least slope in the middle of a profile, as a share of the contrast */
 /* Distances from the expected edge, relative to a profile's length: an edge farther off is another one; the
-   largest mean while fitting; the largest mean after the last step. */
+   largest mean while fitting; the largest mean after the last step. It may be larger if some of the tag's own edges
+   stay as they are, since a ghost image, as of a lens or of sharpening, shifts the edges of all cells. */
 #define MAX_OFF 0.4f
 #define MAX_MEAN_OFF 0.2f
 #define MAX_FINAL_OFF 0.03f
+#define MAX_EXACT_OFF 0.06f
 #define MIN_SEEN 0.9f    /* share of the edges between cells that must be found; otherwise something covers the tag */
 #define MIN_EDGES 8
 #define MAX_MOVED 1.5f   /* a corner is not moved farther than this, in cells */
 #define RIDGE 1e-3       /* added to the diagonal, so that poorly determined unknowns stay small */
+#define KEPT 1e4         /* the weight of an edge that is known, compared with one profile */
 
 /* How far beyond a profile's middle it crosses from dark to light, or back, in samples. Also its contrast, which
    is the difference between its ends, and the slope in its middle. */
@@ -111,7 +114,29 @@ Homography homography_to(const Point quad[4])
                         g, h};
 }
 
-int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4])
+/* Add to the equations that the corners of an edge stay on it. */
+static void keep_edge(const Point quad[4], int edge, double matrix[UNKNOWNS][UNKNOWNS])
+{
+    Point along = minus(quad[(edge + 1) % 4], quad[edge]);
+    float size = larger(length(along), 1e-6f);
+    const double x = along.y / size, y = -along.x / size;  /* across the edge */
+    for (int end = 0; end < 2; end++) {
+        int i = 2 * ((edge + end) % 4);
+        matrix[i][i] += KEPT * x * x;
+        matrix[i + 1][i] += KEPT * x * y;
+        matrix[i + 1][i + 1] += KEPT * y * y;
+    }
+}
+
+/* Whether a cell is at an edge of the tag that is not known exactly, so that something may cover it. */
+static int may_be_covered(const int exact[4], int cells, int row, int column)
+{
+    return (row == 0 && !exact[0]) || (column == cells - 1 && !exact[1]) || (row == cells - 1 && !exact[2])
+        || (column == 0 && !exact[3]);
+}
+
+int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, const int exact[4],
+              Point fitted[4])
 {
     float blur[2] = {BLUR, BLUR};  /* in cells, to the right and down */
     memcpy(fitted, quad, 4 * sizeof(Point));
@@ -127,6 +152,9 @@ int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t 
                 for (int column = 0; column < cells - 1 + down; column++) {
                     int here = wanted[row * cells + column] > 127;
                     if (here == (wanted[(row + down) * cells + column + 1 - down] > 127))
+                        continue;
+                    if (exact && (may_be_covered(exact, cells, row, column)
+                                  || may_be_covered(exact, cells, row + down, column + 1 - down)))
                         continue;
                     edges++;
                     float x = (column + 0.5f) / cells, y = (row + 0.5f) / cells, further = 1.0f / cells;
@@ -170,12 +198,15 @@ int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t 
             float estimate = blur[down] * should / larger(seen, MIN_SLOPE);
             next_blur[down] = larger(MIN_BLUR, smaller(estimate, MAX_BLUR));
         }
-        float most = step < STEPS - 1 ? MAX_MEAN_OFF : MAX_FINAL_OFF;
+        float most = step < STEPS - 1 ? MAX_MEAN_OFF : exact ? MAX_EXACT_OFF : MAX_FINAL_OFF;
         if (found < MIN_SEEN * edges || found < MIN_EDGES || sum_off > most * found)
             return 0;
         memcpy(blur, next_blur, sizeof blur);
         for (int i = 0; i < UNKNOWNS; i++)
             matrix[i][i] += RIDGE;
+        for (int edge = 0; edge < 4; edge++)
+            if (exact && exact[edge])
+                keep_edge(quad, edge, matrix);
         solve(matrix, vector);
         for (int corner = 0; corner < 4; corner++)
             fitted[corner] = plus(fitted[corner], 1, (Point){vector[2 * corner], vector[2 * corner + 1]});

@@ -20,8 +20,10 @@ static inline Point mapped(const Homography *to, float x, float y)
 }
 
 /* Fit a quadrilateral to the edges between dark and light cells within a tag, (cells, cells). Returns 0 if too many
-   edges are not found. */
-int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, Point fitted[4]);
+   edges are not found. ``exact``: which of its own edges are known, so that their corners stay on them; NULL if none
+   is. */
+int fit_cells(const Image *frame, const Point quad[4], int cells, const uint8_t *wanted, const int exact[4],
+              Point fitted[4]);
 
 enum { WHITE_TAG = 1, UNEVEN_TAG, MARGIN };
 

@@ -25,6 +25,8 @@
 #define MAX_FINE_PX 5.0f
 #define SETTLED_PX 0.5f   /* if a corner was off by more, the quadrilateral is fitted once more */
 #define MAX_BENT 0.35f    /* half of an edge's profiles must be off its line by less than this share of the reach */
+#define LEAST_SEEN 3      /* so many edges of a tag must be seen if something covers the others */
+#define LEAST_CELL_PX 3.0f  /* with smaller cells, blur mixes what covers an edge into those beside it */
 #define MIN_WITHIN_PX 1   /* nearer to the frame's rim, an edge is not measured by profiles across it */
 #define MARGIN_LIGHT 0.9f /* samples at least this light, as a share of the contrast, are the margin */
 #define STEADY 0.5f       /* with a narrow margin, most profiles must have this share of the contrast */
@@ -338,7 +340,7 @@ static int fit_inner(const Image *frame, const Point quad[4], int inverted, int 
     Point inner[4];
     float coarse[4], fine[4], beyond[4];
     int narrow;
-    if (!fit_cells(frame, quad, cells, wanted, inner))
+    if (!fit_cells(frame, quad, cells, wanted, NULL, inner))
         return 0;
     reaches(frame, inner, cells, coarse, fine, beyond);
     for (int edge = 0; edge < 4; edge++)
@@ -349,11 +351,35 @@ static int fit_inner(const Image *frame, const Point quad[4], int inverted, int 
     return 1;
 }
 
+/* Fit a quadrilateral, off by less than about a quarter of a cell, to a tag of which something covers an edge: exactly
+   to the edges that are seen, and as for the others, to those between its cells. Returns 0 if too few are seen, or if
+   they contradict the cells, as the edge of what covers the tag does. */
+static int fit_covered(const Image *frame, const Point quad[4], int inverted, int cells, const uint8_t *wanted,
+                       Point fitted[4])
+{
+    Point found[4], measured[4];
+    float coarse[4], fine[4], beyond[4];
+    int seen[4], count = 0, narrow;
+    reaches(frame, quad, cells, coarse, fine, beyond);
+    for (int edge = 0; edge < 4; edge++) {
+        float alone[4] = {0};
+        alone[edge] = fine[edge];
+        if (coarse[edge] < COARSE * LEAST_CELL_PX)
+            return 0;
+        seen[edge] = beyond[edge] >= MIN_FINE_PX && fit_edges(frame, quad, inverted, alone, found, &narrow) && !narrow;
+        fine[edge] *= seen[edge];
+        count += seen[edge];
+    }
+    return count >= LEAST_SEEN && fit_edges(frame, quad, inverted, fine, found, &narrow)
+        && fit_edges(frame, found, inverted, fine, measured, &narrow)
+        && fit_cells(frame, measured, cells, wanted, seen, fitted);
+}
+
 void unit5_fit_tags(const Image *frame, int count, const Point *quads, int cells, uint8_t *wanted, Point *fitted,
                     uint8_t *good, float *likeness, int samples, float *whole)
 {
     for (int tag = 0; tag < count; tag++) {
-        int narrow = 0;
+        int narrow = 0, rim = 1;  /* its border is compared only if something covers it */
         const Point *quad = quads + 4 * tag;
         Point *found = fitted + 4 * tag;
         uint8_t *own = wanted + tag * cells * cells;
@@ -368,14 +394,17 @@ void unit5_fit_tags(const Image *frame, int count, const Point *quads, int cells
         if (!good[tag] || narrow || at_rim) {
             Point inner[4];
             if (fit_inner(frame, first, inverted, cells, own, at_rim, inner)) {
-                memcpy(found, inner, sizeof inner);
+                if (!good[tag] && fit_covered(frame, inner, inverted, cells, own, found))
+                    rim = 0;
+                else
+                    memcpy(found, inner, sizeof inner);
                 good[tag] = 1;
             } else if (least < MIN_WITHIN_PX)
                 good[tag] = 0;
         }
         if (!good[tag])
             memcpy(found, quad, 4 * sizeof(Point));
-        likeness[tag] = correlation(frame, found, cells, own, 1, 1);
+        likeness[tag] = correlation(frame, found, cells, own, rim, 1);
         if (whole)
             whole[tag] = correlation(frame, found, cells, own, 0, samples);
     }

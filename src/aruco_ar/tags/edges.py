@@ -17,8 +17,10 @@ def fit_tags(frame: Image, quads: Floats, cells: Image) -> tuple[Floats, Boolean
 
     Returns the quadrilaterals, (n, 4, 2) float32; whether all four edges were
     found, (n,) bool; and the likeness, (n,) float32: the correlation of what is
-    seen with the tag's cells, 1 if they are the same. Edges are not found if
-    the tag is partly covered. Then the quadrilateral is returned unchanged.
+    seen with the tag's cells, 1 if they are the same. If something covers one
+    of its edges, the others and the edges between its cells may say where that
+    is. Then its likeness is lower, since its border is compared, too. If that
+    fails, edges are not found, and the quadrilateral is returned unchanged.
     Raises InputError for arrays of other types and shapes.
     """
     return binding.fit_tags(frame, quads, cells)

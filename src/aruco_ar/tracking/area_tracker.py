@@ -199,12 +199,13 @@ class AreaTracker:
 
     def locate(self, search: FrameSearch, nearby: Nearby, found: Sequence[Tag], hold: float) -> SeenArea:
         """Finish a frame. ``found``: the tags in the whole frame, if ``nearby`` asks for them."""
+        before = self._layout
         if self._layout is None:
-            self._start(self._without_covers(found, search))
+            self._start(*self._without_covers(found, search))
         else:
             self._use_tags(self._layout, nearby, found, search)
-            if self._motion is not None and not self._displaced:
-                self._learn_look(search.frame, self._layout, self._motion)
+        if self._layout is not None and self._motion is not None and not self._displaced:
+            self._learn_look(search.frame, self._layout, self._motion, self._layout is not before)
         self._frame = None
         area = self._area(hold)
         self._shown = area is not None
@@ -228,8 +229,11 @@ class AreaTracker:
         """Whether these tags, with undistorted corners, span the area."""
         return self._layout_of(tags) is not None
 
-    def _start(self, tags: Sequence[Tag]) -> None:
-        """Start anew, with the area that these tags span, if they span one."""
+    def _start(self, tags: Sequence[Tag], is_covered: bool = False) -> None:
+        """Start anew, with the area that these tags span, if they span one.
+
+        ``is_covered``: whether something covers a side of one of them.
+        """
         self._seen = {tag.id: tag for tag in tags}
         self._repeated = [tag for tag in tags if self._seen[tag.id] is not tag]
         self._texture, self._views = Texture(self._lens), Views()
@@ -252,6 +256,8 @@ class AreaTracker:
         if self._layout is not None:
             self._searched_at = self._clock.now
             self._take_in(self._layout, self._seen)
+            self._is_sharp = (not is_covered and self._sharpness.take_in(
+                self._seen[tag_id] for tag_id in self._layout.ids))
 
     def _recall(self, wall: RememberedWall) -> None:
         """Begin with what is remembered of a wall."""
@@ -321,21 +327,21 @@ class AreaTracker:
         if tags:
             # A few known ids may also occur on another wall.
             if not moved_on and len(seen) - len(known) > len(agreed) and self._layout_of(tags):
-                self._start(self._without_covers(tags, search))
+                self._start(*self._without_covers(tags, search))
                 return
             self._note_displaced(layout, known, set(known) - set(agreed))
         if self._displaced:
             if has_searched and tags and self._new_layout.stays(tags, self._layout_of(tags), self._clock.now):
-                self._start(self._without_covers(tags, search))
+                self._start(*self._without_covers(tags, search))
         elif has_searched and self._motion is not None and len(agreed) >= 3 and (self._is_sharp or not has_all):
             self._further.learn(layout, self._motion, seen, agreed)
 
-    def _without_covers(self, tags: Sequence[Tag], search: FrameSearch) -> list[Tag]:
-        """Tags of a frame that may span an area, those four as they are without what covers some."""
+    def _without_covers(self, tags: Sequence[Tag], search: FrameSearch) -> tuple[list[Tag], bool]:
+        """Tags of a frame that may span an area, as they are without what covers some; whether it does."""
         layout = self._layout_of(tags)
         four = [] if layout is None else search.complete([tag for tag in tags if tag.id in layout.ids])
         completed = {tag.id: tag for tag in four}
-        return [completed.get(tag.id, tag) for tag in tags]
+        return [completed.get(tag.id, tag) for tag in tags], bool(completed)
 
     def _completed(self, layout: Layout, seen: Mapping[int, Tag], expected: Mapping[int, Floats],
                    search: FrameSearch) -> tuple[dict[int, Tag], frozenset[int]]:
@@ -477,12 +483,12 @@ class AreaTracker:
                 return True
         return False
 
-    def _learn_look(self, frame: Image, layout: Layout, motion: AreaMotion) -> None:
-        """Learn the wall's look while all four tags agree, and are sharp."""
+    def _learn_look(self, frame: Image, layout: Layout, motion: AreaMotion, is_first: bool) -> None:
+        """Learn the wall's look while all four tags agree, and are sharp. ``is_first``: see Texture.study."""
         may_wait = LATE_S if self._searched_at == self._clock.now else 0
         if self._is_sharp and self._texture.is_due(self._clock.now - may_wait):
             self._texture.study(frame, motion.corners, motion.project(layout.quads(layout.places)),
-                                float(motion.deviation.max()), self._clock.now)
+                                float(motion.deviation.max()), self._clock.now, is_first)
             self._views.take_in(frame, motion.corners, self._lens)
 
     def _area(self, hold: float) -> Area | None:

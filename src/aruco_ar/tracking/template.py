@@ -67,11 +67,14 @@ class Template:
         seen = rectify(frame, homography_to(corners) @ to_plane, self.size, self._lens)
         return np.asarray(seen if seen.ndim == 2 else cv2.cvtColor(seen, cv2.COLOR_BGR2GRAY), np.float32)
 
-    def draw_papers(self, tags: Floats, corners: Floats) -> Image:
-        """(h, w) uint8: white where this view shows the papers of tags, (n, 4, 2) pixels, in a frame."""
+    def draw_tags(self, tags: Floats, corners: Floats, sides: float) -> Image:
+        """(h, w) uint8: white where this view shows tags, (n, 4, 2) pixels, in a frame.
+
+        ``sides``: how wide they are drawn, in sides of the tag.
+        """
         region = np.zeros(self.size[::-1], np.uint8)
         centers = tags.mean(axis=1, keepdims=True)
-        papers = transform(homography_from(corners), centers + PAPER_SIDES * (tags - centers))
+        papers = transform(homography_from(corners), centers + sides * (tags - centers))
         for paper in self.from_plane(papers):
             cv2.fillConvexPoly(region, np.round(paper).astype(np.int32), (255,))
         return region

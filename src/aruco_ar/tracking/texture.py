@@ -8,7 +8,8 @@ harm.
 
 A point that is not on a tag is used only after tags have confirmed that it stays
 in its place. So a screen, a passer-by, or a shadow does not lead the tracker
-astray.
+astray. A point on a tag's rim, or on its paper, must be confirmed once, since it
+may be that of a hand that is about to cover the tag.
 """
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.geometry.ordering import is_quadrilateral
 from aruco_ar.walls.remembered import Look
 
-from .template import Template
+from .template import PAPER_SIDES, Template
 
 MAX_POINTS, MAX_TAG_POINTS = 80, 40  # on the wall, and on tags
 QUALITY, MIN_DISTANCE_PX = 0.02, 7   # limits for the choice of points: see cv2.goodFeaturesToTrack
@@ -36,6 +37,7 @@ MIN_CONTRAST = 1.0       # a wall with a lower contrast, in gray levels, shows n
 CONFIRMING_LIKENESS, USABLE_LIKENESS = 0.75, 0.5
 STAYS_PX = 1.0           # a point that is farther off, in pixels of the template, is not on the wall
 MIN_CONFIRMED = 2        # a point is used after tags have confirmed it this many times
+WITHIN_SIDES = 0.8       # a point in so much of a tag is used at once: what covers more would hide the tag
 OUTLIER_PX = 1.5         # a patch that alone is farther off than all together is left out; pixels of its level
 MIN_POINTS, MIN_SHARE = 10, 0.4  # this many points, and this share of those in sight, must fit together
 # A larger share must fit if they are found farther than this from where they are expected, or if this is not
@@ -96,7 +98,7 @@ class Texture:
         self._due = -np.inf
         self._points: _Points | None = None
         self._image: Image  # the area, from straight ahead, in the frame in which it was learned
-        self._is_remembered = False  # whether it was learned long ago, so that it is learned anew when possible
+        self._is_draft = False  # whether it is learned anew when possible: see study, and ``remembered``
 
     @classmethod
     def remembered(cls, look: Look, lens: Lens | None) -> Texture:
@@ -110,7 +112,7 @@ class Texture:
             look.points, look.places,
             binding.learn_patches(np.asarray(look.image, np.float32), self._template.relative(look.points)),
             look.on_tags, np.full(len(look.points), MIN_CONFIRMED))
-        self._is_remembered = True
+        self._is_draft = True
         return self
 
     @property
@@ -127,23 +129,28 @@ class Texture:
         """Whether ``study`` has something to do at that time, seconds."""
         return now >= self._due
 
-    def study(self, frame: Image, corners: Floats, tags: Floats, deviation: float, now: float) -> None:
+    def study(self, frame: Image, corners: Floats, tags: Floats, deviation: float, now: float,
+              is_first: bool = False) -> None:
         """Learn the wall, or check its points, in a frame in which tags show the area.
 
         ``frame``: (h, w, 3) BGR or (h, w) gray, uint8. ``corners``: (4, 2)
         pixels, the area's. ``tags``: (n, 4, 2) pixels, the corners of the tags.
         ``deviation``: pixels, the standard deviation of the corners. ``now``:
-        seconds, a time at which it is due.
+        seconds, a time at which it is due. ``is_first``: whether the tags were
+        not followed yet, so that they are known less exactly. What is learned
+        then is of use only until the next time, when the wall is learned anew.
         """
         self._due = now + LEARN_AGAIN_S
-        if self._is_remembered and not Template.fits(corners):
+        if self._is_draft and not Template.fits(corners):
             return  # so small an area shows less than what is remembered
-        if self._points is None or self._is_remembered:
+        if self._points is None or self._is_draft:
             self._points, self._bias = self._learn(frame, corners, tags), deviation
-            self._is_remembered = False
+            self._is_draft = is_first
         else:
             self._points = self._confirm(self._points, frame, corners)
-        if self._points is not None:
+        if is_first:
+            self._due = now
+        elif self._points is not None:
             self._due = now + CHECKS_S[min(self._checks, len(CHECKS_S) - 1)]
 
     def find(self, frame: Image, corners: Floats, deviation: float,
@@ -221,7 +228,7 @@ class Texture:
             return None
         self._template = template = Template.of(corners, self._lens)
         inside = template.draw_inside(corners, frame.shape)
-        papers = cv2.bitwise_and(template.draw_papers(tags, corners), inside)
+        papers = cv2.bitwise_and(template.draw_tags(tags, corners, PAPER_SIDES), inside)
         self._wall_region = cv2.subtract(inside, papers)
         rectified = template.rectified(frame, corners)
         self._image = np.asarray(rectified, np.uint8)
@@ -231,9 +238,11 @@ class Texture:
             seen = np.concatenate([on_tags, _points_in(rectified, self._wall_region, MAX_POINTS)])
         self._learned = len(seen)
         is_on_tag = np.arange(len(seen)) < len(on_tags)
+        columns, rows = np.asarray(seen, int).T
+        is_within = template.draw_tags(tags, corners, WITHIN_SIDES)[rows, columns] > 0
+        confirmed = np.where(is_within, MIN_CONFIRMED, np.where(is_on_tag, MIN_CONFIRMED - 1, 0))
         patches = binding.learn_patches(rectified, template.relative(seen))
-        return _Points(seen, template.to_plane(seen), patches, is_on_tag,
-                       np.where(is_on_tag, MIN_CONFIRMED, 0)) if len(seen) else None
+        return _Points(seen, template.to_plane(seen), patches, is_on_tag, confirmed) if len(seen) else None
 
     def _confirm(self, points: _Points, frame: Image, corners: Floats) -> _Points | None:
         """The points without those that are not in their places; None if the wall should be learned anew."""

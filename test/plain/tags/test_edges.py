@@ -5,6 +5,7 @@ import pytest
 from aruco_ar import Detector, draw_tag
 from aruco_ar.tags.edges import fit_tags, room_of
 from aruco_ar.tags.tag import tag_cells
+from benchmark.real_clips.covered import Cover
 
 CORNERS = np.float32([[101.3, 80.7], [222.9, 90.2], [215.4, 205.8], [96.1, 199.5]])
 CELLS = tag_cells('DICT_6X6_250', 7)[None]
@@ -107,3 +108,14 @@ def test_room_is_how_far_all_corners_are_within_the_frame():
     quad = np.array([[20.0, 30], [60, 30], [60, 70], [20, 70]])
     moved = [quad, quad - [25, 0], quad + [0, 29], quad + [145, 0], quad * np.nan]
     assert room_of(np.array(moved), frame).tolist() == [20, -5, 0, -6, -np.inf]
+
+
+@pytest.mark.parametrize('color', ['dark', 'skin', 'white'])
+@pytest.mark.parametrize('turns', range(4))
+def test_where_something_covers_an_edge_the_others_and_the_cells_say_where_it_is(color, turns):
+    corners = np.roll(CORNERS, turns, axis=0)
+    frame = cv2.cvtColor(cv2.GaussianBlur(paint(corners), (0, 0), 0.7), cv2.COLOR_GRAY2BGR)
+    Cover(color, 'below').put(frame, corners, 0.11)
+    quads, found, likeness = fit_tags(frame, corners[None] + np.float32([0.8, -0.6]), CELLS)
+    assert found[0] and np.abs(quads[0] - corners).max() < 0.15
+    assert likeness[0] < (0.995 if color == 'dark' else 0.9)  # so it counts less than one that is whole

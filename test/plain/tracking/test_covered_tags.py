@@ -41,6 +41,13 @@ def test_tags_of_a_known_wall_that_are_covered_hardly_move_the_area(frames, ids,
     assert errors[30:].max() < 0.7
 
 
+@pytest.mark.parametrize('ids', [[2, 3], [1, 4]])
+def test_tags_of_which_much_is_covered_after_the_first_frame_hardly_move_the_area(frames, ids):
+    few = frames[::5]  # six a second, so the first frame is all that shows these tags
+    seen = covered(few, ids, Cover('skin', 'below'), dict.fromkeys(range(1, 10), 0.3))
+    assert follow(Tracker(), seen).max() < 0.4
+
+
 def test_a_tag_is_reported_where_it_is_without_what_covers_it(frames):
     seen = covered(frames, [3], Cover('skin', 'below'), dict.fromkeys(range(30, 50), 0.08))
     tracker, detector = Tracker(), Detector()

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from aruco_ar import Tracker
 from benchmark.real_clips import clips as real
-from benchmark.real_clips import remembered
+from benchmark.real_clips import covered, remembered
 from benchmark.real_clips.jerks import with_jerks
 from benchmark.real_clips.truth import truth_of
 
@@ -90,3 +90,14 @@ def test_a_corner_is_rarely_off_by_more_than_it_is_said_to_be(filmed, step):
             error, = real.errors_of(area.corners[None], truth[number][None])
             beyond.append(np.any(np.linalg.norm(error, axis=1) > 3 * tracker.deviation.max() + TRUTH_PX))
     assert len(beyond) > 3 and np.mean(beyond) < 0.1
+
+
+@pytest.mark.clips
+def test_a_picture_that_slides_over_a_tag_from_the_first_frames_on_does_not_drag_the_area(filmed):
+    name, clip, frames, rate, _ = filmed
+    if name != 'board.mp4':
+        pytest.skip('one clip is enough, and this one is the sharpest')
+    frames = frames[:60]
+    plain = covered.Plain.of(clip, frames, rate)
+    off = covered.run_covered(clip, frames, rate, plain, 0, covered.Cover('picture', 'below'), [5])
+    assert off.max() < 2
