@@ -25,11 +25,11 @@ def filmed(request):
     return request.param, clip, frames, rate, truth
 
 
-# For each clip: the least number of frames with an area, the largest rms of all corners and of those within the
-# frame, and the largest wobble, pixels. In pushed.mp4, the lens bends the sheet, a hand lifts a corner of it,
-# and later a corner is outside the frame.
-STICKS = {'board.mp4': (161, 0.40, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.35, 0.25),
-          'pushed.mp4': (73, 2.8, 1.5, 1.3), 'turned.avi': (43, 0.6, 0.6, 0.4)}
+# For each clip: the least number of frames with an area, and the largest rms and wobble, pixels. The rms is that
+# of the corners within the frame: in pushed.mp4, one is outside of it in a third of the frames, where the lens and
+# a bent sheet let it be anywhere within some pixels.
+STICKS = {'board.mp4': (161, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.25), 'pushed.mp4': (73, 1.5, 1.3),
+          'turned.avi': (43, 0.6, 0.4)}
 
 
 @pytest.mark.clips
@@ -41,9 +41,9 @@ def test_the_area_sticks_and_is_never_wrong(filmed):
         if area is not None:
             corners[number] = area.corners
     ours = real.summary(real.Found(np.zeros(len(frames)), corners), truth, frames[0].shape[1::-1])
-    least, rms, inside, wobble = STICKS[name]
+    least, rms, wobble = STICKS[name]
     assert ours['area'] >= least and ours['wrong'] == ours['turned'] == 0
-    assert ours['rms'] < rms and ours['inside'] < inside and ours['wobble'] < wobble
+    assert ours['inside'] < rms and ours['wobble'] < wobble
 
 
 @pytest.mark.clips
