@@ -25,9 +25,9 @@ def filmed(request):
     return request.param, clip, frames, rate, truth
 
 
-# For each clip: the least number of frames with an area, and the largest rms and wobble, pixels. The rms is that
-# of the corners within the frame. In a third of the frames of pushed.mp4, one is outside of it; there the lens and
-# a bent sheet let it be anywhere within some pixels.
+# For each clip: the least number of frames with an area, and the largest rms and wobble, pixels. The rms is
+# that of the corners within the frame. In a third of the frames of pushed.mp4, one is outside of it; there the
+# lens and a bent sheet let it be anywhere within some pixels.
 STICKS = {'board.mp4': (161, 0.40, 0.12), 'dark.mp4': (400, 0.35, 0.25), 'pushed.mp4': (73, 1.5, 1.3),
           'turned.avi': (43, 0.6, 0.4)}
 
