@@ -9,11 +9,12 @@ from aruco_ar.base.arrays import Floats
 from aruco_ar.tags.tag import Tag
 
 from .layout import Layout, tolerance_of
-from .measurement import measurement, softness_of
+from .measurement import bias_of, measurement, softness_of
 from .motion import AreaMotion
 
-# A side of a covered tag is shorter than the others say by more than the first limit, and by more than so many
-# times what these are off themselves: on a sheet that is bent, or seen through a bad lens, no tag fits exactly.
+# A side of a covered tag is shorter than the others say by more than the first limit, besides the bias of its
+# corners, and by more than so many times what these are off themselves: on a sheet that is bent, or seen through
+# a bad lens, no tag fits exactly.
 SHORT_PX, SHORT_SPREADS = 0.5, 2.0
 LEAST = 2         # so many tags must agree, and half of those in sight
 MOST_COVERED = 3  # if more tags seem short, it is something else, such as the blur of a moving camera
@@ -36,15 +37,16 @@ def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
     if max((lengths[count:] - lengths[:count]).ravel().tolist()) <= SHORT_PX:
         return {}  # usually, and fast
     quads, lengths, likely = quads[:count], lengths[:count], lengths[count:]
-    soft = np.array([softness_of(tag, side) for tag, side in zip(seen.values(), lengths.mean(axis=1).tolist())])
-    if ((likely - lengths).max(axis=1) - soft).max() <= SHORT_PX:
+    bias = np.array([bias_of(side, softness_of(tag, side))
+                     for tag, side in zip(seen.values(), lengths.mean(axis=1).tolist())])
+    if ((likely - lengths).max(axis=1) - bias).max() <= SHORT_PX:
         return {}
     is_left, places = np.ones(count, bool), layout.quads(ids)
     while np.count_nonzero(is_left) >= max(LEAST, count / 2, count - MOST_COVERED):
         left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
         corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
         missing = _lengths(corrected) - lengths
-        short, spread = missing.max(axis=1) - soft, np.abs(missing[is_left]).max()
+        short, spread = missing.max(axis=1) - bias, np.abs(missing[is_left]).max()
         if not is_left.all() and np.all(short[~is_left] > SHORT_PX + SHORT_SPREADS * spread):
             off = np.linalg.norm(corrected - quads, axis=2)
             in_place = np.count_nonzero(off < tolerance_of(quads)[:, None], axis=1) >= 2  # others were moved

@@ -34,13 +34,18 @@ def measurement(layout: Layout, seen: Mapping[int, Tag],
     for tag, side in zip(tags, side_of(quads).tolist()):
         soft = softness_of(tag, side)
         deviations += [0.15 + 0.002 * side + soft] * 4
-        biases += [BIAS_PX * (SMALL_PX / side)**2 + soft] * 4
+        biases += [bias_of(side, soft)] * 4
     return layout.quads(ids).reshape(-1, 2), quads.reshape(-1, 2), np.array(deviations), np.array(biases)
 
 
 def softness_of(tag: Tag, side: float) -> float:
     """Pixels: how far off the corners of a tag may be since it is blurred. ``side``: its mean side, pixels."""
     return SOFT_SIDES * side * max(SHARP_LIKENESS - tag.likeness, 0)
+
+
+def bias_of(side: float, soft: float) -> float:
+    """Pixels: the bias of a tag's corners. ``side``: its mean side, pixels. ``soft``: see softness_of."""
+    return BIAS_PX * (SMALL_PX / side)**2 + soft
 
 
 def consistent_tags(layout: Layout, seen: Mapping[int, Tag], motion: AreaMotion, limit: float) -> list[int]:
