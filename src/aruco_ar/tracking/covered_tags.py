@@ -13,8 +13,8 @@ from .measurement import bias_of, measurement, softness_of
 from .motion import AreaMotion
 
 # A side of a covered tag is shorter than the others say by more than the first limit, besides the bias of its
-# corners, and by more than so many times what these are off themselves: on a sheet that is bent, or seen through
-# a bad lens, no tag fits exactly.
+# corners, and by more than so many times what these are off themselves. On a sheet that is bent, or seen
+# through a bad lens, no tag fits exactly.
 SHORT_PX, SHORT_SPREADS = 0.5, 2.0
 LEAST = 2         # so many tags must agree, and half of those in sight
 MOST_COVERED = 3  # if more tags seem short, it is something else, such as the blur of a moving camera
