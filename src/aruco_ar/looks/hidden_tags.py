@@ -88,10 +88,8 @@ class HiddenTags:
         for cover, front, outline, corners, to_cover, rough in zip(covers, fronts, outlines, rings.corners,
                                                                    to_covers, tiles):
             covered = Area.from_undistorted(corners, lens=area.lens)
-            if front is None:
-                _put(image, frame, covered, cover, 3, to_cover, rough, noisy)
-            else:
-                _put(image, frame, covered, _behind(cover, front, outline, to_cover), 4, to_cover, rough, noisy)
+            shown = cover if front is None else _behind(cover, front, outline, to_cover)
+            _put(image, frame, covered, shown, 3 if front is None else 4, to_cover, rough, noisy)
 
     def _find(self, area: Area, seen: dict[int, Floats]) -> None:
         """Take in where tags are in the area. ``seen``: their corners, (4, 2) undistorted pixels, by ids."""

@@ -85,10 +85,8 @@ class AlikeScene(Scene):
             bare = exposure * renderer.render(*view) * (1 - SHADOW * shadow[..., None])
             frame = self._seen(bare, 1, (exposure * colors, cover), noise)
             corners = project(self._wall.area_corners, *view, self.camera)[0]
-            inside = np.zeros(frame.shape[:2], np.uint8)
-            cv2.fillConvexPoly(inside, np.int32(np.round(corners * 16)), (1,), cv2.LINE_8, 4)
             yield standing.Moment(stamp, frame, {'thing': cover[..., 0]},
-                                  cv2.erode(inside, np.ones((5, 5))) > 0)
+                                  standing.well_inside(corners, frame.shape[1::-1]))
 
     def _front(self, seconds):
         canvas = Canvas(self.camera.width, self.camera.height)

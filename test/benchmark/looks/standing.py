@@ -167,10 +167,15 @@ def moments(ground, motion, standing=tuple(THINGS)):
             covers[name][part] = cover
         frame = cv2.GaussianBlur(frame, (0, 0), BLUR_PX) * (1 + EXPOSURE * np.sin(0.9 * stamp))
         frame = np.clip(np.round(frame + np.roll(noise, (37 * number, 91 * number), (0, 1))), 0, 255)
-        inside = np.zeros(SIZE[::-1], np.uint8)
         outline = cv2.perspectiveTransform(corners[None], homography)
-        cv2.fillConvexPoly(inside, np.int32(np.round(outline * 16)), (1,), cv2.LINE_8, 4)
-        yield Moment(stamp, frame.astype(np.uint8), covers, cv2.erode(inside, np.ones((5, 5))) > 0)
+        yield Moment(stamp, frame.astype(np.uint8), covers, well_inside(outline, SIZE))
+
+
+def well_inside(outline, size):
+    """(h, w) bool: the pixels of a frame in an outline, (4, 2), but for two along its rim. ``size``: (w, h)."""
+    inside = np.zeros(size[::-1], np.uint8)
+    cv2.fillConvexPoly(inside, np.int32(np.round(outline * 16)), (1,), cv2.LINE_8, 4)
+    return cv2.erode(inside, np.ones((5, 5))) > 0
 
 
 def judge(moment, image):
