@@ -199,9 +199,13 @@ def find(folder: str) -> Package | None:
 
 
 def default_folder() -> str:
-    """Where a package is made if nobody says where: in the usual workspace, else here."""
+    """Where a package is made if nobody says where: in the usual workspace, else here; within unit5, beside it."""
     workspace = os.path.expanduser(WORKSPACE)
-    return os.path.join(workspace, NAME) if os.path.isdir(workspace) else os.path.abspath(NAME)
+    if os.path.isdir(workspace):
+        return os.path.join(workspace, NAME)
+    folder = os.path.abspath(NAME)
+    around = _package_around(folder)
+    return folder if around is None else os.path.join(os.path.dirname(around), NAME)
 
 
 def name_of(folder: str) -> str:

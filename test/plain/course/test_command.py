@@ -50,6 +50,20 @@ def test_start_uses_the_workspace_if_there_is_one(tmp_path, monkeypatch, capsys)
     assert main(['start', str(tmp_path / 'unit5')]) == USAGE
 
 
+def test_start_within_unit5_makes_a_package_beside_it(tmp_path, monkeypatch, capsys):
+    clone = tmp_path / 'unit5' / 'docs'
+    clone.mkdir(parents=True)
+    (tmp_path / 'unit5' / 'package.xml').touch()
+    monkeypatch.setenv('HOME', str(tmp_path))
+    for folder in clone.parent, clone:
+        monkeypatch.chdir(folder)
+        assert main(['start']) == RIGHT
+        assert main(['report']) == RIGHT
+    assert (tmp_path / 'my_unit5' / 'src' / 'exercise5_6.py').exists()
+    assert main(['start', 'my_unit5']) == USAGE
+    assert 'is inside the package' in capsys.readouterr().err
+
+
 def test_a_recording_is_judged_as_well(learn, solve, tmp_path):
     frames = tmp_path / 'frames'
     frames.mkdir()
