@@ -199,7 +199,7 @@ def find(folder: str) -> Package | None:
 
 
 def default_folder() -> str:
-    """Where a package is made if nobody says where: in the usual workspace, else here; within unit5, beside it."""
+    """Where a package is made if nobody says: in the usual workspace, else here; within unit5, beside it."""
     workspace = os.path.expanduser(WORKSPACE)
     if os.path.isdir(workspace):
         return os.path.join(workspace, NAME)
