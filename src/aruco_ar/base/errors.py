@@ -26,6 +26,8 @@ def shorten(text: str, length: int) -> str:
     Characters that cannot be printed become escapes as in Python's source, such as \\\\n.
     """
     text = _without_middle(text, length)  # cut first: escaping a long text is slow
+    if text.isprintable():
+        return text
     return _without_middle(''.join(each if each.isprintable() else each.encode('unicode_escape').decode()
                                    for each in text), length)  # and again: escapes have made it longer
 

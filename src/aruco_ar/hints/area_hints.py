@@ -56,8 +56,8 @@ def _choice(tags: Sequence[Tag], area: Area) -> str | None:
 
 
 def _upside_down(area: Area) -> str | None:
-    top, foot = area.corners[:2].mean(axis=0), area.corners[2:].mean(axis=0)
-    across, down = foot - top
+    (x1, y1), (x2, y2), (x3, y3), (x4, y4) = area.corners.tolist()  # NumPy's mean takes ten times as long
+    across, down = x3 + x4 - x1 - x2, y3 + y4 - y1 - y2  # from the top to the foot
     if down > -abs(across):
         return None
     return 'The tags hang upside down in the image, so the top of the area is below. Turn it by upright:=image.'
