@@ -18,6 +18,8 @@ from rig.processes.started import program
 from sensor_msgs.msg import Image
 from std_msgs.msg import Header
 
+from . import steps
+
 FRAMES_PER_S = 15
 COUNT = 300        # measured frames, after WARM_UP
 WARM_UP = 30
@@ -123,7 +125,9 @@ def run_load():
     """Print processor time and latency of all nodes, on the frames of a simulated drive."""
     print(LOAD_HEAD)
     for size in SIZES:
-        compare('%d x %d' % size, commands(), there_and_back(size))
+        name, frames = '%d x %d' % size, there_and_back(size)
+        compare(name, commands(), frames)
+        steps.run(name, frames, FRAMES_PER_S, 'DICT_6X6_250')
 
 
 def run_clips(clips):
@@ -134,8 +138,9 @@ def run_clips(clips):
         own = frames[0].shape[1::-1]
         for size in [own, *(size for size in SIZES if size < own)]:
             resized = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in frames]
-            compare('%s, %d x %d' % (os.path.basename(clip.path), *size), commands(clip.dictionary, clip.ids),
-                    resized + resized[::-1])
+            name, resized = '%s, %d x %d' % (os.path.basename(clip.path), *size), resized + resized[::-1]
+            compare(name, commands(clip.dictionary, clip.ids), resized)
+            steps.run(name, resized, FRAMES_PER_S, clip.dictionary, clip.ids)
 
 
 def compare(name, nodes, frames):
