@@ -1,7 +1,6 @@
 """Estimating the poses of tags, of the area on their wall, and of the camera in front of it."""
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any, Mapping, Sequence
 
@@ -123,11 +122,10 @@ class PoseEstimator:
         if seen is None:
             self._wall.see_no_tags()
             return []
-        count = Counter(seen.ids)
-        single = np.array([number for number, tag_id in enumerate(seen.ids) if count[tag_id] == 1], int)
+        single = [number for number, tag_id in enumerate(seen.ids) if seen.ids.count(tag_id) == 1]
         unique = seen.subset(single)
         believed, weight = np.argmax(seen.probabilities, axis=1), seen.probabilities.min(axis=1)
-        if len(single):
+        if single:
             believed[single], weight[single] = self._belief.weigh(unique.ids, unique.poses, unique.costs,
                                                                   self._clock.now)
             every = np.arange(len(single))
@@ -137,9 +135,9 @@ class PoseEstimator:
             unique = replace(unique, probabilities=probabilities)
         self._wall.update(unique, self._clock.now)
         one, other = seen.pairs(believed)
-        for number, tag in enumerate(seen.tags):
-            if count[tag.id] == 1 and tag.id in self._wall.tag_poses:
-                first, second, weight[number] = self._wall.tag_poses[tag.id]
+        for number in single:
+            if seen.ids[number] in self._wall.tag_poses:
+                first, second, weight[number] = self._wall.tag_poses[seen.ids[number]]
                 for part, value in zip((*one, *other), (*first, *second)):
                     part[number] = value
         covariance, ambiguity = mixture(one, other, weight)

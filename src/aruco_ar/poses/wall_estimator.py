@@ -138,9 +138,9 @@ class WallEstimator:
         scale = max(1.0, errors.sum(axis=1).min() / (8 * len(some) - 6)) if len(some) > 1 else 1.0
         cost = errors.sum(axis=1) + (amounts * amounts).sum(axis=1)
         order = np.argsort(cost)
-        inflate = np.append(np.full(6, scale**0.5), np.ones(amounts.shape[1]))  # the amounts keep theirs
-        return WallFit(tuple(ids), rotation[order], translation[order], amounts[order],
-                       covariance[order] * np.outer(inflate, inflate),
+        covariance[:, :6] *= scale**0.5
+        covariance[:, :, :6] *= scale**0.5  # the amounts keep theirs
+        return WallFit(tuple(ids), rotation[order], translation[order], amounts[order], covariance[order],
                        errors[order[0]], cost[order], scale)
 
     def _agreeing(self, seen: SeenTags, some: list[int], now: float) -> tuple[list[int], WallFit | None]:

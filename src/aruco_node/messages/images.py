@@ -327,7 +327,7 @@ TRANSPORTS = {
 
 def points_from_pixels(pixels):
     """Points, (n, 2) pixels, as a list of geometry_msgs/Point32 with z = 0."""
-    return [Point32(float(x), float(y), 0.0) for x, y in pixels]
+    return [Point32(x, y, 0.0) for x, y in np.asarray(pixels, np.float64).tolist()]
 
 
 def tags_from_pixels(tags, header):
