@@ -67,7 +67,7 @@ class Places:
         rotation[:, 1, 0] = np.sin(turn)
         rotation[:, 0, 1] = -rotation[:, 1, 0]
         rotation[:, 2, 2] = 1
-        center = places * (1, 1, 0)
+        center = places * np.array([1.0, 1.0, 0.0])
         deviation = self._rows(ids) @ self._base(ids)
         off = np.zeros((len(number), 6, deviation.shape[1] + 1))
         off[:, [0, 1, 5], :-1] = deviation.reshape(len(number), 3, -1)
