@@ -23,7 +23,9 @@ from .observations import SeenTags, WallFit, height_deviation, off_others, off_p
 
 MIN_SIGHTINGS = 3        # tags must be seen in one plane this many times to be learned
 FORGET_S = 0.5           # a tag seen elsewhere for this time, and MIN_SIGHTINGS times, loses its place
-LEARN_PX = 2.0           # places are learned only if a tag has moved this far in the frame since the last time
+# Places are learned only if a tag has moved this far in the frame since the last time. Views that are nearer to
+# each other have much the same errors, and so make the places seem more certain than they are.
+LEARN_PX = 10.0
 LEARN_ALWAYS = 3         # places are learned this many times at first, even if no tag has moved
 # A tag is in its place if the root mean square error of its corners is less than OFF_DEVIATIONS standard
 # deviations plus OFF_PX. Even a good wall, lens and print leave an error of OFF_PX.
