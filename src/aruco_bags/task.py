@@ -14,7 +14,7 @@ from aruco_ar.painting.sources import Still, open_source
 from aruco_ar.runner import Runner
 from aruco_node.messages.camera_info import lens_from_info
 from aruco_node.messages.images import compressed_from_frame, tags_from_pixels
-from aruco_node.messages.pose_messages import pose_message
+from aruco_node.messages.pose_messages import quaternion
 from aruco_node.messages.topics import raw_topic
 from aruco_node.nodes.camera_lens import is_rectified
 from aruco_node.parameters.settings import TOPIC
@@ -131,19 +131,22 @@ class _Annotator:
                                compressed_from_frame(image, header), time)
         self._output.write('/%s/tags%s' % (self._exercise.name, self._piece.camera),
                            tags_from_pixels([(tag.id, tag.corners) for tag in tags], header), time)
-        place = [''] * len(CORNERS) if area is None else ['%.3f' % number for number in np.ravel(area.corners)]
+        place = [''] * len(CORNERS) if area is None else _pixels(area.corners)
         name = os.path.basename(self._piece.bag)
         for tag in tags:
             self._rows.writerow([
                 name, self._piece.topic, '%d.%09d' % (stamp.secs, stamp.nsecs), tag.id,
-                *('%.3f' % number for number in [*np.ravel(tag.corners), *tag.center]),
-                *_numbers(poses.get(tag.id)), *place])
+                *_pixels(tag.corners), *_pixels(tag.center), *_numbers(poses.get(tag.id)), *place])
+
+
+def _pixels(values):
+    """Pixels, an array, as texts."""
+    return ['%.3f' % number for number in np.ravel(values).tolist()]
 
 
 def _numbers(pose):
     """Position and orientation of a TagPose as 7 texts, which are empty for None."""
     if pose is None:
         return [''] * 7
-    message = pose_message(pose)
-    return ['%.6f' % number for part in (message.position, message.orientation)
-            for number in (getattr(part, name) for name in part.__slots__)]
+    turn = quaternion(pose.rotation)
+    return ['%.6f' % number for number in [*pose.translation.tolist(), turn.x, turn.y, turn.z, turn.w]]

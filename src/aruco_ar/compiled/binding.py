@@ -49,9 +49,10 @@ class _Array:
     def from_param(array: Any) -> Any:
         if array is None:
             return None
-        if array.flags.writeable and array.flags.c_contiguous and array.size:
-            return ctypes.byref(ctypes.c_char.from_buffer(array))  # in a third of the time
-        return ctypes.c_void_p(array.ctypes.data)
+        try:
+            return ctypes.byref(ctypes.c_char.from_buffer(array))  # in a quarter of the time
+        except (TypeError, ValueError):  # it is read-only, strided or empty
+            return ctypes.c_void_p(array.ctypes.data)
 
 
 def _function(name: str, *arguments: Any, result: Any = None) -> Any:
@@ -96,6 +97,7 @@ _draw_cover = _function('draw_cover', _IMAGE, _IMAGE, _Array, _LONG, *[_INT] * 4
 _choose_sources = _function('choose_sources', _IMAGE, _INT, _Array, _INT, _INT, _Array, _INT, *[_Array] * 3)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
+_find_tag_poses = _function('find_tag_poses', _LONG, _Array, _DOUBLE, *[_Array] * 10, result=_INT)
 _weigh_poses = _function('weigh_poses', _LONG, *[_Array] * 4, _DOUBLE, *[_Array] * 3)
 _mix_poses = _function('mix_poses', _LONG, *[_Array] * 8)
 _place_tags = _function('place_tags', _LONG, _INT, *[_Array] * 10, result=_INT)
@@ -506,6 +508,27 @@ def refine_pose_pairs(
                               translations, amounts, squares, covariances):
         raise MemoryError
     return rotations, translations, amounts, squares, covariances
+
+
+def find_tag_poses(quads: Numbers, least: float, rays: Numbers, slopes: Numbers, sizes: Numbers) -> \
+        tuple[Booleans, Floats, Floats, Floats, Floats, Floats, Floats]:
+    """Which tags can be there, (n,) bool, and of those: deviation, weights, the poses' three arrays, and costs.
+
+    unit5.h says what the arguments are, and SeenTags what the results are.
+    """
+    quads = _quads('quadrilaterals', quads, np.float64)
+    count = len(quads)
+    rays, slopes, sizes = (_numbers(each, np.float64) for each in (rays, slopes, sizes))
+    for name, array, shape in (('rays', rays, (count, 4, 2)), ('slopes', slopes, (count, 4, 2, 2)),
+                               ('sizes', sizes, (count,))):
+        check_array(name, array, np.float64, shape)
+    is_seen, deviation, costs = np.zeros(count, np.bool_), np.zeros(count), np.zeros((count, 2))
+    weights = np.zeros((count, 4, 2, 2))
+    poses = np.zeros((count, 2, 3, 3)), np.zeros((count, 2, 3)), np.zeros((count, 2, 6, 6))
+    found = (is_seen, deviation, weights, *poses, costs)
+    if not _find_tag_poses(count, quads, least, rays, slopes, sizes, *found):
+        raise MemoryError
+    return found
 
 
 def weigh_poses(rotations: Numbers, translations: Numbers, covariances: Numbers, costs: Numbers, now: float,

@@ -212,6 +212,14 @@ int unit5_refine_pose_pairs(int64_t objects, int points, int deviations, const d
                             const double *weight, const double *spread, double *rotations, double *translations,
                             double *amounts, double *squares, double *covariances);
 
+/* tag_poses.c, for estimator.py. The tags at ``quads``: (count, 4, 2), whose corners are more than ``least`` away from
+   the line through their two neighbors. ``rays``: (count, 4, 2), ``slopes``: (count, 4, 2, 2), the derivatives of the
+   pixels by them, ``sizes``: (count), meters. Writes ``seen``: (count), whether the tag can be there. Of such tags, it
+   writes ``deviations``: (count), ``weights``: (count, 4, 2, 2), both poses, and ``costs``: (count, 2). */
+int unit5_find_tag_poses(int64_t count, const double *quads, double least, const double *rays, const double *slopes,
+                         const double *sizes, uint8_t *seen, double *deviations, double *weights, double *rotations,
+                         double *translations, double *covariances, double *costs);
+
 /* beliefs.c, for belief.py. Poses are ``rotations``: (count, 3, 3), ``translations``: (count, 3), and ``covariances``:
    (count, 6, 6). */
 

@@ -1,20 +1,20 @@
 """Estimating the poses of tags, of the area on their wall, and of the camera in front of it."""
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, replace
 from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Pose
+from aruco_ar.base.arrays import Floats, Pose
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.recent import Recent
+from aruco_ar.compiled import binding
 from aruco_ar.geometry.lens import Lens
-from aruco_ar.geometry.ordering import is_quadrilateral
-from aruco_ar.geometry.plane_pose import NEAR_M, approximate_poses, cross_matrices, refine
+from aruco_ar.geometry.ordering import MIN_HEIGHT_PX
+from aruco_ar.geometry.plane_pose import cross_matrices
 from aruco_ar.tags.corner_rays import corner_rays
-from aruco_ar.tags.tag import SIDE_M, Tag, square
+from aruco_ar.tags.tag import SIDE_M, Tag
 from aruco_ar.tracking.area import Area
 from aruco_ar.tracking.frame_clock import FrameClock
 from aruco_ar.walls.wall import Wall
@@ -24,15 +24,11 @@ from .belief import Belief, mixed_covariance, mixture
 from .observations import SeenTags
 from .wall_estimator import WallEstimator
 
-# The standard deviation of corners that the Detector finds, measured in front of the simulated wall: CORNER_PX,
-# and in addition SMALL_TAG_PX for a tag whose shortest side is SMALL_PX. For larger tags the addition is less.
-CORNER_PX, SMALL_TAG_PX, SMALL_PX, MAX_CORNER_PX = 0.03, 0.05, 20.0, 0.5
 # If a tag's corners fit no pose well, their deviation is larger. It is estimated from about the last
 # MEMORY_FRAMES frames. PRIOR_FRAMES frames with usual corners are assumed before the first one.
 MEMORY_FRAMES, PRIOR_FRAMES = 20, 2
 FADE = 1 - 1 / MEMORY_FRAMES
-IMPOSSIBLE_COST = 1e30   # cost of an impossible pose
-MAX_COST = 1e4           # that estimate limits costs to this: a higher cost means that the tag has another size
+MAX_COST = 1e4  # that estimate limits costs to this: a higher cost means that the tag has another size
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,11 +119,10 @@ class PoseEstimator:
         if seen is None:
             self._wall.see_no_tags()
             return []
-        count = Counter(seen.ids)
-        single = np.array([number for number, tag_id in enumerate(seen.ids) if count[tag_id] == 1], int)
+        single = [number for number, tag_id in enumerate(seen.ids) if seen.ids.count(tag_id) == 1]
         unique = seen.subset(single)
         believed, weight = np.argmax(seen.probabilities, axis=1), seen.probabilities.min(axis=1)
-        if len(single):
+        if single:
             believed[single], weight[single] = self._belief.weigh(unique.ids, unique.poses, unique.costs,
                                                                   self._clock.now)
             every = np.arange(len(single))
@@ -137,9 +132,9 @@ class PoseEstimator:
             unique = replace(unique, probabilities=probabilities)
         self._wall.update(unique, self._clock.now)
         one, other = seen.pairs(believed)
-        for number, tag in enumerate(seen.tags):
-            if count[tag.id] == 1 and tag.id in self._wall.tag_poses:
-                first, second, weight[number] = self._wall.tag_poses[tag.id]
+        for number in single:
+            if seen.ids[number] in self._wall.tag_poses:
+                first, second, weight[number] = self._wall.tag_poses[seen.ids[number]]
                 for part, value in zip((*one, *other), (*first, *second)):
                     part[number] = value
         covariance, ambiguity = mixture(one, other, weight)
@@ -164,34 +159,24 @@ class PoseEstimator:
     def _seen_tags(self, tags: Sequence[Tag], lens: Lens) -> SeenTags | None:
         """The SeenTags of the tags whose corners can be those of a square, or None if there are none."""
         quads = np.array([tag.corners for tag in tags], np.float64)
-        real = np.isfinite(quads).all(axis=(1, 2))
-        quads[~real] = 0
+        quads[~np.isfinite(quads).all(axis=(1, 2))] = 0  # no quadrilateral
         rays = corner_rays(lens, quads)
+        _, slopes = lens.project_rays(rays.reshape(-1, 2))
         sizes = np.array([self._sizes.get(tag.id, self._tag_size) for tag in tags])
-        keep = np.flatnonzero(real & np.isfinite(rays).all(axis=(1, 2)) & is_quadrilateral(quads)
-                              & _are_clockwise(quads))
-        first_rotations, first_translations, is_posed = approximate_poses(square(sizes[keep]), rays[keep])
-        keep = keep[is_posed]
+        is_seen, deviation, weights, rotation, translation, covariance, costs = binding.find_tag_poses(
+            quads, MIN_HEIGHT_PX, rays, slopes.reshape(-1, 4, 2, 2), sizes)
+        keep = np.flatnonzero(is_seen)
         if not len(keep):
             return None
-        rays, quads, sizes = rays[keep], quads[keep], sizes[keep]
-        deviation = corner_deviation(quads)
-        _, slopes = lens.project_rays(rays.reshape(-1, 2))
-        weights = slopes.reshape(-1, 4, 2, 2) / deviation[:, None, None, None]
-        rotation, translation, _, squares, covariance = refine(
-            square(sizes), rays, weights, first_rotations[is_posed], first_translations[is_posed])
-        costs = squares.sum(axis=2)
-        front = _are_in_front(rotation, translation)
-        costs = np.where(front & np.isfinite(costs), costs, IMPOSSIBLE_COST)
-        scale = self._scales([tags[number].id for number in keep], costs.min(axis=1))
-        costs = costs / scale[:, None]
+        scale = np.ones(len(tags))
+        scale[keep] = self._scales([tags[number].id for number in keep], costs[keep].min(axis=1))
+        costs /= scale[:, None]
         likelihood = np.exp(-(costs - costs.min(axis=1, keepdims=True)) / 2)
-        seen = SeenTags(
-            tuple(tags[number] for number in keep), quads, sizes, rays,
-            weights / np.sqrt(scale)[:, None, None, None], deviation * np.sqrt(scale),
+        root = np.sqrt(scale)
+        return SeenTags(
+            tuple(tags), quads, sizes, rays, weights / root[:, None, None, None], deviation * root,
             (rotation, translation, covariance * scale[:, None, None, None]),
-            costs, likelihood / likelihood.sum(axis=1, keepdims=True))
-        return seen.subset(np.flatnonzero(front.any(axis=1)))
+            costs, likelihood / likelihood.sum(axis=1, keepdims=True)).subset(keep)
 
     def _scales(self, ids: Sequence[int], costs: Floats) -> Floats:
         """(n,): by which factor the variance of tags' corners is larger than usual, as the costs of poses show.
@@ -204,27 +189,6 @@ class PoseEstimator:
             self._noise[tag_id] = total, frames = total * FADE + min(cost, MAX_COST), frames * FADE + 1
             scales.append(max(1.0, (2 * PRIOR_FRAMES + total) / (2 * PRIOR_FRAMES + 2 * frames)))
         return np.array(scales)
-
-
-def _are_clockwise(quads: Floats) -> Booleans:
-    """(n,): whether corners, (n, 4, 2) pixels, go round as those of tags that are seen from the front."""
-    across, down = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
-    return across[:, 0] * down[:, 1] > across[:, 1] * down[:, 0]
-
-
-def _are_in_front(rotation: Floats, translation: Floats) -> Booleans:
-    """(n, 2): whether tags are in front of the camera and face it. The poses: (n, 2, 3, 3) and (n, 2, 3)."""
-    is_facing = np.einsum('npi,npi->np', rotation[..., 2], translation) < 0
-    return is_facing & (translation[..., 2] > NEAR_M)
-
-
-def corner_deviation(quads: Floats) -> Floats:
-    """(n,) pixels: the standard deviation of corners that the Detector finds, for tags at (n, 4, 2) pixels."""
-    edges = quads[:, (1, 2, 3, 0)] - quads
-    lengths = np.sqrt((edges * edges).sum(axis=2))
-    sides = (lengths[:, :2] + lengths[:, 2:]) / 2
-    shortest = np.maximum(sides.min(axis=1), 1e-9)
-    return np.minimum(CORNER_PX + SMALL_TAG_PX * (SMALL_PX / shortest)**3, MAX_CORNER_PX)
 
 
 def _inverse_pose(rotation: Floats, translation: Floats, covariance: Floats) -> Pose:

@@ -23,7 +23,9 @@ from .observations import SeenTags, WallFit, height_deviation, off_others, off_p
 
 MIN_SIGHTINGS = 3        # tags must be seen in one plane this many times to be learned
 FORGET_S = 0.5           # a tag seen elsewhere for this time, and MIN_SIGHTINGS times, loses its place
-LEARN_PX = 2.0           # places are learned only if a tag has moved this far in the frame since the last time
+# Places are learned only if a tag has moved this far in the frame since the last time. Views that are nearer to
+# each other have much the same errors, and so make the places seem more certain than they are.
+LEARN_PX = 10.0
 LEARN_ALWAYS = 3         # places are learned this many times at first, even if no tag has moved
 # A tag is in its place if the root mean square error of its corners is less than OFF_DEVIATIONS standard
 # deviations plus OFF_PX. Even a good wall, lens and print leave an error of OFF_PX.
@@ -138,9 +140,9 @@ class WallEstimator:
         scale = max(1.0, errors.sum(axis=1).min() / (8 * len(some) - 6)) if len(some) > 1 else 1.0
         cost = errors.sum(axis=1) + (amounts * amounts).sum(axis=1)
         order = np.argsort(cost)
-        inflate = np.append(np.full(6, scale**0.5), np.ones(amounts.shape[1]))  # the amounts keep theirs
-        return WallFit(tuple(ids), rotation[order], translation[order], amounts[order],
-                       covariance[order] * np.outer(inflate, inflate),
+        covariance[:, :6] *= scale**0.5
+        covariance[:, :, :6] *= scale**0.5  # the amounts keep theirs
+        return WallFit(tuple(ids), rotation[order], translation[order], amounts[order], covariance[order],
                        errors[order[0]], cost[order], scale)
 
     def _agreeing(self, seen: SeenTags, some: list[int], now: float) -> tuple[list[int], WallFit | None]:

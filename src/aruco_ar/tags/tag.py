@@ -32,6 +32,8 @@ OFFICIAL = {'DICT_APRILTAG_16H5': '0010001100011011', 'DICT_APRILTAG_25H9': '101
             'DICT_APRILTAG_36H11': '110101011101011000101000010110000100'}
 
 SIDE_M = 0.001, 10.0  # the smallest and the largest side of a real tag
+# The corners of a tag in its own axes, from its own top left, in sides of the tag.
+CORNERS = np.array([[-0.5, 0.5, 0], [0.5, 0.5, 0], [0.5, -0.5, 0], [-0.5, -0.5, 0]])
 MAX_SIZE_PX = 10000
 MAX_BORDER_CELLS = 10
 MAX_QUIET_CELLS = 10
@@ -154,5 +156,4 @@ def listed(ids: Sequence[int]) -> str:
 
 def square(sizes: Numbers) -> Floats:
     """(n, 4, 3) meters: the corners of tags with sides (n,) in their own axes, from their own top left."""
-    corners = [[-0.5, 0.5, 0], [0.5, 0.5, 0], [0.5, -0.5, 0], [-0.5, -0.5, 0]]
-    return np.multiply.outer(np.asarray(sizes, np.float64), corners)
+    return np.multiply.outer(np.asarray(sizes, np.float64), CORNERS)

@@ -60,14 +60,14 @@ class Places:
 
     def _poses_of(self, ids: Sequence[int]) -> tuple[Floats, Floats, Floats]:
         number = [self._index[tag_id] for tag_id in ids]
-        # Contiguous: with strided arrays, NumPy's results may differ in the last digits.
-        x, y, turn = np.ascontiguousarray(self._places[number].T)
+        places = self._places[number]
+        turn = places[:, 2].copy()  # with a strided array, NumPy's sine may differ in the last digit
         rotation = np.zeros((len(number), 3, 3))
         rotation[:, 0, 0] = rotation[:, 1, 1] = np.cos(turn)
         rotation[:, 1, 0] = np.sin(turn)
         rotation[:, 0, 1] = -rotation[:, 1, 0]
         rotation[:, 2, 2] = 1
-        center = np.stack([x, y, np.zeros(len(number))], axis=1)
+        center = places * np.array([1.0, 1.0, 0.0])
         deviation = self._rows(ids) @ self._base(ids)
         off = np.zeros((len(number), 6, deviation.shape[1] + 1))
         off[:, [0, 1, 5], :-1] = deviation.reshape(len(number), 3, -1)
@@ -118,7 +118,7 @@ class Places:
         # Each deviation had a variance of 1 before. It never grows, and it stays if this view shows nothing of
         # it. For example, all tags but the first may be off together while the first is out of sight.
         variance, axes = np.linalg.eigh(covariance[:-1, :-1])
-        factors = np.sqrt(np.clip(variance * (1 + 1 / INDEPENDENT_FRAMES), 0, 1))
+        factors = np.sqrt(np.maximum(0, np.minimum(variance * (1 + 1 / INDEPENDENT_FRAMES), 1)))
         change = (axes * factors) @ axes.T - np.eye(len(axes))
         self._deviation = self._deviation + concerned @ change @ base.T
 

@@ -16,6 +16,7 @@ from unit5.msg import TagArray
 from aruco_node.ros_internals.subscribers import tolerant
 
 from .bridge import bytes_of_pixel, convert
+from .jpeg import PictureDecoder
 from .levels import WHITES, Levels
 from .yuv import UYVY, YUY2, order_of
 
@@ -213,14 +214,18 @@ class CompressedDecoder(_Decoder):
     raises InputError if the data is neither, if more of it is missing, or if the frame is too large.
     """
 
+    def __init__(self):
+        super().__init__()
+        self._decode_picture = PictureDecoder()
+
     def _decode(self, message, notes):
         try:
-            with _whole(message, notes) as picture:
+            picture, data = _whole(message, notes)
+            with picture:
                 if picture.mode.startswith('I'):  # 16-bit gray
                     gray = self._to_8_bits(np.asarray(picture).astype(np.uint16), 'mono16', notes)
                     return cv2.cvtColor(gray, cv2.COLOR_GRAY2BGR)
-                return cv2.cvtColor(np.asarray(picture if picture.mode == 'RGB' else picture.convert('RGB')),
-                                    cv2.COLOR_RGB2BGR)
+                return self._decode_picture(picture, data)
         except InputError:
             raise
         except Exception:  # Pillow raises many kinds
@@ -239,21 +244,18 @@ def check_compressed(message):
 
 
 def _whole(message, notes):
-    """The Pillow image in a CompressedImage. A JPEG has the end marker that it lacked."""
+    """The Pillow image in a CompressedImage, and its bytes. A JPEG has the end marker that it lacked."""
     picture = _opened(message, message.data)
     whole = with_end(picture, message.data)
     if whole is message.data:
-        return picture
+        return picture, whole
     notes[END_MARKER] = 'The JPEGs lack their end marker, the bytes FF D9. They are used, since nothing else ' \
         'is missing.'
-    return _opened(message, whole)
+    return _opened(message, whole), whole
 
 
 def _opened(message, data):
-    """The Pillow image of the data of a CompressedImage. Only the header has been read yet.
-
-    OpenCV is not used, since its decoders write a line to stderr for each damaged frame.
-    """
+    """The Pillow image of the data of a CompressedImage. Only the header has been read yet."""
     try:
         picture = open_header(data, ('JPEG', 'PNG'))
     except Picture.DecompressionBombError:
@@ -325,7 +327,7 @@ TRANSPORTS = {
 
 def points_from_pixels(pixels):
     """Points, (n, 2) pixels, as a list of geometry_msgs/Point32 with z = 0."""
-    return [Point32(float(x), float(y), 0.0) for x, y in pixels]
+    return [Point32(x, y, 0.0) for x, y in np.asarray(pixels, np.float64).tolist()]
 
 
 def tags_from_pixels(tags, header):

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
+from aruco_node.messages import jpeg
 from aruco_node.messages.images import (
     ENCODING,
     END_MARKER,
@@ -241,6 +242,35 @@ def test_a_compressed_frame_is_decoded(kind, frame, channels, random):
     found = frame_from_compressed(CompressedImage(data=data)).astype(int)
     expected = pixels[..., :3] if channels > 1 else np.repeat(pixels, 3, axis=2)
     assert np.abs(found - expected).mean() < (6 if kind == '.jpg' else 1e-9)
+
+
+@pytest.mark.parametrize('sampling', ['411', '420', '422', '440', '444'])
+def test_simplejpeg_and_pillow_decode_a_jpeg_to_the_same_pixels(sampling, frame, monkeypatch):
+    pytest.importorskip('simplejpeg')
+    factor = [cv2.IMWRITE_JPEG_SAMPLING_FACTOR, getattr(cv2, 'IMWRITE_JPEG_SAMPLING_FACTOR_' + sampling)]
+    for options in JPEG_KINDS.values():
+        for shown in frame, frame[:241, :323], gray_of(frame)[..., 0]:
+            message = CompressedImage(data=cv2.imencode('.jpg', shown, options + factor)[1].tobytes())
+            found = frame_from_compressed(message)
+            assert found.flags.writeable
+            with monkeypatch.context() as patch:
+                patch.setattr(jpeg, 'decode_jpeg', None)
+                np.testing.assert_array_equal(found, frame_from_compressed(message))
+
+
+def test_a_damaged_jpeg_has_the_same_pixels_and_is_decoded_once(frame, monkeypatch):
+    """Some webcams send a few bytes too many before the end marker of each frame."""
+    simplejpeg, tries, decode = pytest.importorskip('simplejpeg'), [], CompressedDecoder()
+    monkeypatch.setattr(jpeg, 'decode_jpeg',
+                        lambda *arguments: tries.append(1) or simplejpeg.decode_jpeg(*arguments))
+    data = cv2.imencode('.jpg', frame)[1].tobytes()
+    good, damaged = CompressedImage(data=data), CompressedImage(data=data[:-2] + bytes(range(1, 4)) + data[-2:])
+    for message in [good] * 3 + [damaged] * 50 + [good]:
+        np.testing.assert_array_equal(decode(message), frame_from_compressed(good))
+    tries.clear()
+    for _ in range(50):
+        decode(damaged)
+    assert not tries  # it would take half as long again
 
 
 JPEG_KINDS = {'baseline': [], 'progressive': [cv2.IMWRITE_JPEG_PROGRESSIVE, 1],

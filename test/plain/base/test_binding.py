@@ -218,6 +218,13 @@ def of_find_pose_pairs():
     return binding.find_pose_pairs, {name: arrays[name] for name in ('points', 'rays')}
 
 
+def of_find_tag_poses():
+    quads = np.float64([CORNERS, CORNERS + 3, CORNERS[::-1]])  # the last one is seen from behind
+    return lambda quads, **arrays: binding.find_tag_poses(quads, 2, **arrays), {
+        'quads': quads, 'rays': quads / 500, 'slopes': np.tile(500 * np.eye(2), (3, 4, 1, 1)),
+        'sizes': np.ones(3)}
+
+
 def poses(*axes, size=6):
     """Rotations, translations and covariances with those axes in front."""
     random = np.random.RandomState(4)
@@ -307,15 +314,15 @@ MADE = {made.__name__[3:]: made for made in
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
          of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
-         of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off, of_measure_light,
-         of_light_wall, of_compare_wall, of_learn_wall)}
+         of_find_tag_poses, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
+         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
              'smooth', 'cover', 'to_cover', 'at', 'order', 'ends', 'parts', 'steps',
              'points', 'places', 'pixels', 'deviation', 'bias', *(
-                 argument for made in (of_refine_pose_pairs, of_weigh_poses, of_mix_poses, of_place_tags,
-                                       of_off_others, of_add_off)
+                 argument for made in (of_refine_pose_pairs, of_find_tag_poses, of_weigh_poses, of_mix_poses,
+                                       of_place_tags, of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
 WRITTEN = {('light_picture', 'picture'), ('choose_sources', 'usual'),
            ('weigh_poses', 'memories'), ('add_off', 'memories'),
