@@ -42,6 +42,7 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6, 2
 COARSE, HALF = 4, 2   # means in large windows are computed of images that are smaller by these factors
+SAME_LIGHT = np.ones(3, np.float32)
 MARGIN_PX = 40        # width of the margin around what seems to be in front that is looked at twice
 
 
@@ -56,37 +57,35 @@ class Difference:
     planes: Floats
 
 
-def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans,
+def difference(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
                unshaded: float = 1.0) -> Difference:
     """Compare a rectified frame with the wall.
 
     ``seen``: (h, w, 3) uint8, the frame. ``look``: (h, w, 3) float32, the wall. ``whole``: (3,) float32, the
-    light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
-    where both are known. ``unshaded``: the light outside of shadows, as a factor of that on the whole wall.
+    light on all of it, as factors of ``look``. ``contrast``: of the look, see contrast_of. ``variance``: (h, w)
+    float32, of the noise. ``usable``: (h, w), where both are known. ``unshaded``: the light outside of shadows,
+    as a factor of that on the whole wall.
     """
-    wall, contrast = _lit_wall(look, whole)
     front, planes = compare(seen, look, whole, contrast, variance, usable, unshaded)
     front = opened(front)
     if front.any():
         rows, columns = part = around(front, MARGIN_PX, COARSE)
         front[part], planes[:, rows, columns] = _looked_at_twice(
-            front[part], seen[part], look[part], whole, wall[part], contrast[part], variance[part],
-            usable[part], unshaded)
+            front[part], seen[part], look[part], whole, contrast[part], variance[part], usable[part], unshaded)
     return Difference(front, planes)
 
 
-def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, wall: Image, contrast: Image,
+def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, contrast: Image,
                      variance: Floats, usable: Booleans, unshaded: float) -> tuple[Booleans, Floats]:
     """A better Difference, as its parts, of a window in which something seems to be in front.
 
-    The other arguments are those of ``difference``, and what _lit_wall returns, within that window.
+    The other arguments are those of ``difference``, within that window.
     """
-    aligned = _aligned(look, wall, contrast, seen)
-    wall, contrast = _lit_wall(aligned, whole)
-    still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
+    aligned = _aligned(look, whole, contrast, seen)
+    still_front, planes = compare(seen, aligned, whole, contrast_of(aligned), variance, usable, unshaded)
     front = front & still_front
     pixels = _Planes(*planes)
-    free = ~usable | _shows_pattern(seen, wall, pixels, front)
+    free = ~usable | _shows_pattern(seen, binding.light_wall(aligned, whole), pixels, front)
     front = opened(front & ~free)
     return _completed(front, pixels, usable, free) if front.any() else front, planes
 
@@ -130,26 +129,27 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
     return binding.compare_wall(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
-def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
-    """The wall in this light, and the largest differences in it near each pixel: (h, w, 3) uint8 each."""
-    kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
-    wall = binding.light_wall(look, whole)
-    return wall, cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
+def contrast_of(look: Floats) -> Image:
+    """(h, w, 3) uint8: the largest differences near each pixel of a look, (h, w, 3) float32, in its light."""
+    kernel, wall = np.ones((RIM_PX, RIM_PX), np.uint8), binding.light_wall(look, SAME_LIGHT)
+    return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 
-def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
+def _aligned(look: Floats, whole: Floats, contrast: Image, seen: Image) -> Floats:
     """(h, w, 3) float32: the look, moved by a few pixels to where the frame shows it.
 
     A sheet that is not flat, or a lens that is not calibrated, displaces it. The
-    displacement is smooth, and known where the wall has a pattern. ``wall``,
-    ``contrast``: see _lit_wall.
+    displacement is smooth, and known where the wall has a pattern. The arguments
+    are those of ``difference``.
     """
     height, width = contrast.shape[:2]
     method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
-    gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
+    gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (
+        seen, binding.light_wall(look, whole)))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
     # What is averaged in so large a window may be coarse before.
-    weight = _coarse(np.maximum(largest_channel(contrast), NO_PATTERN) - NO_PATTERN, COARSE)
+    seen_contrast = largest_channel(contrast) * np.float32(whole.mean())
+    weight = _coarse(np.maximum(seen_contrast, NO_PATTERN) - NO_PATTERN, COARSE)
     limited = np.clip(_coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
     moved = _mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
     moved /= (_mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]

@@ -14,7 +14,7 @@ from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 
 from .blank import BlankWall, blank_wall
-from .difference import Difference, difference, difference_from_window, largest_difference, soft_rim
+from .difference import Difference, contrast_of, difference, difference_from_window, largest_difference, soft_rim
 from .outlines import came_or_left
 from .parts import WHOLE, around, grown, parts_of, still_parts
 from .patches import Patches
@@ -41,6 +41,7 @@ NOISIEST = 4.0
 # otherwise the color may be that of a person.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 ANOTHER_COLOR, HARDLY = 1.5, 0.01
+CONTRAST_EVERY = 8              # the look changes slowly, so its contrast is computed in every eighth frame
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the noise on the whole wall
 SHADE_S = 5.0                   # the light outside of shadows is remembered: one may fall on most of the wall
 DIM = 0.2                       # in less light than this, the color of the light is uncertain
@@ -139,6 +140,8 @@ class WallModel:
         self._earlier = [_Earlier(self._before, self.look.copy())] * 2
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
+        self._contrast: Image | None = None         # of the look, see contrast_of; None if that has changed
+        self._contrast_age = 0                      # for how many frames it was used
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
         self._papers = ~valid | tags()              # where no patch can be
         self._blank = found = blank_wall(self.look, ~self._papers)
@@ -158,10 +161,15 @@ class WallModel:
         if now >= 0:
             self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
         unshaded = max(1.0, self._unshaded / float(self.light.mean()))
-        return difference(seen, self.look, self.light, self._variance, usable, unshaded)
+        if self._contrast is None or self._contrast_age >= CONTRAST_EVERY:
+            self._contrast, self._contrast_age = contrast_of(self.look), 0
+        self._contrast_age += 1
+        return difference(seen, self.look, self.light, self._contrast, self._variance, usable, unshaded)
 
     def _share_in_front(self, front: Booleans, valid: Booleans) -> float:
         """The share of the known wall in a frame that something seems to stand in front of."""
+        if not front.any():
+            return 0.0
         known = self._known & valid & (self._seen_s >= KNOWN_S)
         return np.count_nonzero(front & known) / max(np.count_nonzero(known), 1)
 
@@ -221,6 +229,7 @@ class WallModel:
     def _take_for_wall(self, where: Booleans) -> None:
         """Take the look at some pixels for the wall for good."""
         self._known[where], self._seen_s[where], self._variance[where] = True, LASTING_S, VARIANCE
+        self._contrast = None
         self._find_plain(where, WHOLE)
 
     def _clear_patches(self, seen: Image, valid: Booleans, labels: Integers, wall: BlankWall) -> None:
@@ -256,6 +265,7 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
+        self._contrast = None
         self._views.look_changed(where, part, self.look)
         self._find_plain(where, part)
         if self._blank is not None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, sqrt
 from typing import Sequence
 
 import cv2
@@ -150,12 +150,19 @@ class Area:
         focal = USUAL_FOCAL * max(height, width)
         matrix = (np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
                   if self.lens is None else self.lens.matrix)
-        across = float(np.sqrt(self.ratio or 1.0))
-        to_rays = np.linalg.inv(matrix) @ homography_to(self.undistorted) @ np.diag([1 / across, across, 1.0])
-        right, down, away = to_rays.T / np.sqrt(np.linalg.norm(to_rays[:, 0]) * np.linalg.norm(to_rays[:, 1]))
-        right, down = right / np.linalg.norm(right), down / np.linalg.norm(down)
-        place = np.linalg.solve(np.column_stack([right, down, np.cross(right, down)]), -away)
-        return (place[:2] - (across / 2, 0.5 / across)) / max(abs(place[2]), 1e-6)
+        across = sqrt(self.ratio or 1.0)
+        to_rays = np.linalg.inv(matrix) @ homography_to(self.undistorted)
+        right, down, away = to_rays[:, 0] / across, to_rays[:, 1] * across, to_rays[:, 2]
+        lengths = sqrt(right @ right), sqrt(down @ down)
+        right, down, away = right / lengths[0], down / lengths[1], away / sqrt(lengths[0] * lengths[1])
+        # The camera is at x * right + y * down + z * (right x down), seen from the corner of the area.
+        slanted = right @ down
+        square = max(1 - slanted * slanted, 1e-12)  # of the length of right x down
+        to_right, to_down = right @ away, down @ away
+        x, y = (slanted * to_down - to_right) / square, (slanted * to_right - to_down) / square
+        (a, b, c), (d, e, f) = right.tolist(), down.tolist()
+        z = np.array([b * f - c * e, c * d - a * f, a * e - b * d]) @ away / square
+        return np.array([x - across / 2, y - 0.5 / across]) / max(abs(z), 1e-6)
 
     def _box_inside(self, positions: Image) -> Floats:
         """(2, 2) pixels: the box around the points of a grid that are in the area, with a margin; or (0, 2)."""
