@@ -42,7 +42,7 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6, 2
 COARSE, HALF = 4, 2   # means in large windows are computed of images that are smaller by these factors
-SAME_LIGHT = np.ones(3, np.float32)
+OWN_LIGHT = np.ones(3, np.float32)
 MARGIN_PX = 40        # width of the margin around what seems to be in front that is looked at twice
 
 
@@ -131,7 +131,7 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
 
 def contrast_of(look: Floats) -> Image:
     """(h, w, 3) uint8: the largest differences near each pixel of a look, (h, w, 3) float32, in its light."""
-    kernel, wall = np.ones((RIM_PX, RIM_PX), np.uint8), binding.light_wall(look, SAME_LIGHT)
+    kernel, wall = np.ones((RIM_PX, RIM_PX), np.uint8), binding.light_wall(look, OWN_LIGHT)
     return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 

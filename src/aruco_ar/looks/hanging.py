@@ -27,6 +27,7 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
+EVERY = 3               # with nothing in front, or for the light alone, every third frame tells enough
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
@@ -85,8 +86,8 @@ class Hanging:
         self._light: WallLight | None = None
         self._grain, self._hidden_tags = Grain(), HiddenTags()
         self._stamp: float | None = None
-        # The time since the model learned a frame, and whether it was the turn of the last one to be learned.
-        self._unlearned_s, self._is_turn = 0.0, False
+        self._unlearned_s = 0.0  # the time since the model learned a frame
+        self._turn = 0           # the model learns a frame if this is 0
         self._size = 0, 0
         self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
 
@@ -126,14 +127,19 @@ class Hanging:
             sides = np.sqrt([PIXELS * shape, PIXELS / shape])
             width, height = (COARSE * round(side / COARSE) for side in sides)  # OpenCV shrinks such sizes fast
             self._size = width, height
-        image = area.rectified(frame, self._size)
-        begun = self._model.begun
+        begun, slope = self._model.begun, area.slope(frame)
         self._unlearned_s += passed
-        self._is_turn = not self._is_turn
-        if keep or self._is_turn or not begun:  # for the light alone, every other frame tells enough
-            self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
-                               self._unlearned_s, settle, area.slope(frame))
-            self._unlearned_s = 0.0
+        self._turn = (self._turn + 1) % EVERY
+        # Of most frames, less detail is enough, unless something is in front.
+        if begun and self._turn and (not keep or self._model.can_glance(slope)):
+            half = self._size[0] // 2, self._size[1] // 2
+            self._image = area.rectified(frame, half)
+            if not keep or self._model.glance(self._image, area.in_frame(frame, half)):
+                return
+        image = area.rectified(frame, self._size)
+        self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
+                           self._unlearned_s, settle, slope)
+        self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None
         if self._light is None and tags:
