@@ -81,7 +81,9 @@ def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, 
 
     The other arguments are those of ``difference``, within that window.
     """
-    aligned = _aligned(look, whole, contrast, seen)
+    in_light = np.asarray(largest_channel(contrast), np.float32) * whole.mean()
+    weight = np.maximum(in_light, NO_PATTERN) - NO_PATTERN
+    aligned = _aligned(look, whole, weight, seen) if weight.any() else look
     still_front, planes = compare(seen, aligned, whole, contrast_of(aligned), variance, usable, unshaded)
     front = front & still_front
     pixels = _Planes(*planes)
@@ -135,21 +137,21 @@ def contrast_of(look: Floats) -> Image:
     return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 
-def _aligned(look: Floats, whole: Floats, contrast: Image, seen: Image) -> Floats:
+def _aligned(look: Floats, whole: Floats, weight: Floats, seen: Image) -> Floats:
     """(h, w, 3) float32: the look, moved by a few pixels to where the frame shows it.
 
     A sheet that is not flat, or a lens that is not calibrated, displaces it. The
-    displacement is smooth, and known where the wall has a pattern. The arguments
-    are those of ``difference``.
+    displacement is smooth, and known where the wall has a pattern. ``weight``:
+    (h, w) float32, how much it tells at each pixel. The others are those of
+    ``difference``.
     """
-    height, width = contrast.shape[:2]
+    height, width = weight.shape
     method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
     gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (
         seen, binding.light_wall(look, whole)))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
     # What is averaged in so large a window may be coarse before.
-    seen_contrast = largest_channel(contrast) * np.float32(whole.mean())
-    weight = _coarse(np.maximum(seen_contrast, NO_PATTERN) - NO_PATTERN, COARSE)
+    weight = _coarse(weight, COARSE)
     limited = np.clip(_coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
     moved = _mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
     moved /= (_mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]
@@ -259,6 +261,8 @@ def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
 def _with_sharp_rims(mask: Booleans, sharp: Booleans, ignored: Booleans | None = None) -> Booleans:
     """(h, w): the connected parts of a mask that have sharp rims, but for what is ignored. All are (h, w)."""
     mask = grown(shrunk(mask, THING_PX), THING_PX)
+    if not mask.any():
+        return mask
     labels, count = components(mask)
     outline = outline_of(mask) if ignored is None else outline_of(mask) & ~ignored
     length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
@@ -294,20 +298,23 @@ def _shows_pattern(seen: Image, wall: Image, pixels: _Planes, where: Booleans) -
         return shows
     # The frame is smooth: half as many pixels across and down show a pattern as well.
     grays = _coarse(pixels.gray, HALF), _coarse(pixels.wall_gray, HALF)
+    near = grown(_coarse(where.view(np.uint8) * 255, HALF) > 0, 3)
     for px, least in WINDOWS:
         window = px // HALF
         pattern, wall_pattern = (image - _mean_around(image, window) for image in grays)
         own, known = (np.maximum(_mean_around(image * image, window), 0) for image in (pattern, wall_pattern))
         both = _mean_around(pattern * wall_pattern, window)
         like = both > least * np.sqrt(own * known)
-        like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
+        like &= near & (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
         if like.any():
-            factor = both / np.maximum(known, PATTERN_LEVELS**2)
-            fits = FIT * factor * np.sqrt(known)
-            color, wall_color = (_mean_around(_coarse(image, HALF), window) for image in (seen, wall))
+            part = around(like, 1)
+            whole_part = tuple(slice(HALF * side.start, HALF * side.stop) for side in part)
+            factor = both[part] / np.maximum(known[part], PATTERN_LEVELS**2)
+            fits = FIT * factor * np.sqrt(known[part])
+            color, wall_color = (_mean_around(_coarse(image, HALF), window)[part] for image in (seen, wall))
             rest = color - factor[..., None] * wall_color  # the glare
-            rest, factor, fits, liked = (_fine(image, where.shape)
-                                         for image in (rest, factor, fits, like.astype(np.float32)))
-            off = largest_difference(seen - rest, factor[..., None] * wall)
-            shows |= (liked >= 0.5) & (off < pixels.noise + fits)
+            rest, factor, fits, liked = (_fine(image, where[whole_part].shape)
+                                         for image in (rest, factor, fits, like[part].astype(np.float32)))
+            off = largest_difference(seen[whole_part] - rest, factor[..., None] * wall[whole_part])
+            shows[whole_part] |= (liked >= 0.5) & (off < pixels.noise[whole_part] + fits)
     return shows & where

@@ -27,7 +27,8 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
-EVERY = 3               # with nothing in front, or for the light alone, every third frame tells enough
+# The wall is learned from so many frames, with nothing in front, and for the light alone: one of three, of two.
+EVERY, EVERY_FOR_LIGHT = 3, 2
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
@@ -108,7 +109,7 @@ class Hanging:
         passed = 0.0 if self._stamp is None else min(sight.stamp - self._stamp, MAX_STEP_S)
         self._stamp = sight.stamp
         if seen.is_located and (keep or match_light):
-            self._learn_wall(sight.frame, seen.area, seen.tags, passed, settings.settle, keep)
+            self._learn_wall(sight.frame, seen.area, seen.tags, passed, settings)
         if seen.is_located and match_grain:
             self._grain.measure(sight.frame, seen.area.window(sight.frame)[0], seen.tags)
         on_wall = OnWall(self._light.update(self._image, self._model) if match_light and self._light else None,
@@ -120,25 +121,29 @@ class Hanging:
                                    self._grain.noisy if match_grain else None)
         return on_wall
 
-    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float, settle: float,
-                    keep: bool) -> None:
+    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float,
+                    settings: PictureSettings) -> None:
         if not self._model.look.size:
             shape = np.clip(area.ratio or 1.0, *SHAPES)
             sides = np.sqrt([PIXELS * shape, PIXELS / shape])
             width, height = (COARSE * round(side / COARSE) for side in sides)  # OpenCV shrinks such sizes fast
             self._size = width, height
-        begun, slope = self._model.begun, area.slope(frame)
+        begun = self._model.begun
         self._unlearned_s += passed
-        self._turn = (self._turn + 1) % EVERY
-        # Of most frames, less detail is enough, unless something is in front.
-        if begun and self._turn and (not keep or self._model.can_glance(slope)):
-            half = self._size[0] // 2, self._size[1] // 2
-            self._image = area.rectified(frame, half)
-            if not keep or self._model.glance(self._image, area.in_frame(frame, half)):
-                return
-        image = area.rectified(frame, self._size)
-        self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
-                           self._unlearned_s, settle, slope)
+        keep, match_light = settings.foreground == KEEP, settings.light == MATCH
+        is_turn = self._turn == 0 or not begun
+        self._turn = (self._turn + 1) % (EVERY if keep else EVERY_FOR_LIGHT)
+        if match_light:
+            self._image = area.rectified(frame, self._size)
+        if not is_turn and not keep:
+            return
+        slope = area.slope(frame)
+        if not is_turn and self._glance(frame, area, slope, match_light):
+            return
+        if not match_light:
+            self._image = area.rectified(frame, self._size)
+        self._model.update(self._image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
+                           self._unlearned_s, settings.settle, slope)
         self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None
@@ -148,7 +153,18 @@ class Hanging:
                                 centers if area.lens is None else area.lens.undistort(centers))
             white, black = white_and_black(frame, tags, area.lens)
             self._light = WallLight(centers, white / self._model.light, black / self._model.light, self._model)
-        self._image = image
+
+    def _glance(self, frame: Image, area: Area, slope: Floats, is_rectified: bool) -> bool:
+        """Whether a glance at half of the resolution shows that nothing is in front: see WallModel.glance.
+
+        ``is_rectified``: whether this frame was rectified at full resolution.
+        """
+        if not self._model.can_glance(slope):
+            return False
+        half = self._size[0] // 2, self._size[1] // 2
+        image = (cv2.resize(self._image, half, interpolation=cv2.INTER_AREA) if is_rectified
+                 else area.rectified(frame, half))
+        return self._model.glance(image, area.in_frame(frame, half))
 
     def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
         """(h, w): where tags and their white rims are."""
