@@ -27,8 +27,10 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
-# The wall is learned from so many frames, with nothing in front, and for the light alone: one of three, of two.
-EVERY, EVERY_FOR_LIGHT = 3, 2
+# The wall is learned from every third frame as long as nothing is in front; for the light alone, from every other
+# one if something is. Of the rest, half of the pixels across and down are enough.
+EVERY, EVERY_IN_FRONT = 3, 2
+MIDDLE_OF_TWO = 0.25    # where the middle of two pixels is, in pixels as large as both, if the first is at 0
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
@@ -130,20 +132,16 @@ class Hanging:
             self._size = width, height
         begun = self._model.begun
         self._unlearned_s += passed
-        keep, match_light = settings.foreground == KEEP, settings.light == MATCH
-        is_turn = self._turn == 0 or not begun
-        self._turn = (self._turn + 1) % (EVERY if keep else EVERY_FOR_LIGHT)
-        if match_light:
-            self._image = area.rectified(frame, self._size)
-        if not is_turn and not keep:
-            return
-        slope = area.slope(frame)
-        if not is_turn and self._glance(frame, area, slope, match_light):
-            return
-        if not match_light:
-            self._image = area.rectified(frame, self._size)
+        keep, is_turn = settings.foreground == KEEP, self._turn == 0 or not begun
+        self._turn = (self._turn + 1) % (EVERY if keep or not self._model.front.any() else EVERY_IN_FRONT)
+        if not is_turn and (not keep or self._model.can_glance(area.slope(frame))):
+            half = self._size[0] // 2, self._size[1] // 2
+            self._image = area.rectified(frame, half, MIDDLE_OF_TWO)
+            if not keep or self._model.glance(self._image, area.in_frame(frame, half)):
+                return
+        self._image = area.rectified(frame, self._size)
         self._model.update(self._image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
-                           self._unlearned_s, settings.settle, slope)
+                           self._unlearned_s, settings.settle, area.slope(frame))
         self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None
@@ -153,18 +151,6 @@ class Hanging:
                                 centers if area.lens is None else area.lens.undistort(centers))
             white, black = white_and_black(frame, tags, area.lens)
             self._light = WallLight(centers, white / self._model.light, black / self._model.light, self._model)
-
-    def _glance(self, frame: Image, area: Area, slope: Floats, is_rectified: bool) -> bool:
-        """Whether a glance at half of the resolution shows that nothing is in front: see WallModel.glance.
-
-        ``is_rectified``: whether this frame was rectified at full resolution.
-        """
-        if not self._model.can_glance(slope):
-            return False
-        half = self._size[0] // 2, self._size[1] // 2
-        image = (cv2.resize(self._image, half, interpolation=cv2.INTER_AREA) if is_rectified
-                 else area.rectified(frame, half))
-        return self._model.glance(image, area.in_frame(frame, half))
 
     def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
         """(h, w): where tags and their white rims are."""

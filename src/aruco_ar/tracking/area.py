@@ -112,24 +112,26 @@ class Area:
         found = cv2.getPerspectiveTransform(picture, np.asarray(self.undistorted, np.float32))
         return np.asarray(found, np.float64)
 
-    def rectified(self, frame: Image, size: tuple[int, int]) -> Image:
+    def rectified(self, frame: Image, size: tuple[int, int], first: float = 0.0) -> Image:
         """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h).
 
+        ``first``: where the middle of the first pixel is, in pixels right of the area's corner and below.
         Raises InputError as check_size does.
         """
         self.check_size(frame)
         times = float(np.linalg.norm(self.undistorted[1] - self.undistorted[0])) / size[0]
         halvings = min(int(log2(max(times, 1.0))), MAX_HALVINGS) if self.lens is None else 0
         window, part = self.window(frame) if halvings else (frame, self)
+        shift = np.array([[1, 0, first], [0, 1, first], [0, 0, 1]])
         if not halvings or not window.size:
-            return rectify(frame, self.homography(*size), size, self.lens)
+            return rectify(frame, self.homography(*size) @ shift, size, self.lens)
         window = self._whole_blocks(frame, window, part, 2**halvings)
         for _ in range(halvings):  # OpenCV does this many times faster than any other shrinking
             half = window.shape[1] // 2, window.shape[0] // 2
             window = cv2.resize(window, half, interpolation=cv2.INTER_AREA)
         scale = 0.5**halvings
         shrink = np.array([[scale, 0, 0.5 * scale - 0.5], [0, scale, 0.5 * scale - 0.5], [0, 0, 1]])
-        return rectify(window, shrink @ part.homography(*size), size)
+        return rectify(window, shrink @ part.homography(*size) @ shift, size)
 
     def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
         """(h, w): which pixels of the area, rectified, a frame shows. ``frame``, ``size``: see rectified."""
