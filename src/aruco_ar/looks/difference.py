@@ -176,14 +176,15 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     rim = grown(front, 3)
     free = ~rim
     rim &= ~core
+    at = np.nonzero(rim)
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
     window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
-    weights = np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
-    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[rim] / weights
-    mixed, off = _mixture(seen[rim], things, wall[rim], _shade_around(seen, wall, free)[rim])
+    weights = np.maximum(cv2.blur(weight, window)[at], 1e-4)[:, None]
+    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[at] / weights
+    mixed, off = _mixture(seen[at], things, wall[at], _shade_around(seen, wall, free)[at])
     is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
     shares = core.astype(np.float32)
-    shares[rim] = np.where(shrunk(front, 5)[rim] & ~is_shadow, 1, mixed)
+    shares[at] = np.where(shrunk(front, 5)[at] & ~is_shadow, 1, mixed)
     share[part] = shares
     return share
 

@@ -27,8 +27,8 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
-# The wall is learned from every third frame as long as nothing is in front; for the light alone, from every other
-# one if something is. Of the rest, half of the pixels across and down are enough.
+# The wall is learned from every third frame as long as nothing is in front; for the light alone, from every
+# other one if something is. Of the rest, half of the pixels across and down are enough.
 EVERY, EVERY_IN_FRONT = 3, 2
 MIDDLE_OF_TWO = 0.25    # where the middle of two pixels is, in pixels as large as both, if the first is at 0
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
@@ -64,7 +64,7 @@ class OnWall:
             warped, mask = self.grain.apply(warped, mask)
         if self.front is not None:
             free = np.round(255 * (1 - self.front)).astype(np.uint8)
-            alpha = _warped(np.dstack([free] * 3), place)[:, :, 0]
+            alpha = _warped(cv2.merge([free] * 3), place)[:, :, 0]
             alpha[place.mask[:, :, 0] == 0] = 255  # a soft mask reaches beyond the area, where nothing is known
             if warped.shape[2] == 4:
                 alpha = cv2.multiply(alpha, warped[:, :, 3], scale=1 / 255)
