@@ -28,7 +28,7 @@ PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
 # The wall is learned from every third frame as long as nothing is in front; for the light alone, from every
-# other one if something is. Of the rest, half of the pixels across and down are enough.
+# other one if something is.
 EVERY, EVERY_IN_FRONT = 3, 2
 MIDDLE_OF_TWO = 0.25    # where the middle of two pixels is, in pixels as large as both, if the first is at 0
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
@@ -132,14 +132,15 @@ class Hanging:
             self._size = width, height
         begun = self._model.begun
         self._unlearned_s += passed
-        keep, is_turn = settings.foreground == KEEP, self._turn == 0 or not begun
+        keep, match_light = settings.foreground == KEEP, settings.light == MATCH
+        is_turn = self._turn == 0 or not begun
         self._turn = (self._turn + 1) % (EVERY if keep or not self._model.front.any() else EVERY_IN_FRONT)
-        if not is_turn and (not keep or self._model.can_glance(area.slope(frame))):
-            half = self._size[0] // 2, self._size[1] // 2
-            self._image = area.rectified(frame, half, MIDDLE_OF_TWO)
-            if not keep or self._model.glance(self._image, area.in_frame(frame, half)):
-                return
-        self._image = area.rectified(frame, self._size)
+        if match_light:  # always the same way, since the light would flicker otherwise
+            self._image = area.rectified(frame, self._size)
+        if not is_turn and (not keep or self._glance(frame, area, match_light)):
+            return
+        if not match_light:
+            self._image = area.rectified(frame, self._size)
         self._model.update(self._image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
                            self._unlearned_s, settings.settle, area.slope(frame))
         self._unlearned_s = 0.0
@@ -151,6 +152,18 @@ class Hanging:
                                 centers if area.lens is None else area.lens.undistort(centers))
             white, black = white_and_black(frame, tags, area.lens)
             self._light = WallLight(centers, white / self._model.light, black / self._model.light, self._model)
+
+    def _glance(self, frame: Image, area: Area, is_rectified: bool) -> bool:
+        """Whether a glance at a frame shows that nothing is in front: see WallModel.glance.
+
+        ``is_rectified``: whether it has been rectified in full.
+        """
+        if not self._model.can_glance(area.slope(frame)):
+            return False
+        half = self._size[0] // 2, self._size[1] // 2
+        image = (cv2.resize(self._image, half, interpolation=cv2.INTER_AREA) if is_rectified
+                 else area.rectified(frame, half, MIDDLE_OF_TWO))
+        return self._model.glance(image, area.in_frame(frame, half))
 
     def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
         """(h, w): where tags and their white rims are."""

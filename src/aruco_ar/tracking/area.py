@@ -121,17 +121,20 @@ class Area:
         self.check_size(frame)
         times = float(np.linalg.norm(self.undistorted[1] - self.undistorted[0])) / size[0]
         halvings = min(int(log2(max(times, 1.0))), MAX_HALVINGS) if self.lens is None else 0
-        window, part = self.window(frame) if halvings else (frame, self)
         shift = np.array([[1, 0, first], [0, 1, first], [0, 0, 1]])
+        homography = self.homography(*size) @ shift
+        window, part = self.window(frame) if halvings else (frame, self)
         if not halvings or not window.size:
-            return rectify(frame, self.homography(*size) @ shift, size, self.lens)
-        window = self._whole_blocks(frame, window, part, 2**halvings)
+            return rectify(frame, homography, size, self.lens)
+        block = 2**halvings
+        corner = [round(offset) for offset in (self.corners[0] - part.corners[0]).tolist()]
+        window, (left, top) = _in_blocks(frame, corner, window.shape[1::-1], block)
         for _ in range(halvings):  # OpenCV does this many times faster than any other shrinking
             half = window.shape[1] // 2, window.shape[0] // 2
             window = cv2.resize(window, half, interpolation=cv2.INTER_AREA)
-        scale = 0.5**halvings
-        shrink = np.array([[scale, 0, 0.5 * scale - 0.5], [0, scale, 0.5 * scale - 0.5], [0, 0, 1]])
-        return rectify(window, shrink @ part.homography(*size) @ shift, size)
+        middle = (block - 1) / 2  # of the first block
+        shrink = np.array([[1, 0, -left - middle], [0, 1, -top - middle], [0, 0, block]]) / block
+        return rectify(window, shrink @ homography, size)
 
     def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
         """(h, w): which pixels of the area, rectified, a frame shows. ``frame``, ``size``: see rectified."""
@@ -168,23 +171,27 @@ class Area:
         z = np.array([b * f - c * e, c * d - a * f, a * e - b * d]) @ away / square
         return np.array([x - across / 2, y - 0.5 / across]) / max(abs(z), 1e-6)
 
-    def _whole_blocks(self, frame: Image, window: Image, part: Area, side: int) -> Image:
-        """A window of a frame, larger at the right and below so that it consists of blocks with that side.
-
-        ``window``, ``part``: see window. What is outside of the frame is like its rim.
-        """
-        left, top = (round(offset) for offset in (self.corners[0] - part.corners[0]).tolist())
-        height, width = (-(-length // side) * side for length in window.shape[:2])
-        window = frame[top:top + height, left:left + width]
-        below, right = height - window.shape[0], width - window.shape[1]
-        if not below and not right:
-            return window
-        return cv2.copyMakeBorder(window, 0, below, 0, right, cv2.BORDER_REPLICATE)
-
     def _box_inside(self, positions: Image) -> Floats:
         """(2, 2) pixels: the box around the points of a grid that are in the area, with a margin; or (0, 2)."""
         box = binding.find_box(positions, STEP_PX, homography_from(self.undistorted)).reshape(2, 2)
         return box + [[-STEP_PX], [STEP_PX]] if np.isfinite(box[0, 0]) else box[:0]
+
+
+def _in_blocks(frame: Image, corner: Sequence[int], size: Sequence[int],
+               block: int) -> tuple[Image, tuple[int, int]]:
+    """A larger part of a frame, which consists of blocks of so many pixels each way, and its corner, x and y.
+
+    ``corner``, ``size``: of the part. There is one more block left of it and above, and what is beyond the
+    frame is like its rim.
+    """
+    left, top = (max(start - block, 0) for start in corner)
+    width, height = (-(-(start + length - begin) // block) * block
+                     for start, length, begin in zip(corner, size, (left, top)))
+    part = frame[top:top + height, left:left + width]
+    below, right = height - part.shape[0], width - part.shape[1]
+    if below or right:
+        part = cv2.copyMakeBorder(part, 0, below, 0, right, cv2.BORDER_REPLICATE)
+    return part, (left, top)
 
 
 def _touched(least: float, most: float, size: int) -> slice:
