@@ -153,11 +153,11 @@ class WallModel:
             self._earlier, self._age = [self._earlier[1], _Earlier(front, self._unlit(seen))], 0.0
 
     def can_glance(self, slope: Floats) -> bool:
-        """Whether a glance at a frame may be enough: the wall is known, and nothing was in front of it.
+        """Whether a glance at a frame may be enough: the wall is known well, and nothing was in front of it.
 
         ``slope``: see update. In a new view, and as long as there are patches, more is learned.
         """
-        if not self.look.size or self.front.any() or self._views.standing.any():
+        if not self.look.size or self._count < MEAN_OF or self.front.any() or self._views.standing.any():
             return False
         has_patches = self._blank is not None and self._patches.any()
         return not has_patches and self._glance_pause <= 0 and not self._views.is_new(slope)
