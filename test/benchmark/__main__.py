@@ -9,7 +9,7 @@ from aruco_ar import InputError
 from rig.nodes.master import Master
 from rig.processes.record import recorded
 
-from .looks import looks, real_hidden
+from .looks import cost, looks, real_hidden
 from .real_clips import clips, covered, other_walls, remembered, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
@@ -30,7 +30,8 @@ def parse():
                         help='compare both methods with the truth on real clips instead: the videos in a '
                         'folder. A NAME.yaml beside each of them gives its dictionary and ids (default: '
                         'the clips shared beside the package). With --only nodes, both run as nodes; '
-                        'with --only looks, it is what foreground:=keep leaves free; with --only search, what '
+                        'with --only looks, it is what foreground:=keep leaves free, how well tags are hidden, '
+                        'and what the looks cost; with --only search, what '
                         'a search of one frame costs and finds; with --only walls, how often a wall that '
                         'is remembered is taken for another one.')
     parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
@@ -58,6 +59,7 @@ def main():
             looks.run_clips(clips.clips_of(args.real))
             looks.run_arm(clips.clips_of(args.real))
             real_hidden.run(args.real)
+            cost.run_clips(clips.clips_of(args.real))
         return
     if args.real and args.only == 'search':
         with recorded('real_search', args.record):

@@ -272,8 +272,8 @@ int unit5_measure_light(const uint8_t *seen, const float *look, const uint8_t *u
 void unit5_light_wall(const float *look, const float whole[3], int64_t count, uint8_t *wall);
 
 /* Compare a frame with the wall; all arrays have its size. ``seen``: BGR, the frame. ``look``: BGR, the wall.
-   ``whole``: the light on all of it, as factors of the look. ``contrast``: BGR, the largest differences in it near
-   each pixel, in this light. ``variance``: of the noise. ``usable``: where both are known. ``darkest``,
+   ``whole``: the light on all of it, as factors of the look. ``contrast``: BGR, the largest differences in the look
+   near each pixel. ``variance``: of the noise. ``usable``: where both are known. ``darkest``,
    ``lightest``: limits of the light at a pixel, relative to that on the whole wall, in a shadow and in a spot.
    Writes ``planes``, see wall.c, which overlap nothing else, and ``front``: where something seems to stand. */
 int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole[3], const uint8_t *contrast,

@@ -72,8 +72,10 @@ FAST static void compare_run(const uint8_t *seen_bytes, const float *looks, cons
     split_bytes(contrast_bytes, length, &contrast);
     float found[PLANES][RUN], share[RUN];
     for (int channel = 0; channel < 3; channel++)
-        for (int x = 0; x < length; x++)
+        for (int x = 0; x < length; x++) {
             look.channels[channel][x] *= whole[channel];
+            contrast.channels[channel][x] *= whole[channel];
+        }
     for (int x = 0; x < length; x++) {
         float gray = mean3(seen.channels[0][x], seen.channels[1][x], seen.channels[2][x]);
         float wall_gray = larger(mean3(look.channels[0][x], look.channels[1][x], look.channels[2][x]), 1);

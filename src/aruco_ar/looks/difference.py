@@ -42,6 +42,7 @@ PATTERN_LEVELS = 6.0  # least standard deviation of a pattern that can be recogn
 MAX_MOVE_PX, MOVED_PX = 4, 31
 NO_PATTERN, FEW_PATTERN = 6, 2
 COARSE, HALF = 4, 2   # means in large windows are computed of images that are smaller by these factors
+OWN_LIGHT = np.ones(3, np.float32)
 MARGIN_PX = 40        # width of the margin around what seems to be in front that is looked at twice
 
 
@@ -56,37 +57,37 @@ class Difference:
     planes: Floats
 
 
-def difference(seen: Image, look: Floats, whole: Floats, variance: Floats, usable: Booleans,
+def difference(seen: Image, look: Floats, whole: Floats, contrast: Image, variance: Floats, usable: Booleans,
                unshaded: float = 1.0) -> Difference:
     """Compare a rectified frame with the wall.
 
     ``seen``: (h, w, 3) uint8, the frame. ``look``: (h, w, 3) float32, the wall. ``whole``: (3,) float32, the
-    light on all of it, as factors of ``look``. ``variance``: (h, w) float32, of the noise. ``usable``: (h, w),
-    where both are known. ``unshaded``: the light outside of shadows, as a factor of that on the whole wall.
+    light on all of it, as factors of ``look``. ``contrast``: of the look, see contrast_of. ``variance``: (h, w)
+    float32, of the noise. ``usable``: (h, w), where both are known. ``unshaded``: the light outside of shadows,
+    as a factor of that on the whole wall.
     """
-    wall, contrast = _lit_wall(look, whole)
     front, planes = compare(seen, look, whole, contrast, variance, usable, unshaded)
     front = opened(front)
     if front.any():
         rows, columns = part = around(front, MARGIN_PX, COARSE)
         front[part], planes[:, rows, columns] = _looked_at_twice(
-            front[part], seen[part], look[part], whole, wall[part], contrast[part], variance[part],
-            usable[part], unshaded)
+            front[part], seen[part], look[part], whole, contrast[part], variance[part], usable[part], unshaded)
     return Difference(front, planes)
 
 
-def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, wall: Image, contrast: Image,
+def _looked_at_twice(front: Booleans, seen: Image, look: Floats, whole: Floats, contrast: Image,
                      variance: Floats, usable: Booleans, unshaded: float) -> tuple[Booleans, Floats]:
     """A better Difference, as its parts, of a window in which something seems to be in front.
 
-    The other arguments are those of ``difference``, and what _lit_wall returns, within that window.
+    The other arguments are those of ``difference``, within that window.
     """
-    aligned = _aligned(look, wall, contrast, seen)
-    wall, contrast = _lit_wall(aligned, whole)
-    still_front, planes = compare(seen, aligned, whole, contrast, variance, usable, unshaded)
+    in_light = np.asarray(largest_channel(contrast), np.float32) * whole.mean()
+    weight = np.maximum(in_light, NO_PATTERN) - NO_PATTERN
+    aligned = _aligned(look, whole, weight, seen) if weight.any() else look
+    still_front, planes = compare(seen, aligned, whole, contrast_of(aligned), variance, usable, unshaded)
     front = front & still_front
     pixels = _Planes(*planes)
-    free = ~usable | _shows_pattern(seen, wall, pixels, front)
+    free = ~usable | _shows_pattern(seen, binding.light_wall(aligned, whole), pixels, front)
     front = opened(front & ~free)
     return _completed(front, pixels, usable, free) if front.any() else front, planes
 
@@ -130,26 +131,27 @@ def compare(seen: Image, look: Floats, whole: Floats, contrast: Image, variance:
     return binding.compare_wall(seen, look, whole, contrast, variance, usable, DARKEST, unshaded * LIGHTEST)
 
 
-def _lit_wall(look: Floats, whole: Floats) -> tuple[Image, Image]:
-    """The wall in this light, and the largest differences in it near each pixel: (h, w, 3) uint8 each."""
-    kernel = np.ones((RIM_PX, RIM_PX), np.uint8)
-    wall = binding.light_wall(look, whole)
-    return wall, cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
+def contrast_of(look: Floats) -> Image:
+    """(h, w, 3) uint8: the largest differences near each pixel of a look, (h, w, 3) float32, in its light."""
+    kernel, wall = np.ones((RIM_PX, RIM_PX), np.uint8), binding.light_wall(look, OWN_LIGHT)
+    return cv2.subtract(cv2.dilate(wall, kernel), cv2.erode(wall, kernel))
 
 
-def _aligned(look: Floats, wall: Image, contrast: Image, seen: Image) -> Floats:
+def _aligned(look: Floats, whole: Floats, weight: Floats, seen: Image) -> Floats:
     """(h, w, 3) float32: the look, moved by a few pixels to where the frame shows it.
 
     A sheet that is not flat, or a lens that is not calibrated, displaces it. The
-    displacement is smooth, and known where the wall has a pattern. ``wall``,
-    ``contrast``: see _lit_wall.
+    displacement is smooth, and known where the wall has a pattern. ``weight``:
+    (h, w) float32, how much it tells at each pixel. The others are those of
+    ``difference``.
     """
-    height, width = contrast.shape[:2]
+    height, width = weight.shape
     method = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST)  # one must not serve two threads
-    gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (seen, wall))
+    gray, wall_gray = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (
+        seen, binding.light_wall(look, whole)))
     flow = method.calc(gray, wall_gray, NO_ARRAY)
     # What is averaged in so large a window may be coarse before.
-    weight = _coarse(np.maximum(largest_channel(contrast), NO_PATTERN) - NO_PATTERN, COARSE)
+    weight = _coarse(weight, COARSE)
     limited = np.clip(_coarse(flow, COARSE), -MAX_MOVE_PX, MAX_MOVE_PX)
     moved = _mean_around(np.asarray(limited * weight[..., None], np.float32), MOVED_PX // COARSE)
     moved /= (_mean_around(weight, MOVED_PX // COARSE) + FEW_PATTERN)[..., None]
@@ -174,14 +176,15 @@ def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
     rim = grown(front, 3)
     free = ~rim
     rim &= ~core
+    at = np.nonzero(rim)
     weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
     window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
-    weights = np.maximum(cv2.blur(weight, window)[rim], 1e-4)[:, None]
-    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[rim] / weights
-    mixed, off = _mixture(seen[rim], things, wall[rim], _shade_around(seen, wall, free)[rim])
+    weights = np.maximum(cv2.blur(weight, window)[at], 1e-4)[:, None]
+    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[at] / weights
+    mixed, off = _mixture(seen[at], things, wall[at], _shade_around(seen, wall, free)[at])
     is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
     shares = core.astype(np.float32)
-    shares[rim] = np.where(shrunk(front, 5)[rim] & ~is_shadow, 1, mixed)
+    shares[at] = np.where(shrunk(front, 5)[at] & ~is_shadow, 1, mixed)
     share[part] = shares
     return share
 
@@ -259,6 +262,8 @@ def _fine(image: Floats, shape: tuple[int, ...]) -> Floats:
 def _with_sharp_rims(mask: Booleans, sharp: Booleans, ignored: Booleans | None = None) -> Booleans:
     """(h, w): the connected parts of a mask that have sharp rims, but for what is ignored. All are (h, w)."""
     mask = grown(shrunk(mask, THING_PX), THING_PX)
+    if not mask.any():
+        return mask
     labels, count = components(mask)
     outline = outline_of(mask) if ignored is None else outline_of(mask) & ~ignored
     length, sharp_length = (np.bincount(labels[part], minlength=count + 1)
@@ -294,20 +299,23 @@ def _shows_pattern(seen: Image, wall: Image, pixels: _Planes, where: Booleans) -
         return shows
     # The frame is smooth: half as many pixels across and down show a pattern as well.
     grays = _coarse(pixels.gray, HALF), _coarse(pixels.wall_gray, HALF)
+    near = grown(_coarse(where.view(np.uint8) * 255, HALF) > 0, 3)
     for px, least in WINDOWS:
         window = px // HALF
         pattern, wall_pattern = (image - _mean_around(image, window) for image in grays)
         own, known = (np.maximum(_mean_around(image * image, window), 0) for image in (pattern, wall_pattern))
         both = _mean_around(pattern * wall_pattern, window)
         like = both > least * np.sqrt(own * known)
-        like &= (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
+        like &= near & (known > PATTERN_LEVELS**2) & (own > PATTERN_LEVELS**2 / 16)
         if like.any():
-            factor = both / np.maximum(known, PATTERN_LEVELS**2)
-            fits = FIT * factor * np.sqrt(known)
-            color, wall_color = (_mean_around(_coarse(image, HALF), window) for image in (seen, wall))
+            part = around(like, 1)
+            whole_part = tuple(slice(HALF * side.start, HALF * side.stop) for side in part)
+            factor = both[part] / np.maximum(known[part], PATTERN_LEVELS**2)
+            fits = FIT * factor * np.sqrt(known[part])
+            color, wall_color = (_mean_around(_coarse(image, HALF), window)[part] for image in (seen, wall))
             rest = color - factor[..., None] * wall_color  # the glare
-            rest, factor, fits, liked = (_fine(image, where.shape)
-                                         for image in (rest, factor, fits, like.astype(np.float32)))
-            off = largest_difference(seen - rest, factor[..., None] * wall)
-            shows |= (liked >= 0.5) & (off < pixels.noise + fits)
+            rest, factor, fits, liked = (_fine(image, where[whole_part].shape)
+                                         for image in (rest, factor, fits, like[part].astype(np.float32)))
+            off = largest_difference(seen[whole_part] - rest, factor[..., None] * wall[whole_part])
+            shows[whole_part] |= (liked >= 0.5) & (off < pixels.noise[whole_part] + fits)
     return shows & where

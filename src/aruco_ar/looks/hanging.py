@@ -27,6 +27,10 @@ MAX_STEP_S = 0.5        # a longer time between frames counts as this
 PIXELS = 40_000         # number of pixels of the rectified area
 SHAPES = 0.1, 10        # limits of the rectified area's width divided by its height
 TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
+# The wall is learned from every third frame as long as nothing is in front; for the light alone, from every
+# other one if something is.
+EVERY, EVERY_IN_FRONT = 3, 2
+MIDDLE_OF_TWO = 0.25    # where the middle of two pixels is, in pixels as large as both, if the first is at 0
 STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
@@ -60,7 +64,7 @@ class OnWall:
             warped, mask = self.grain.apply(warped, mask)
         if self.front is not None:
             free = np.round(255 * (1 - self.front)).astype(np.uint8)
-            alpha = _warped(np.dstack([free] * 3), place)[:, :, 0]
+            alpha = _warped(cv2.merge([free] * 3), place)[:, :, 0]
             alpha[place.mask[:, :, 0] == 0] = 255  # a soft mask reaches beyond the area, where nothing is known
             if warped.shape[2] == 4:
                 alpha = cv2.multiply(alpha, warped[:, :, 3], scale=1 / 255)
@@ -85,8 +89,8 @@ class Hanging:
         self._light: WallLight | None = None
         self._grain, self._hidden_tags = Grain(), HiddenTags()
         self._stamp: float | None = None
-        # The time since the model learned a frame, and whether it was the turn of the last one to be learned.
-        self._unlearned_s, self._is_turn = 0.0, False
+        self._unlearned_s = 0.0  # the time since the model learned a frame
+        self._turn = 0           # the model learns a frame if this is 0
         self._size = 0, 0
         self._image: Image = np.zeros((0, 0, 3), np.uint8)  # the last frame, rectified
 
@@ -107,7 +111,7 @@ class Hanging:
         passed = 0.0 if self._stamp is None else min(sight.stamp - self._stamp, MAX_STEP_S)
         self._stamp = sight.stamp
         if seen.is_located and (keep or match_light):
-            self._learn_wall(sight.frame, seen.area, seen.tags, passed, settings.settle, keep)
+            self._learn_wall(sight.frame, seen.area, seen.tags, passed, settings)
         if seen.is_located and match_grain:
             self._grain.measure(sight.frame, seen.area.window(sight.frame)[0], seen.tags)
         on_wall = OnWall(self._light.update(self._image, self._model) if match_light and self._light else None,
@@ -119,21 +123,27 @@ class Hanging:
                                    self._grain.noisy if match_grain else None)
         return on_wall
 
-    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float, settle: float,
-                    keep: bool) -> None:
+    def _learn_wall(self, frame: Image, area: Area, tags: Sequence[Tag], passed: float,
+                    settings: PictureSettings) -> None:
         if not self._model.look.size:
             shape = np.clip(area.ratio or 1.0, *SHAPES)
             sides = np.sqrt([PIXELS * shape, PIXELS / shape])
             width, height = (COARSE * round(side / COARSE) for side in sides)  # OpenCV shrinks such sizes fast
             self._size = width, height
-        image = area.rectified(frame, self._size)
         begun = self._model.begun
         self._unlearned_s += passed
-        self._is_turn = not self._is_turn
-        if keep or self._is_turn or not begun:  # for the light alone, every other frame tells enough
-            self._model.update(image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
-                               self._unlearned_s, settle, area.slope(frame))
-            self._unlearned_s = 0.0
+        keep, match_light = settings.foreground == KEEP, settings.light == MATCH
+        is_turn = self._turn == 0 or not begun
+        self._turn = (self._turn + 1) % (EVERY if keep or not self._model.front.any() else EVERY_IN_FRONT)
+        if match_light:  # always the same way, since the light would flicker otherwise
+            self._image = area.rectified(frame, self._size)
+        if not is_turn and (not keep or self._glance(frame, area, match_light)):
+            return
+        if not match_light:
+            self._image = area.rectified(frame, self._size)
+        self._model.update(self._image, area.in_frame(frame, self._size), lambda: self._of_tags(area, tags),
+                           self._unlearned_s, settings.settle, area.slope(frame))
+        self._unlearned_s = 0.0
         if self._model.begun != begun:
             self._light = None
         if self._light is None and tags:
@@ -142,7 +152,18 @@ class Hanging:
                                 centers if area.lens is None else area.lens.undistort(centers))
             white, black = white_and_black(frame, tags, area.lens)
             self._light = WallLight(centers, white / self._model.light, black / self._model.light, self._model)
-        self._image = image
+
+    def _glance(self, frame: Image, area: Area, is_rectified: bool) -> bool:
+        """Whether a glance at a frame shows that nothing is in front: see WallModel.glance.
+
+        ``is_rectified``: whether it has been rectified in full.
+        """
+        if not self._model.can_glance(area.slope(frame)):
+            return False
+        half = self._size[0] // 2, self._size[1] // 2
+        image = (cv2.resize(self._image, half, interpolation=cv2.INTER_AREA) if is_rectified
+                 else area.rectified(frame, half, MIDDLE_OF_TWO))
+        return self._model.glance(image, area.in_frame(frame, half))
 
     def _of_tags(self, area: Area, tags: Sequence[Tag]) -> Booleans:
         """(h, w): where tags and their white rims are."""

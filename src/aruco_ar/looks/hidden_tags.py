@@ -1,6 +1,7 @@
 """Hiding the tags: each is covered with what is right around it in the same frame."""
 from __future__ import annotations
 
+from math import hypot
 from typing import Callable, Sequence
 
 import cv2
@@ -120,11 +121,12 @@ class _HiddenTag:
 
     def is_at(self, place: Floats) -> bool:
         """Whether the tag is still where it was. Its place is a running mean."""
-        side = np.linalg.norm(self.place[1] - self.place[0])
-        if np.abs(place - self.place).max() > SAME_PLACE * side:
+        x, y = (self.place[1] - self.place[0]).tolist()
+        off = place - self.place
+        if np.abs(off).max() > SAME_PLACE * hypot(x, y):
             return False
         self._sights, self._misses = self._sights + 1, 0
-        self.place = self.place + (place - self.place) / min(self._sights, PLACE_OF)
+        self.place = self.place + off / min(self._sights, PLACE_OF)
         return True
 
     def is_mistake(self) -> bool:
@@ -181,7 +183,7 @@ def _even(colors: Floats, shown: Booleans, usual: Floats) -> tuple[Floats, Float
     change = (colors + DARK) / (before + DARK)
     # The middle one of those that are shown; of two, it is the larger one.
     ordered = np.sort(np.where(shown[..., None], change, np.inf), axis=1)
-    common = np.take_along_axis(ordered, (shown.sum(axis=1) // 2 % shown.shape[1])[:, None, None], axis=1)
+    common = ordered[np.arange(len(shown)), shown.sum(axis=1) // 2 % shown.shape[1]][:, None]
     common[~shown.any(axis=1)] = 1
     common[known & ~_is_light(common[:, 0])] = 1  # most of the ring is covered
     usable = shown & _is_light(change / common)

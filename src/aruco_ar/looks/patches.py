@@ -32,6 +32,10 @@ class Patches:
         self._times = np.zeros(count + 1, np.int32)  # for how many looks on end they seemed to be things
         self._colors = mean_color(look, self._labels > 0, NEAR_PX)
 
+    def any(self) -> bool:
+        """Whether there are any."""
+        return bool(self._labels.any())
+
     def things(self, seen: Image, valid: Booleans, light: Floats, in_front: Integers) -> Booleans | None:
         """(h, w): the patches that a frame shows to be things, with their rims; None if it shows none.
 

@@ -63,9 +63,10 @@ def rings_around(frame: Image, lens: Lens | None, quads: Floats) -> Rings:
     colors, shown, depths = binding.read_rings(frame, ends.reshape(-1, 4, COUNT, 2, 2), parts,
                                                np.maximum((offsets < MAX_REACH).sum(axis=2), 1))
     # One offset farther than the blur: on the very rim of a cover, a little of it would be seen as a thin line.
-    reach = np.take_along_axis(offsets, np.minimum(depths[..., :1] + 1, depths[..., 1:]), axis=2)
+    number, side = np.arange(len(quads))[:, None], np.arange(4)
+    reach = offsets[number, side, np.minimum(depths[..., 0] + 1, depths[..., 1])][..., None]
     corners = UNIT_SQUARE + reach * OUTWARD + reach[:, BEFORE] * OUTWARD[BEFORE]
-    far = np.sort(np.take_along_axis(offsets, depths, axis=2) * across, axis=1)
+    far = np.sort(offsets[number[..., None], side[:, None], depths] * across, axis=1)
     return Rings(colors.reshape(len(quads), -1, 3), shown.reshape(len(quads), -1),
                  _transformed(homographies, corners), far[:, 2, 0], far[:, 1, 1])
 

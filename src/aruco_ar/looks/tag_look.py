@@ -10,7 +10,7 @@ from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.tracking.area import Area
 
-from .difference import difference, soft_rim
+from .difference import contrast_of, difference, soft_rim
 from .parts import parts_of
 
 SIZE = 64, 64         # of what is looked at, rectified, in pixels
@@ -49,8 +49,8 @@ class TagLook:
         colors = np.asarray(image, np.float32)
         change = np.asarray(np.maximum(light, 1) / np.maximum(self._light, 1), np.float32)
         if self._count:
-            apart = difference(cv2.blur(image, (3, 3)), self._look, change, np.full(SIZE, VARIANCE, np.float32),
-                               valid).front
+            apart = difference(cv2.blur(image, (3, 3)), self._look, change, contrast_of(self._look),
+                               np.full(SIZE, VARIANCE, np.float32), valid).front
             labels, count = parts_of(apart) if apart.any() else (apart, 0)
             self._hindered = self._hindered + 1 if seen and count else 0
             if count and self._hindered < LASTING:

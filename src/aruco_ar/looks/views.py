@@ -1,6 +1,7 @@
 """What stands off a wall moves against it as the camera moves: it is told from frames in different views."""
 from __future__ import annotations
 
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -42,7 +43,7 @@ class _View(NamedTuple):
     where the frame shows the area. ``changed``: (h, w), where it differs from the look; it is kept up to date.
     """
 
-    slope: Floats
+    slope: tuple[float, ...]
     unlit: Image
     bins: Integers
     usable: Booleans
@@ -70,8 +71,9 @@ class Views:
 
     def is_new(self, slope: Floats) -> bool:
         """Whether a view with this slope, (2,), differs from all others, and is not too slanted."""
-        return bool(np.hypot(*slope) < MAX_SLOPE
-                    and all(np.hypot(*(slope - view.slope)) >= NEW_SLOPE for view in self._views))
+        x, y = slope.tolist()
+        return hypot(x, y) < MAX_SLOPE and all(
+            hypot(x - view.slope[0], y - view.slope[1]) >= NEW_SLOPE for view in self._views)
 
     def add(self, slope: Floats, unlit: Floats, look: Floats, valid: Booleans) -> Booleans:
         """Take in a frame in a new view. Returns where the look is now that of the wall behind a thing, (h, w).
@@ -85,7 +87,7 @@ class Views:
         if np.count_nonzero(changed) > MOST_CHANGED * np.count_nonzero(usable):
             return nowhere
         self._views = [*self._views[1 - MOST:], _View(
-            slope, np.clip(unlit, 0, 255).astype(np.uint8), _bins(unlit), usable, changed)]
+            tuple(slope.tolist()), np.clip(unlit, 0, 255).astype(np.uint8), _bins(unlit), usable, changed)]
         if len(self._views) < LEAST:
             return nowhere
         bins: Integers = np.stack([view.bins for view in self._views])

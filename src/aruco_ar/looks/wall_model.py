@@ -14,7 +14,15 @@ from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
 from aruco_ar.compiled import binding
 
 from .blank import BlankWall, blank_wall
-from .difference import Difference, difference, difference_from_window, largest_difference, soft_rim
+from .difference import (
+    Difference,
+    compare,
+    contrast_of,
+    difference,
+    difference_from_window,
+    largest_difference,
+    soft_rim,
+)
 from .outlines import came_or_left
 from .parts import WHOLE, around, grown, parts_of, still_parts
 from .patches import Patches
@@ -41,11 +49,29 @@ NOISIEST = 4.0
 # otherwise the color may be that of a person.
 ANOTHER_SHARE, BEFORE_SHARE = 0.85, 0.5
 ANOTHER_COLOR, HARDLY = 1.5, 0.01
+# A glance is enough if the light changes by less than this factor. After one that shows something, so many
+# frames are taken in: noise may be the reason.
+SAME_LIGHT, PAUSE = 1.1, 10
+KEPT_FOR = 8                    # the look changes slowly: what is computed from it is kept for so many frames
 SAMPLE_PX = 8                   # every eighth pixel is a sample of the noise on the whole wall
 SHADE_S = 5.0                   # the light outside of shadows is remembered: one may fall on most of the wall
 DIM = 0.2                       # in less light than this, the color of the light is uncertain
 NEAR_PART_PX = 12               # more than what is learned near things in front, on each side
 NEAR_PX = 5                     # pixels in a window of this width around things in front may be mixtures
+
+
+class _Kept(NamedTuple):
+    """What is computed from the look, and kept for some frames.
+
+    ``contrast``: (h, w, 3) uint8, see contrast_of. ``half``: (h / 2, w / 2, 3) float32, the look, smooth, with
+    half of the pixels across and down. ``half_contrast``: (h / 2, w / 2, 3) uint8, that of ``half``.
+    ``half_variance``: (h / 2, w / 2) float32.
+    """
+
+    contrast: Image
+    half: Floats
+    half_contrast: Image
+    half_variance: Floats
 
 
 class _Earlier(NamedTuple):
@@ -78,6 +104,7 @@ class WallModel:
         self.plain: Booleans | None = None
         self._blank: BlankWall | None = None
         self._front_share = 1.0
+        self._glance_pause = PAUSE  # so many frames must be taken in before the next glance
         self._age = 0.0
         self._earlier: list[_Earlier] = []
 
@@ -100,6 +127,7 @@ class WallModel:
             self._begin(seen, valid, tags)
             found = self._compare(seen, valid, passed)
         self._front_share = share
+        self._glance_pause -= 1
         if slope is not None and self._views.is_new(slope):
             self._look_from(slope, seen, found, valid)
         in_front = found.front
@@ -124,6 +152,33 @@ class WallModel:
         if self._age >= STILL_S:
             self._earlier, self._age = [self._earlier[1], _Earlier(front, self._unlit(seen))], 0.0
 
+    def can_glance(self, slope: Floats) -> bool:
+        """Whether a glance at a frame may be enough: the wall is known well, and nothing was in front of it.
+
+        ``slope``: see update. In a new view, and as long as there are patches, more is learned.
+        """
+        if not self.look.size or self._count < MEAN_OF or self.front.any() or self._views.standing.any():
+            return False
+        has_patches = self._blank is not None and self._patches.any()
+        return not has_patches and self._glance_pause <= 0 and not self._views.is_new(slope)
+
+    def glance(self, image: Image, valid: Booleans) -> bool:
+        """Whether a frame shows nothing but the wall, in about the same light. Only the light is learned then.
+
+        ``image``, ``valid``: see update, but of half the width and height. With that, a thing is found as well,
+        but not its rim. If the result is False, the frame should be taken in by update.
+        """
+        kept, seen, usable = self._kept_of_look(), cv2.blur(image, (3, 3)), valid & self._known[::2, ::2]
+        light, _ = binding.measure_light(seen, kept.half, usable, self._before[::2, ::2], self.light)
+        change = light / self.light
+        if change.max() < SAME_LIGHT and change.min() > 1 / SAME_LIGHT:
+            front, _ = compare(seen, kept.half, light, kept.half_contrast, kept.half_variance, usable)
+            if not front.any():
+                self.light = light
+                return True
+        self._glance_pause = PAUSE
+        return False
+
     def _begin(self, seen: Image, valid: Booleans, tags: Callable[[], Booleans]) -> None:
         self.reset()
         self.begun += 1
@@ -139,6 +194,8 @@ class WallModel:
         self._earlier = [_Earlier(self._before, self.look.copy())] * 2
         self._age = 0.0                             # seconds since the later of those two
         self._count = 0
+        self._kept: _Kept | None = None             # None if the look has changed at once
+        self._kept_age = 0                          # for how many frames that was used
         self._unshaded = 1.0                        # the light outside of shadows, as a factor of the look
         self._papers = ~valid | tags()              # where no patch can be
         self._blank = found = blank_wall(self.look, ~self._papers)
@@ -158,10 +215,21 @@ class WallModel:
         if now >= 0:
             self._unshaded = max(now, self._unshaded * float(np.exp(-passed / SHADE_S)))
         unshaded = max(1.0, self._unshaded / float(self.light.mean()))
-        return difference(seen, self.look, self.light, self._variance, usable, unshaded)
+        contrast = self._kept_of_look().contrast
+        return difference(seen, self.look, self.light, contrast, self._variance, usable, unshaded)
+
+    def _kept_of_look(self) -> _Kept:
+        self._kept_age += 1
+        if self._kept is None or self._kept_age > KEPT_FOR:
+            half = np.asarray(cv2.blur(_halved(self.look), (3, 3)), np.float32)
+            self._kept, self._kept_age = _Kept(contrast_of(self.look), half, contrast_of(half),
+                                               _halved(self._variance)), 0
+        return self._kept
 
     def _share_in_front(self, front: Booleans, valid: Booleans) -> float:
         """The share of the known wall in a frame that something seems to stand in front of."""
+        if not front.any():
+            return 0.0
         known = self._known & valid & (self._seen_s >= KNOWN_S)
         return np.count_nonzero(front & known) / max(np.count_nonzero(known), 1)
 
@@ -221,6 +289,7 @@ class WallModel:
     def _take_for_wall(self, where: Booleans) -> None:
         """Take the look at some pixels for the wall for good."""
         self._known[where], self._seen_s[where], self._variance[where] = True, LASTING_S, VARIANCE
+        self._kept = None
         self._find_plain(where, WHOLE)
 
     def _clear_patches(self, seen: Image, valid: Booleans, labels: Integers, wall: BlankWall) -> None:
@@ -256,6 +325,7 @@ class WallModel:
             one[where], other[where] = other[where], one[where]
         self._was_wall[part][where] = True
         self._variance[part][where] = VARIANCE
+        self._kept = None
         self._views.look_changed(where, part, self.look)
         self._find_plain(where, part)
         if self._blank is not None:
@@ -265,6 +335,12 @@ class WallModel:
         """Find out what is plain where the look of a blank wall has changed, within a part of the image."""
         if self._blank is not None and self.plain is not None:
             self.plain[part][where] = _is_near(self.look[part][where], self._blank.surface[part][where])
+
+
+def _halved(image: Floats) -> Floats:
+    """An image of half the width and height, which are even: each pixel is a mean."""
+    size = image.shape[1] // 2, image.shape[0] // 2
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.float32)
 
 
 def _is_near(colors: Floats, surface: Floats) -> Booleans:

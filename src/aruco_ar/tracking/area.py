@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, replace
-from math import ceil
+from math import ceil, log2, sqrt
 from typing import Sequence
 
 import cv2
@@ -20,7 +20,7 @@ from aruco_ar.tags.tag import Tag
 MIN_AREA_PX = 0.1  # an area of fewer square pixels is not visible
 STEP_PX = 16       # step of the grid that shows which part of a distorted frame the area touches
 SIDE_POINTS = 32   # number of points of an outline along each side
-MAX_SHRINK = 16    # most times that a frame is shrunk if its area is larger than the rectified view
+MAX_HALVINGS = 4   # a frame is halved so many times, at most, if its area is larger than the rectified view
 USUAL_FOCAL = 0.9  # focal length without a calibration, as a share of the frame's longer side
 MARGIN_PX = 2      # width of the frame's rim, in which rectified pixels are mixtures with what is outside
 
@@ -112,23 +112,29 @@ class Area:
         found = cv2.getPerspectiveTransform(picture, np.asarray(self.undistorted, np.float32))
         return np.asarray(found, np.float64)
 
-    def rectified(self, frame: Image, size: tuple[int, int]) -> Image:
+    def rectified(self, frame: Image, size: tuple[int, int], first: float = 0.0) -> Image:
         """(h, w, 3) uint8: the area in a frame, (H, W, 3), straight from the front. ``size``: (w, h).
 
+        ``first``: where the middle of the first pixel is, in pixels right of the area's corner and below.
         Raises InputError as check_size does.
         """
         self.check_size(frame)
-        larger = min(int(np.linalg.norm(self.undistorted[1] - self.undistorted[0]) / size[0]), MAX_SHRINK)
-        shrinks = larger >= 2 and self.lens is None
-        window, part = self.window(frame) if shrinks else (frame, self)
-        if not shrinks or not window.size:
-            return rectify(frame, self.homography(*size), size, self.lens)
-        part_height, part_width = window.shape[:2]
-        width, height = max(part_width // larger, 1), max(part_height // larger, 1)
-        window = cv2.resize(window, (width, height), interpolation=cv2.INTER_AREA)
-        x, y = width / part_width, height / part_height  # not quite 1 / larger, since sizes are whole numbers
-        shrink = np.array([[x, 0, 0.5 * x - 0.5], [0, y, 0.5 * y - 0.5], [0, 0, 1]])
-        return rectify(window, shrink @ part.homography(*size), size)
+        times = float(np.linalg.norm(self.undistorted[1] - self.undistorted[0])) / size[0]
+        halvings = min(int(log2(max(times, 1.0))), MAX_HALVINGS) if self.lens is None else 0
+        shift = np.array([[1, 0, first], [0, 1, first], [0, 0, 1]])
+        homography = self.homography(*size) @ shift
+        window, part = self.window(frame) if halvings else (frame, self)
+        if not halvings or not window.size:
+            return rectify(frame, homography, size, self.lens)
+        block = 2**halvings
+        corner = [round(offset) for offset in (self.corners[0] - part.corners[0]).tolist()]
+        window, (left, top) = _in_blocks(frame, corner, window.shape[1::-1], block)
+        for _ in range(halvings):  # OpenCV does this many times faster than any other shrinking
+            half = window.shape[1] // 2, window.shape[0] // 2
+            window = cv2.resize(window, half, interpolation=cv2.INTER_AREA)
+        middle = (block - 1) / 2  # of the first block
+        shrink = np.array([[1, 0, -left - middle], [0, 1, -top - middle], [0, 0, block]]) / block
+        return rectify(window, shrink @ homography, size)
 
     def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
         """(h, w): which pixels of the area, rectified, a frame shows. ``frame``, ``size``: see rectified."""
@@ -150,17 +156,42 @@ class Area:
         focal = USUAL_FOCAL * max(height, width)
         matrix = (np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
                   if self.lens is None else self.lens.matrix)
-        across = float(np.sqrt(self.ratio or 1.0))
-        to_rays = np.linalg.inv(matrix) @ homography_to(self.undistorted) @ np.diag([1 / across, across, 1.0])
-        right, down, away = to_rays.T / np.sqrt(np.linalg.norm(to_rays[:, 0]) * np.linalg.norm(to_rays[:, 1]))
-        right, down = right / np.linalg.norm(right), down / np.linalg.norm(down)
-        place = np.linalg.solve(np.column_stack([right, down, np.cross(right, down)]), -away)
-        return (place[:2] - (across / 2, 0.5 / across)) / max(abs(place[2]), 1e-6)
+        across = sqrt(self.ratio or 1.0)
+        to_rays = np.linalg.inv(matrix) @ homography_to(self.undistorted)
+        right, down, away = to_rays[:, 0] / across, to_rays[:, 1] * across, to_rays[:, 2]
+        lengths = sqrt(right @ right), sqrt(down @ down)
+        right, down, away = right / lengths[0], down / lengths[1], away / sqrt(lengths[0] * lengths[1])
+        # The camera is at x * right + y * down + z * (right x down), seen from the corner of the area.
+        slanted = right @ down
+        square = max(1 - slanted * slanted, 1e-12)  # of the length of right x down
+        to_right, to_down = right @ away, down @ away
+        x: float = (slanted * to_down - to_right) / square
+        y: float = (slanted * to_right - to_down) / square
+        (a, b, c), (d, e, f) = right.tolist(), down.tolist()
+        z = np.array([b * f - c * e, c * d - a * f, a * e - b * d]) @ away / square
+        return np.array([x - across / 2, y - 0.5 / across]) / max(abs(z), 1e-6)
 
     def _box_inside(self, positions: Image) -> Floats:
         """(2, 2) pixels: the box around the points of a grid that are in the area, with a margin; or (0, 2)."""
         box = binding.find_box(positions, STEP_PX, homography_from(self.undistorted)).reshape(2, 2)
         return box + [[-STEP_PX], [STEP_PX]] if np.isfinite(box[0, 0]) else box[:0]
+
+
+def _in_blocks(frame: Image, corner: Sequence[int], size: Sequence[int],
+               block: int) -> tuple[Image, tuple[int, int]]:
+    """A larger part of a frame, which consists of blocks of so many pixels each way, and its corner, x and y.
+
+    ``corner``, ``size``: of the part. There is one more block left of it and above, and what is beyond the
+    frame is like its rim.
+    """
+    left, top = (max(start - block, 0) for start in corner)
+    width, height = (-(-(start + length - begin) // block) * block
+                     for start, length, begin in zip(corner, size, (left, top)))
+    part = frame[top:top + height, left:left + width]
+    below, right = height - part.shape[0], width - part.shape[1]
+    if below or right:
+        part = cv2.copyMakeBorder(part, 0, below, 0, right, cv2.BORDER_REPLICATE)
+    return part, (left, top)
 
 
 def _touched(least: float, most: float, size: int) -> slice:

@@ -11,6 +11,7 @@ from rig import PACKAGE
 from rig.accuracy.drives import WIDE, drive
 
 from benchmark.course import Course
+from benchmark.looks import cost
 
 # For each size of the frames: how many there are, and how many times faster ours should be.
 SIZES = {(640, 480): (90, 5), (1280, 720): (60, 8), (1920, 1080): (60, 10), (3840, 2160): (40, 8)}
@@ -55,3 +56,4 @@ def run():
             '%d x %d' % size, noise, target, np.median(whole), np.median(ours),
             np.median(whole) / np.median(ours), np.median(finding), np.median(tracking),
             np.median(finding) / np.median(tracking), np.percentile(ours, 99)))
+    cost.run()

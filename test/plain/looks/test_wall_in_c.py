@@ -22,16 +22,16 @@ def scene(shape, seed=0):
     return seen, look, whole, variance, random.uniform(size=shape) < 0.9
 
 
-def contrast_of(look, whole):
-    """(h, w, 3) uint8: the largest differences near each pixel of the wall in this light."""
-    wall = np.clip(np.round(look * whole), 0, 255).astype(np.uint8)
+def contrast_of(look):
+    """(h, w, 3) uint8: the largest differences near each pixel of the look."""
+    wall = np.clip(np.round(look), 0, 255).astype(np.uint8)
     square = np.ones((3, 3), np.uint8)
     return cv2.subtract(cv2.dilate(wall, square), cv2.erode(wall, square)).reshape(wall.shape)
 
 
 def in_numpy(seen, look, whole, variance, contrast):
     """{name: plane} of what the comments of wall.c say, and where something is in front."""
-    wall = look * whole
+    wall, contrast = look * whole, contrast * whole
     gray, wall_gray = seen.mean(axis=2), np.maximum(wall.mean(axis=2), 1)
     light, noise = gray / wall_gray, 2 + 3.5 * np.sqrt(variance)
     off = np.abs(seen - wall * light[..., None])
@@ -75,7 +75,7 @@ def test_the_light_is_that_of_the_same_in_numpy(shape, light):
 @pytest.mark.parametrize('shape', SHAPES)
 def test_comparing_finds_what_the_same_in_numpy_finds(shape):
     seen, look, whole, variance, usable = scene(shape)
-    contrast = contrast_of(look, whole)
+    contrast = contrast_of(look)
     flags, planes = compare(seen, look, whole, contrast, variance, usable)
     expected, front = in_numpy(seen.astype(float), look, whole, variance, contrast.astype(float))
     assert len(planes) == len(expected) == binding.PLANES
@@ -97,7 +97,7 @@ def test_the_wall_in_a_light_is_rounded_and_limited(shape):
 @pytest.mark.parametrize('shape', SHAPES)
 def test_learning_is_the_same_as_in_numpy(shape):
     seen, look, whole, variance, certain = scene(shape, 1)
-    _, planes = compare(seen, look, whole, contrast_of(look, whole), variance, certain)
+    _, planes = compare(seen, look, whole, contrast_of(look), variance, certain)
     random = np.random.RandomState(2)
     wall, known = certain | (random.uniform(size=shape) < 0.5), random.uniform(size=shape) < 0.8
     certain = certain & known

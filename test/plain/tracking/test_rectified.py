@@ -25,3 +25,20 @@ def test_the_slope_says_from_which_side_a_frame_shows_the_area(right, down, away
     corners = np.float32((seen @ lens.matrix.T)[:, :2] / seen[:, 2:])
     slope = Area(corners, 1.5, lens).slope(np.zeros((480, 640, 3), np.uint8))
     np.testing.assert_allclose(slope, (right / away, down / away), atol=0.01)
+
+
+@pytest.mark.parametrize('side', [399, 1900])
+def test_half_of_the_pixels_show_the_means_of_two(side):
+    y, x = np.mgrid[:1400, :2100].astype(np.float32)
+    frame = np.dstack([128 + 100 * np.sin(x / 40), 128 + 100 * np.cos(y / 30), 128 + 60 * np.sin((x + y) / 50)])
+    left, top, right, foot = 40.3, 30.6, 40.3 + side, 30.6 + side * 2 / 3
+    area = Area(np.float32([[left, top], [right, top + 20], [right - 30, foot], [left, foot]]))
+    whole, half = area.rectified(np.uint8(frame), (240, 160)), area.rectified(np.uint8(frame), (120, 80), 0.25)
+    means = whole.reshape(80, 2, 120, 2, 3).mean(axis=(1, 3))
+    assert np.abs(half - means)[1:-1, 1:-1].max() < 4
+
+
+def test_the_rim_of_a_large_frame_of_an_odd_size_is_seen():
+    frame = np.full((1403, 2101, 3), 200, np.uint8)
+    area = Area(np.float32([[30, 30], [2098, 30], [2098, 1400], [30, 1400]]))
+    assert np.all(area.rectified(frame, (240, 160)) == 200)
