@@ -60,16 +60,14 @@ REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the
 class Nearby:
     """What an AreaTracker finds in a frame before the whole frame is searched.
 
-    ``tags``: {id: Tag}, those in their expected places. ``covered``: the ids of
-    those of which something covers a side; they are completed. ``others``: those
-    found near their places. ``expected``: {id: (4, 2)}, the places of all known
-    tags. ``lost``: the ids of those of the four that were not found.
-    ``smallest``: how small the tags are that the whole frame should be searched
-    for: pixels, or ANY_SIDE. It is None if the frame need not be searched.
+    ``tags``: {id: Tag}, those in their expected places. ``others``: those found
+    near their places. ``expected``: {id: (4, 2)}, the places of all known tags.
+    ``lost``: the ids of those of the four that were not found. ``smallest``: how
+    small the tags are that the whole frame should be searched for: pixels, or
+    ANY_SIDE. It is None if the frame need not be searched.
     """
 
     tags: Mapping[int, Tag]
-    covered: frozenset[int]
     others: Sequence[Tag]
     expected: Mapping[int, Floats]
     lost: frozenset[int]
@@ -171,18 +169,16 @@ class AreaTracker:
         if self._layout is None and self._wall is not None:
             self._recall(self._wall)
         if self._layout is None:
-            return Nearby({}, frozenset(), [], {}, frozenset(), ANY_SIDE)
+            return Nearby({}, [], {}, frozenset(), ANY_SIDE)
         self._predict(passed, hold)
         self._frame = search.frame
         self._recognized = self._motion is None and self._find_wall(search.frame)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
-        seen, covered = self._completed(self._layout, seen, expected, search)
         if not self._recognized and self._needs_look(self._layout, seen) and self._use_look(seen):
             before, expected = expected, expected_places(self._layout, self._motion)
             if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
                 seen, missing = search.fit_expected(self._layout, expected)
-                seen, covered = self._completed(self._layout, seen, expected, search)
         # While the wall's look is recognized, a tag is looked for beside its place only when it was just lost.
         others = search.find_near({tag_id: expected[tag_id] for tag_id in missing
                                    if not self._recognized or tag_id not in self._lost})
@@ -194,7 +190,7 @@ class AreaTracker:
         interval = SEARCH_S * self._calm
         is_due = (self._clock.now - self._searched_at >= interval or bool(self._displaced or lost - self._lost)
                   or not (seen or others or self._recognized))
-        return Nearby(seen, covered, others, expected, lost, search.smallest_side(
+        return Nearby(seen, others, expected, lost, search.smallest_side(
             [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
 
     def locate(self, search: FrameSearch, nearby: Nearby, found: Sequence[Tag], hold: float) -> SeenArea:
@@ -311,11 +307,8 @@ class AreaTracker:
         expected = nearby.expected
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag)
-        known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
-        covered = nearby.covered
-        if tags:
-            known, more = self._completed(layout, known, expected, search)
-            covered |= more
+        known, covered = self._completed(layout, {tag_id: tag for tag_id, tag in seen.items()
+                                                  if tag_id in layout.places}, expected, search)
         self._seen = seen = {**seen, **known}
         agreed, moved_on = self._take_in(layout, known)
         has_all = set(agreed) >= set(layout.ids)
