@@ -53,8 +53,8 @@ ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
 # places, if one of the four is not and a corner's deviation was above OPEN_PX, or if tags contradict what is
 # expected.
 ENOUGH_TAGS, OPEN_PX = 3, 0.3
-# While so many are in their places, one of the four that stays missing is looked for near its own only after as long
-# as it has been missing, or after LOOK_S. In its place, it is found in any frame.
+# While so many are in their places, one of the four that stays missing is looked for near its own only after as
+# long as it has been missing, or after LOOK_S. In its place, it is found in any frame.
 LOOK_S = 0.2
 REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the tags are looked for anew
 
@@ -205,7 +205,8 @@ class AreaTracker:
         if search.is_done or not {*seen, *found} >= set(self._layout.ids):
             self._calm = 1
         interval = SEARCH_S * self._calm
-        is_due = (now - self._searched_at >= interval or bool(self._displaced or lost.keys() - self._lost.keys())
+        is_due = (now - self._searched_at >= interval
+                  or bool(self._displaced or lost.keys() - self._lost.keys())
                   or not (seen or others or self._recognized))
         return Nearby(seen, others, expected, lost, search.smallest_side(
             [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
