@@ -21,8 +21,9 @@
 
 /* A patch of the wall, as it was learned, with mean 0 and deviation 1. ``slopes``: across and down, which fade toward
    the rim, so that what blur brings in from beyond it counts little. ``matrix``: the sums of the slopes' products:
-   across * across, across * down, and down * down; all 0 if there is nothing to compare. */
-typedef struct { float gray[PIXELS], slopes[2][PIXELS], matrix[3]; } Patch;
+   across * across, across * down, and down * down; all 0 if there is nothing to compare. ``sums``: of each slope;
+   ``own``: of each slope times gray. */
+typedef struct { float gray[PIXELS], slopes[2][PIXELS], matrix[3], sums[2], own[2]; } Patch;
 
 /* What may change in each level: the first moves of all, and the most steps. */
 static const struct { int freedom, steps; } levels[LEVELS] = {{8, 8}, {8, 8}, {6, 8}, {2, 10}};
@@ -83,12 +84,18 @@ static void take(const Level *image, Point middle, float gray[PIXELS])
     }
     int left = (int)x, top = (int)y;
     float across = x - left, down = y - top;
-    float weights[4] = {(1 - across) * (1 - down), across * (1 - down), (1 - across) * down, across * down};
     const float *row = image->pixels + (int64_t)top * width + left;
-    for (int j = 0; j < PATCH; j++, row += width)
-        for (int i = 0; i < PATCH; i += 4, gray += 4)
-            *(Pixels *)gray = weights[0] * *(const Pixels *)(row + i) + weights[1] * *(const Pixels *)(row + i + 1)
-                + weights[2] * *(const Pixels *)(row + width + i) + weights[3] * *(const Pixels *)(row + width + i + 1);
+    Four upper[PATCH / 4];
+    for (int j = 0; j <= PATCH; j++, row += width)
+        for (int i = 0; i < PATCH / 4; i++) {
+            Four first = *(const Pixels *)(row + 4 * i), next = *(const Pixels *)(row + 4 * i + 1);
+            Four here = first + across * (next - first);
+            if (j > 0) {
+                *(Pixels *)gray = upper[i] + down * (here - upper[i]);
+                gray += 4;
+            }
+            upper[i] = here;
+        }
 }
 
 /* Make the mean 0 and the deviation 1. Returns the deviation that it was. */
@@ -119,6 +126,8 @@ static void learn_patch(const Level *image, Point at, Patch *patch)
     }
     float deviation = normalize(patch->gray), scale = deviation < MIN_DEVIATION ? 0 : 1 / deviation;
     memset(patch->matrix, 0, sizeof patch->matrix);
+    memset(patch->sums, 0, sizeof patch->sums);
+    memset(patch->own, 0, sizeof patch->own);
     for (int i = 0; i < PIXELS; i++) {
         float across = scale * (sides[0][1][i] - sides[0][0][i]), down = scale * (sides[1][1][i] - sides[1][0][i]);
         float x = (2 * (i % PATCH) + 1.0f) / PATCH - 1, y = (2 * (i / PATCH) + 1.0f) / PATCH - 1;
@@ -128,6 +137,10 @@ static void learn_patch(const Level *image, Point at, Patch *patch)
         patch->matrix[0] += fading * across * across;
         patch->matrix[1] += fading * across * down;
         patch->matrix[2] += fading * down * down;
+        for (int way = 0; way < 2; way++) {
+            patch->sums[way] += patch->slopes[way][i];
+            patch->own[way] += patch->slopes[way][i] * patch->gray[i];
+        }
     }
 }
 
@@ -150,20 +163,26 @@ static Seen compare_patch(const Level *image, const Patch *patch, Point at)
 {
     float gray[PIXELS];
     take(image, at, gray);
-    Seen seen = {.deviation = normalize(gray)};
-    Four product = {0}, across = {0}, down = {0};
+    /* Relative to one pixel, so that the sum of the squares stays small, and exact. */
+    const float base = gray[0];
     const Pixels *own = (const Pixels *)patch->gray, *right = (const Pixels *)patch->slopes[0];
     const Pixels *below = (const Pixels *)patch->slopes[1], *here = (const Pixels *)gray;
+    Four sums = {0}, squares = {0}, product = {0}, across = {0}, down = {0};
     for (int i = 0; i < PIXELS / 4; i++) {
-        Four more = here[i] - own[i];
-        product += here[i] * own[i];
-        across += right[i] * more;
-        down += below[i] * more;
+        Four value = here[i] - base;
+        sums += value;
+        squares += value * value;
+        product += value * own[i];
+        across += value * right[i];
+        down += value * below[i];
     }
-    seen.pull[0] = sum_of(across);
-    seen.pull[1] = sum_of(down);
-    if (patch->matrix[0] + patch->matrix[2] > 0 && seen.deviation >= MIN_DEVIATION)
-        seen.likeness = sum_of(product) / PIXELS;
+    float mean = sum_of(sums) / PIXELS, deviation = sqrtf(larger(sum_of(squares) / PIXELS - mean * mean, 0));
+    float scale = 1 / larger(deviation, MIN_DEVIATION);  /* as in normalize */
+    Seen seen = {.deviation = deviation};
+    seen.pull[0] = scale * (sum_of(across) - mean * patch->sums[0]) - patch->own[0];
+    seen.pull[1] = scale * (sum_of(down) - mean * patch->sums[1]) - patch->own[1];
+    if (patch->matrix[0] + patch->matrix[2] > 0 && deviation >= MIN_DEVIATION)
+        seen.likeness = scale * sum_of(product) / PIXELS;
     return seen;
 }
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import dist
-from typing import Iterable, Mapping, Sequence
+from typing import Iterable, Mapping, NamedTuple, Sequence
 
 import cv2
 import numpy as np
@@ -53,26 +53,34 @@ ROUNDING_S = 1e-6      # largest rounding error of the difference of two stamps
 # places, if one of the four is not and a corner's deviation was above OPEN_PX, or if tags contradict what is
 # expected.
 ENOUGH_TAGS, OPEN_PX = 3, 0.3
+# While so many are in their places, one of the four that stays missing is looked for near its own only after as
+# long as it has been missing, or after LOOK_S. In its place, it is found in any frame.
+LOOK_S = 0.2
 REFIT_PX = 1.0         # if it shows a tag this far from its expected place, the tags are looked for anew
+
+
+class Lost(NamedTuple):
+    """Since when a tag has been missing, and when it is to be looked for near its place again; seconds."""
+
+    since: float
+    due: float
 
 
 @dataclass(frozen=True)
 class Nearby:
     """What an AreaTracker finds in a frame before the whole frame is searched.
 
-    ``tags``: {id: Tag}, those in their expected places. ``covered``: the ids of
-    those of which something covers a side; they are completed. ``others``: those
-    found near their places. ``expected``: {id: (4, 2)}, the places of all known
-    tags. ``lost``: the ids of those of the four that were not found.
-    ``smallest``: how small the tags are that the whole frame should be searched
-    for: pixels, or ANY_SIDE. It is None if the frame need not be searched.
+    ``tags``: {id: Tag}, those in their expected places. ``others``: those found
+    near their places. ``expected``: {id: (4, 2)}, the places of all known tags.
+    ``lost``: {id: Lost}, those of the four that were not found. ``smallest``: how
+    small the tags are that the whole frame should be searched for: pixels, or
+    ANY_SIDE. It is None if the frame need not be searched.
     """
 
     tags: Mapping[int, Tag]
-    covered: frozenset[int]
     others: Sequence[Tag]
     expected: Mapping[int, Floats]
-    lost: frozenset[int]
+    lost: Mapping[int, Lost]
     smallest: float | None
 
 
@@ -171,30 +179,36 @@ class AreaTracker:
         if self._layout is None and self._wall is not None:
             self._recall(self._wall)
         if self._layout is None:
-            return Nearby({}, frozenset(), [], {}, frozenset(), ANY_SIDE)
+            return Nearby({}, [], {}, {}, ANY_SIDE)
         self._predict(passed, hold)
         self._frame = search.frame
         self._recognized = self._motion is None and self._find_wall(search.frame)
         expected = expected_places(self._layout, self._motion)
         seen, missing = search.fit_expected(self._layout, expected)
-        seen, covered = self._completed(self._layout, seen, expected, search)
         if not self._recognized and self._needs_look(self._layout, seen) and self._use_look(seen):
             before, expected = expected, expected_places(self._layout, self._motion)
             if max(np.abs(expected[tag_id] - before[tag_id]).max() for tag_id in self._layout.ids) > REFIT_PX:
                 seen, missing = search.fit_expected(self._layout, expected)
-                seen, covered = self._completed(self._layout, seen, expected, search)
         # While the wall's look is recognized, a tag is looked for beside its place only when it was just lost.
-        others = search.find_near({tag_id: expected[tag_id] for tag_id in missing
-                                   if not self._recognized or tag_id not in self._lost})
-        lost = frozenset(missing) - {tag.id for tag in others}
+        now, is_located = self._clock.now, len(seen) >= ENOUGH_TAGS
+        looked_for = [tag_id for tag_id in missing if tag_id not in self._lost or not (
+            self._recognized or (is_located and now < self._lost[tag_id].due))]
+        others = search.find_near({tag_id: expected[tag_id] for tag_id in looked_for})
+        lost = dict(self._lost)
+        for tag_id in looked_for:
+            since = lost[tag_id].since if tag_id in lost else now
+            lost[tag_id] = Lost(since, now + min(now - since, LOOK_S))
+        found = {tag.id for tag in others}
+        lost = {tag_id: lost[tag_id] for tag_id in missing if tag_id not in found}
         # The whole frame is searched at times, for new tags, displaced tags and another wall. A lost tag
         # may be displaced.
-        if search.is_done or not {*seen, *(tag.id for tag in others)} >= set(self._layout.ids):
+        if search.is_done or not {*seen, *found} >= set(self._layout.ids):
             self._calm = 1
         interval = SEARCH_S * self._calm
-        is_due = (self._clock.now - self._searched_at >= interval or bool(self._displaced or lost - self._lost)
+        is_due = (now - self._searched_at >= interval
+                  or bool(self._displaced or lost.keys() - self._lost.keys())
                   or not (seen or others or self._recognized))
-        return Nearby(seen, covered, others, expected, lost, search.smallest_side(
+        return Nearby(seen, others, expected, lost, search.smallest_side(
             [expected[tag_id] for tag_id in self._layout.ids if expected]) if is_due else None)
 
     def locate(self, search: FrameSearch, nearby: Nearby, found: Sequence[Tag], hold: float) -> SeenArea:
@@ -247,7 +261,7 @@ class AreaTracker:
         self._strays = Strays()
         self._deviation = np.inf  # of the corners in the last frame, pixels
         self._displaced: set[int] = set()  # the tags last seen elsewhere than in their places
-        self._lost: frozenset[int] = frozenset()  # those of the four that were not found in the last frame
+        self._lost: Mapping[int, Lost] = {}  # those of the four that were not found in the last frame
         self._further, self._new_layout = FurtherTags(), NewLayout()
         self._calm = 1            # see CALM
         # The last times of four events: the whole frame was searched, tags or texture located the area, tags
@@ -304,18 +318,15 @@ class AreaTracker:
         if has_searched:
             self._searched_at = self._clock.now
         ids = {tag.id for tag in found}
-        self._lost = nearby.lost - ids
+        self._lost = {tag_id: lost for tag_id, lost in nearby.lost.items() if tag_id not in ids}
         tags = [*found, *(tag for tag in nearby.others if tag.id not in ids)]
         seen = dict(nearby.tags)
         # Of several tags with one id, the one nearest to its place counts.
         expected = nearby.expected
         for tag in sorted(tags, key=lambda tag: np.abs(tag.corners - expected.get(tag.id, np.inf)).max()):
             seen.setdefault(tag.id, tag)
-        known = {tag_id: tag for tag_id, tag in seen.items() if tag_id in layout.places}
-        covered = nearby.covered
-        if tags:
-            known, more = self._completed(layout, known, expected, search)
-            covered |= more
+        known, covered = self._completed(layout, {tag_id: tag for tag_id, tag in seen.items()
+                                                  if tag_id in layout.places}, expected, search)
         self._seen = seen = {**seen, **known}
         agreed, moved_on = self._take_in(layout, known)
         has_all = set(agreed) >= set(layout.ids)
