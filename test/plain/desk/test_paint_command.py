@@ -74,7 +74,7 @@ def test_a_photo_is_painted(folder, frames, capsys):
 
 def test_settings_are_those_of_the_nodes(folder, frames):
     cv2.imwrite('wall.png', frames[0].image)
-    assert main(['paint', 'wall.png', '--picture', 'green.png', '--opacity', '.5', '--out', 'half.png']) == RIGHT
+    assert main(['paint', 'wall.png', '--picture', 'green.png', '--opacity', '.5', '--out', 'half.png']) == 0
     middle = tuple(frames[0].corners.mean(axis=0).round().astype(int)[::-1])
     half = (np.array(GREEN) + frames[0].image[middle]) / 2
     assert np.abs(cv2.imread('half.png')[middle] - half).max() < 5
