@@ -11,6 +11,7 @@ from typing import Callable, Sequence
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
+from aruco_ar.hints.which_dictionary import dictionary_in
 from aruco_ar.settings.settings import PictureSettings
 
 from .footage import Footage
@@ -21,6 +22,7 @@ DESCRIPTION = ('Paint pictures and videos between four ArUco tags on a wall, so 
                'First print the tags, and put them up: aruco-ar tags. Then film them: aruco-ar paint clip.mp4 '
                '--picture cat.png')
 SHEET = 'wall.pdf'
+STILLS = 6  # number of frames by which the dictionary of the tags is found
 RIGHT, WRONG, USAGE = 0, 1, 2
 
 
@@ -53,17 +55,22 @@ def _add_paint(parser: argparse.ArgumentParser) -> None:
                                                       '(default: NAME-painted, in this folder)')
     parser.add_argument('--calibration', metavar='FILE.yaml',
                         help='the calibration of the camera that filmed it: see aruco-ar calibrate')
-    add_settings(parser, PictureSettings)
+    add_settings(parser, PictureSettings, {
+        'dictionary': 'that of most tags in FILE; for a camera %s' % PictureSettings.dictionary})
 
 
 def _paint(options: argparse.Namespace) -> int:
+    if options.dictionary is None and options.file is not None:
+        stills = Footage.of_file(options.file).stills(STILLS)
+        options.dictionary = dictionary_in(stills, PictureSettings.dictionary)
     settings = settings_of(options, PictureSettings)
     footage = Footage.of_camera(options.camera) if options.file is None else Footage.of_file(options.file)
     out = options.out or own_name(options.file or 'camera', footage.is_photo)
     if options.file is not None and os.path.exists(out) and os.path.samefile(out, options.file):
         raise InputError('"%s" would replace what is painted on. Give another --out.' % out)
     painted = paint(footage, settings, out, options.calibration)
-    print('Wrote %s: the picture is in %d of %d frames.' % (out, painted.shown, painted.frames))
+    print('Wrote %s: the picture is in %d of %d frames, between tags of %s.' % (
+        out, painted.shown, painted.frames, settings.dictionary))
     if not painted.shown:
         print('aruco-ar: ' + painted.why_not, file=sys.stderr)
     return RIGHT if painted.shown else WRONG

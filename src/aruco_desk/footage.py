@@ -50,6 +50,17 @@ class Footage:
                              'other program? The first one is --camera 0.' % text)
         return cls(capture, None, text, True)
 
+    def stills(self, count: int) -> list[Image]:
+        """Some of its frames, evenly chosen. Read the others from a new Footage then."""
+        if self._photo is not None:
+            return [self._photo]
+        whole, found = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), count), []
+        for number in range(count):
+            self._capture.set(cv2.CAP_PROP_POS_FRAMES, (2 * number + 1) * whole // (2 * count))
+            is_read, frame = self._capture.read()
+            found += [frame] if is_read else []
+        return found
+
     def __length_hint__(self) -> int:
         return 1 if self.is_photo else max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), 0)
 

@@ -3,19 +3,19 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import Any, TypeVar
+from typing import Any, Mapping, TypeVar
 
 from aruco_ar.settings.declaration import Number, Settings, checked, parameters_of
 
 Kind = TypeVar('Kind', bound=Settings)
 
 
-def add_settings(parser: argparse.ArgumentParser, kind: type[Settings]) -> None:
-    """Add an option for each parameter of a class of settings."""
+def add_settings(parser: argparse.ArgumentParser, kind: type[Settings], usual: Mapping[str, str]) -> None:
+    """Add an option for each parameter of a class of settings. ``usual``: what is done without some of them."""
     defaults = kind()
     group = parser.add_argument_group('how it is done, as for the nodes')
     for name, parameter in parameters_of(kind).items():
-        default = parameter.kind.to_plain(getattr(defaults, name))
+        default = usual.get(name, parameter.kind.to_plain(getattr(defaults, name)))
         group.add_argument('--' + name, metavar='VALUE', help='%s (default: %s)' % (
             parameter.sentence.replace('%', '%%'), default))
 

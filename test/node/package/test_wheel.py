@@ -46,7 +46,7 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
     # So does the command, with a picture, an exercise and a generator of tags of its own.
     command = str(tmp_path / 'env' / 'bin' / 'aruco-ar')
     said = run(command, 'paint', 'photo.jpg', '--out', 'command.png', PATH='')
-    assert said == 'Wrote command.png: the picture is in 1 of 1 frames.\n'
+    assert said == 'Wrote command.png: the picture is in 1 of 1 frames, between tags of DICT_6X6_250.\n'
     assert np.abs(cv2.imread(str(tmp_path / 'command.png')).astype(int) - painted).mean() < 2
     run(command, 'tags', PATH='')
     assert (tmp_path / 'wall.pdf').read_bytes().startswith(b'%PDF')

@@ -1,6 +1,7 @@
 """aruco-ar paint, on videos and photos of a simulated wall."""
 import os
 import re
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from aruco_ar.geometry.lens import Lens
 from aruco_ar.painting.video_writer import video_writer
 from aruco_ar.simulation.robot import Camera, Path, Pose
 from aruco_desk.command import RIGHT, USAGE, WRONG, main
-from rig.accuracy.drives import LIVELY, drive
+from rig.accuracy.drives import LIVELY, WALL, drive
 
 RATE = 25
 GREEN = (0, 200, 0)
@@ -57,7 +58,8 @@ def assert_green_inside(painted, frame):
 def test_a_video_is_painted_frame_by_frame_and_keeps_its_rate(folder, frames, capsys):
     film('clip.mp4', [frame.image for frame in frames])
     assert main(['paint', 'clip.mp4', '--picture', 'green.png']) == RIGHT
-    assert capsys.readouterr().out == 'Wrote clip-painted.mp4: the picture is in 12 of 12 frames.\n'
+    assert capsys.readouterr().out == (
+        'Wrote clip-painted.mp4: the picture is in 12 of 12 frames, between tags of DICT_6X6_250.\n')
     painted, rate = read('clip-painted.mp4')
     assert len(painted) == len(frames) and rate == RATE
     for image, frame in zip(painted, frames):
@@ -68,8 +70,20 @@ def test_a_video_is_painted_frame_by_frame_and_keeps_its_rate(folder, frames, ca
 def test_a_photo_is_painted(folder, frames, capsys):
     cv2.imwrite('wall.png', frames[0].image)
     assert main(['paint', 'wall.png', '--picture', 'green.png', '--out', 'deep/painted.png']) == RIGHT
-    assert 'Wrote deep/painted.png: the picture is in 1 of 1 frames.' in capsys.readouterr().out
+    assert 'Wrote deep/painted.png: the picture is in 1 of 1 frames,' in capsys.readouterr().out
     assert_green_inside(cv2.imread('deep/painted.png'), frames[0])
+
+
+@pytest.mark.parametrize('dictionary, found', [
+    ('DICT_4X4_50', 'DICT_4X4_50'), ('DICT_APRILTAG_36h11', 'DICT_APRILTAG_36h11'),
+    ('DICT_6X6_1000', 'DICT_6X6_250'), ('DICT_ARUCO_ORIGINAL', 'DICT_ARUCO_ORIGINAL')])
+def test_the_dictionary_need_not_be_named(folder, capsys, dictionary, found):
+    frames = list(drive(LIVELY, 3, noise=2.0, wall=replace(WALL, dictionary=dictionary)))
+    film('clip.mp4', [frame.image for frame in frames])
+    assert main(['paint', 'clip.mp4', '--picture', 'green.png']) == RIGHT
+    assert 'in 3 of 3 frames, between tags of %s.' % found in capsys.readouterr().out
+    for image, frame in zip(read('clip-painted.mp4')[0], frames):
+        assert_green_inside(image, frame)
 
 
 def test_settings_are_those_of_the_nodes(folder, frames):
