@@ -13,10 +13,11 @@ import cv2
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.exercise import PICTURE
+from aruco_ar.painting.video_writer import need_video
 
 from .bag_reader import pieces_of
 from .drafts import drafted
-from .pieces import join_bags, join_tables, make_video, need_video
+from .pieces import join_bags, join_tables, make_video
 from .task import COLUMNS, annotate
 
 HIDDEN = '.unit5'      # subfolder of the output folder: drafts, and notes on what is done
@@ -72,7 +73,7 @@ class Job:
             exercise = self._task.exercise
             topic = '/%s/%s%s/compressed' % (exercise.name, exercise.topics[-1], camera)
             with drafted(os.path.join(self._folder, name), self._drafts) as draft:
-                if make_video(self.bag, topic, draft):
+                if make_video(self.bag, topic, draft, name):
                     made.append(os.path.join(self._folder, name))
         with drafted(os.path.join(self._hidden, TABLE), self._drafts) as draft:
             join_tables([part + '.csv' for part in parts], draft)
@@ -98,7 +99,7 @@ def jobs_of(paths, task, folder, video, seconds):
     would have the same name, if one would replace a bag, or if MP4s cannot be written.
     """
     if video:
-        need_video()
+        need_video('leave out --video')
     folder = os.path.realpath(folder)
     names: Dict[str, str] = {}
     for path in map(os.path.realpath, paths):

@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None, called: str = CALLED) -> int:
 
 
 def _parser(called: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=DESCRIPTION)
+    parser = argparse.ArgumentParser(prog=called, description=DESCRIPTION)
     # These may come before or after the command.
     _add_shared(parser, package=None, plain=False, called=called)
     shared = argparse.ArgumentParser(add_help=False)

@@ -9,6 +9,7 @@ from aruco_ar.base.progress import progress
 from aruco_ar.tags.sheet import PAGES, tag_sheet, tag_svg, tags_around_picture
 from aruco_ar.tags.tag import DICTIONARY_NAMES, check_tag
 
+CALLED = 'artag_generator.py'
 MAX_ID = 10000  # no dictionary has an id above this
 
 
@@ -31,9 +32,9 @@ def read_ids(text):
     return list(dict.fromkeys(ids))
 
 
-def parse(argv, description):
+def parse(argv, description, called):
     parser = argparse.ArgumentParser(
-        description=description, formatter_class=argparse.RawDescriptionHelpFormatter,
+        prog=called, description=description, formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog='dictionaries:\n  ' + '\n  '.join(DICTIONARY_NAMES))
     option = parser.add_argument
     option('--dictionary', default='DICT_6X6_250', help='one of those below (default: DICT_6X6_250)')
@@ -107,16 +108,17 @@ def svg_files(args):
                                                args.quiet).encode()
 
 
-def run(draw_files, description, argv):
+def run(draw_files, description, argv, called=CALLED):
     """Do what the command line says; end with a sentence if that is impossible.
 
     ``draw_files``: takes the options, and yields (name, bytes) of each picture. ``description``: for --help.
+    ``called``: how this program is started.
     """
     # roslaunch adds arguments of its own, such as __name:=..., which are ignored here.
-    args = parse([arg for arg in argv if not arg.startswith('__')], description)
+    args = parse([arg for arg in argv if not arg.startswith('__')], description, called)
     try:
         for path, data in files_of(args, draw_files):
             write_whole(path, data)
             print('Wrote %s' % os.path.abspath(path))
     except InputError as error:
-        sys.exit('artag_generator: %s' % error)
+        sys.exit('%s: %s' % (os.path.splitext(called)[0], error))

@@ -24,13 +24,17 @@ NO_UNNAMED_FILES = errno.EOPNOTSUPP, errno.EISDIR  # from file systems without O
 
 
 def package_folder() -> str:
-    """The folder that holds config/, images/ and Tags/: the source folder, or share/unit5 once installed.
+    """The folder that holds images/, and with ROS also config/ and Tags/.
 
-    Raises InputError if ROS does not know the install space, or if aruco_ar was installed alone.
+    It is the source folder, the folder share of a wheel, or share/unit5 in an install space. Raises InputError
+    if ROS does not know the install space, or if only a part of unit5 was copied.
     """
-    source = os.path.abspath(os.path.join(os.path.dirname(__file__), '..', '..', '..'))
+    library = os.path.abspath(os.path.join(os.path.dirname(__file__), '..'))
+    source, shared = os.path.dirname(os.path.dirname(library)), os.path.join(library, 'share')
     if os.path.isfile(os.path.join(source, 'package.xml')):
         return source
+    if os.path.isdir(shared):
+        return shared
     try:
         import rospkg  # not needed to run from the source folder
     except ImportError:

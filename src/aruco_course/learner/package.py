@@ -7,7 +7,7 @@ import time
 from typing import Iterable, NamedTuple
 
 from aruco_ar import InputError
-from aruco_ar.base.files import package_folder, read_whole, write_whole
+from aruco_ar.base.files import in_package, read_whole, write_whole
 
 from aruco_course.check import Challenge, Exercise
 
@@ -131,7 +131,7 @@ def start(folder: str, checks: Iterable[Exercise], learn: str = 'rosrun unit5 le
             write(os.path.join('launch', check.name + '.launch'),
                   template('exercise.launch', {**words, 'exercise': check.name, 'number': check.number}))
     _make(package.path('Tags'))
-    write(os.path.join('images', 'earth.jpg'), _earth())
+    write(os.path.join('images', 'earth.jpg'), read_whole(in_package('images/earth.jpg'), MAX_PICTURE_BYTES))
     return started
 
 
@@ -232,14 +232,6 @@ def _package_around(folder: str) -> str | None:
 def _marked_solution(check: Exercise) -> str:
     path = os.path.join(EXERCISES, check.name, 'solution.py')
     return read_whole(path, MAX_SOURCE_BYTES).decode()
-
-
-def _earth() -> bytes:
-    """The picture of exercise 5.6. A wheel has it beside the templates, unit5 among its own pictures."""
-    path = os.path.join(TEMPLATES, 'earth.jpg')
-    if not os.path.isfile(path):
-        path = os.path.join(package_folder(), 'images', 'earth.jpg')
-    return read_whole(path, MAX_PICTURE_BYTES)
 
 
 def _make(folder: str) -> None:

@@ -38,11 +38,13 @@ def imported(path, package, left_out=(), root='src'):
             waiting.extend(ast.iter_child_nodes(node))
 
 
-def test_the_vision_and_the_course_import_no_ros(package):
+def test_the_vision_the_course_and_the_desk_import_no_ros(package):
     assert len(modules(package)) > 100
     for path in modules(package):
         is_node = os.path.basename(path) == 'solution.py'  # these are the learner's nodes
-        if path.startswith((package + '/src/aruco_ar/', package + '/src/aruco_course/')) and not is_node:
+        rooms = ['%s/src/%s/' % (package, room) for room in (
+            'aruco_ar', 'aruco_course', 'aruco_desk', 'aruco_program')]
+        if path.startswith(tuple(rooms)) and not is_node:
             names = {name.split('.')[0] for name in imported(path, package)}
             assert not {'rospy', 'cv_bridge', 'sensor_msgs', 'aruco_node'} & names, path
 

@@ -24,6 +24,7 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
         done = subprocess.run(command, cwd=str(tmp_path), env={**clean, **environment}, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, text=True)
         assert done.returncode == 0, done.stdout
+        return done.stdout
     venv.create(str(tmp_path / 'env'), with_pip=True)
     python = str(tmp_path / 'env' / 'bin' / 'python')
     run(python, '-m', 'pip', 'install', '-q', source)
@@ -42,6 +43,13 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
     off = np.abs(painted.astype(int) - frame).max(axis=2)
     inside, outside = cv2.erode(mask, np.ones((9, 9))) > 0, cv2.dilate(mask, np.ones((9, 9))) == 0
     assert np.median(off[inside]) > 30 > 20 > off[outside].mean()
+    # So does the command, with a picture, an exercise and a generator of tags of its own.
+    command = str(tmp_path / 'env' / 'bin' / 'aruco-ar')
+    said = run(command, 'paint', 'photo.jpg', '--out', 'command.png', PATH='')
+    assert said == 'Wrote command.png: the picture is in 1 of 1 frames, between tags of DICT_6X6_250.\n'
+    assert np.abs(cv2.imread(str(tmp_path / 'command.png')).astype(int) - painted).mean() < 2
+    run(command, 'tags', PATH='')
+    assert (tmp_path / 'wall.pdf').read_bytes().startswith(b'%PDF')
     # The course needs no more than that.
     learn = str(tmp_path / 'env' / 'bin' / 'aruco-learn')
     run(learn, 'start', 'mine', PATH='')
@@ -51,14 +59,14 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
     run(learn, 'check', '5.6', '--package', 'mine', PATH=os.path.dirname(learn))
 
 
-def test_the_wheel_contains_only_aruco_ar_and_the_course(package, tmp_path):
+def test_the_wheel_contains_what_needs_no_ros_and_nothing_else(package, tmp_path):
     done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
                            package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
     wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-linux_%s.whl' % os.uname().machine)
     with zipfile.ZipFile(str(wheel)) as archive:
         assert {name.split('/')[0] for name in archive.namelist()} == {
-            'aruco_ar', 'aruco_course', 'aruco_ar-0.1.0.dist-info'}
+            'aruco_ar', 'aruco_course', 'aruco_desk', 'aruco_program', 'aruco_ar-0.1.0.dist-info'}
         archive.extract('aruco_ar/compiled/libunit5.so', str(tmp_path))
     library = ctypes.CDLL(str(tmp_path / 'aruco_ar' / 'compiled' / 'libunit5.so'))
     library.unit5_version.restype = ctypes.c_char_p

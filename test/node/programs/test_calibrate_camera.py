@@ -15,7 +15,7 @@ from aruco_ar.calibration.views import is_spread
 from aruco_ar.painting.picture_file import ORIENTATION
 from aruco_ar.painting.sources import open_source
 from aruco_ar.simulation.robot import Camera
-from calibrate_camera import MAX_FRAMES, FrameFile, main
+from aruco_program.calibrate_command import MAX_FRAMES, FrameFile, main
 from rig.accuracy.sheets import BARREL, frames_of, lens_of_file
 
 
