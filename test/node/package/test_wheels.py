@@ -106,15 +106,15 @@ def test_it_finds_the_same_quadrilaterals_as_here(library, package, frame, tmp_p
     folder = os.path.dirname(library(tag))
     gray = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     gray.tofile(folder + '/image')
-    output_of(package + '/build/wheels/bin/python', '-m', 'ziglang', 'cc', '-target', target, '-O1', '-I', HERE,
-              '-o', folder + '/caller.exe', CALLER)
+    zig = [package + '/build/wheels/bin/python', '-m', 'ziglang', 'cc', '-target', target, '-O3', '-s']
+    output_of(*zig, '-I', HERE, '-o', folder + '/caller.exe', CALLER)
     name = LIBRARIES[tag] if tag == WINDOWS else './' + LIBRARIES[tag]
     wine = {'WINEPREFIX': str(tmp_path / 'wine'), 'WINEDEBUG': '-all', 'LD_PRELOAD': ''}
     version, levels, *corners = output_of(
         *runner, folder + '/caller.exe', name, 'image', *map(str, gray.shape[::-1]), cwd=folder,
         env={**os.environ, **wine}).splitlines()
     assert version == version_of_sources() and int(levels) == binding.LEVELS
-    expected = binding.find_quads(gray, 23, 80)
+    expected = binding.find_quads(gray, 13, 80)
     found = np.float32([line.split() for line in corners]).reshape(-1, 4, 2)
     assert len(expected) >= 4 and found.shape == expected.shape
     assert np.abs(found - expected).max() < 0.01

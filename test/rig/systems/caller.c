@@ -33,7 +33,7 @@ int main(int count, char **words)
     if (!file || fread(image.pixels, width, height, file) != (size_t)height)
         return 4;
     printf("%s\n%d\n", version(), *levels);
-    int64_t found = find_quads(&image, 23, 80, ROOM, quads[0]);
+    int64_t found = find_quads(&image, 13, 80, ROOM, quads[0]);
     for (int64_t number = 0; number < found; number++)
         for (int corner = 0; corner < 4; corner++)
             printf("%.4f %.4f\n", quads[number][corner].x, quads[number][corner].y);
