@@ -6,6 +6,8 @@ import shutil
 import textwrap
 from typing import Iterable, Sequence, TextIO
 
+from aruco_ar.base.system import knows_escapes
+
 from .check import Exercise
 from .learner.progress import Progress
 
@@ -25,7 +27,7 @@ class Screen:
 
     def __init__(self, stream: TextIO, plain: bool = False) -> None:
         self._stream = stream
-        terminal = stream.isatty() and os.environ.get('TERM') != 'dumb'
+        terminal = stream.isatty() and os.environ.get('TERM') != 'dumb' and knows_escapes()
         self.is_plain = plain or not terminal
         self._colors = terminal and not plain and not os.environ.get('NO_COLOR')
         self._symbols = not self.is_plain and _can_encode(stream, '✔✘●○─')

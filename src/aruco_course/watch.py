@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 import os
-import select
 import sys
 import threading
 import time
 from typing import IO, Callable, Iterable, Iterator, NamedTuple
 
 from aruco_ar import InputError
+from aruco_ar.base.system import is_typed
 
 from . import say
 from .check import Challenge, Check, Exercise, Fault
@@ -76,7 +76,7 @@ def events(files: Files, screen: Screen, stdin: IO[str] | None) -> Iterator[Even
             yield Event('resized')
         if stdin is None:
             time.sleep(LOOK_S)
-        elif select.select([stdin], [], [], LOOK_S)[0]:
+        elif is_typed(stdin, LOOK_S):
             line = stdin.readline()
             if not line:  # Ctrl-D
                 return

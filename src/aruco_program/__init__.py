@@ -28,8 +28,11 @@ os.environ.setdefault('OPENCV_FFMPEG_LOGLEVEL', '-8')
 warnings.filterwarnings('ignore', module='PIL')
 
 # Ctrl-C waits until the imports are done. NumPy would take it for a broken installation.
-_before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+# On Windows, signals cannot be told to wait.
+_waits = hasattr(signal, 'pthread_sigmask')
+_before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT]) if _waits else set()
 try:
     import aruco_ar  # noqa: F401
 finally:
-    signal.pthread_sigmask(signal.SIG_SETMASK, _before)
+    if _waits:
+        signal.pthread_sigmask(signal.SIG_SETMASK, _before)

@@ -14,13 +14,13 @@ import yaml
 from yaml.error import MarkedYAMLError
 
 from .errors import InputError
+from .system import give_name, open_at_once, open_unnamed
 
 # The file of a wall with a thousand tags has 60 kB.
 MAX_YAML_BYTES = 128 * 1024
 
 FILE_ADDRESS = re.compile('file:(?://[^/]*)?(/.*)', re.DOTALL)
 DISK_FULL = errno.ENOSPC, errno.EDQUOT
-NO_UNNAMED_FILES = errno.EOPNOTSUPP, errno.EISDIR  # from file systems without O_TMPFILE
 
 
 def package_folder() -> str:
@@ -55,7 +55,10 @@ def in_package(path: str) -> str:
 def path_of(text: str) -> str:
     """The path in a text, which may begin with ~, or be an address such as file:///home/me/wall.png."""
     address = FILE_ADDRESS.match(text)
-    return unquote(address[1], errors='surrogateescape') if address else os.path.expanduser(text)
+    if not address:
+        return os.path.expanduser(text)
+    path = unquote(address[1], errors='surrogateescape')
+    return path[1:] if os.path.splitdrive(path[1:])[0] else path  # Windows: file:///C:/wall.png
 
 
 def own_folder(name: str) -> str:
@@ -91,21 +94,19 @@ def write_whole(path: str, data: bytes) -> None:
 
 
 def _write_draft(folder: str, draft: str, data: bytes) -> None:
-    """Write bytes to a file without a name until it is complete: a killed process leaves nothing incomplete."""
-    try:
-        handle = os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666)
-    except OSError as error:
-        if error.errno not in NO_UNNAMED_FILES:
-            raise
+    """Write bytes to a draft. It has no name until it is complete: a killed process leaves none.
+
+    Where there are no files without a name, it leaves a part of the draft.
+    """
+    handle = open_unnamed(folder)
+    if handle is None:
         with open(draft, 'xb') as file:
             file.write(data)
         return
     with open(handle, 'wb') as file:
         file.write(data)
         file.flush()
-        # Python follows the link in /proc only if it gets the descriptor of a folder. An absolute path
-        # needs none, so any descriptor will do.
-        os.link('/proc/self/fd/%d' % handle, draft, src_dir_fd=handle)
+        give_name(handle, draft)
 
 
 @contextmanager
@@ -118,8 +119,7 @@ def opened(path: str) -> Iterator[IO[bytes]]:
     """
     try:
         _check_is_file(path, os.stat(path))
-        # O_NONBLOCK: the file may have been replaced by a pipe in the meantime.
-        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as file:
+        with open(open_at_once(path), 'rb') as file:
             _check_is_file(path, os.fstat(file.fileno()))
             yield file
     except InputError:

@@ -1,4 +1,4 @@
-"""The functions of libunit5.so. What they get is checked here, and nowhere else is the library called.
+"""The functions of the library in C. What they get is checked here, and nowhere else is the library called.
 
 Each raises InputError for an array of a wrong type or shape, or one that is read-only where it is changed.
 Arrays that are only read need not be contiguous. What the functions do is explained where they are used.

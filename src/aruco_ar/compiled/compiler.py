@@ -1,4 +1,4 @@
-"""How libunit5.so is compiled: by catkin, into a wheel, and at the first import without either of them.
+"""How the library is compiled: by catkin, into a wheel, and at the first import without either of them.
 
 Run as a program, this prints the flags for CMakeLists.txt. It needs nothing else of the package.
 """
@@ -8,9 +8,12 @@ import glob
 import hashlib
 import os
 import subprocess
+import sys
+from typing import Sequence
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-NAME = 'libunit5.so'
+NAMES = {'win32': 'unit5.dll', 'darwin': 'libunit5.dylib', 'linux': 'libunit5.so'}  # for each sys.platform
+NAME = NAMES.get(sys.platform, NAMES['linux'])
 COMPILER = 'cc'
 FLAGS = ['-O3', '-fno-math-errno', '-fno-trapping-math', '-fvisibility=hidden', '-Wall', '-Wextra',
          '-Werror=vla']
@@ -39,18 +42,19 @@ def flags() -> list[str]:
     return [*FLAGS, '-DUNIT5_VERSION="%s"' % version_of_sources()]
 
 
-def compile_to(path: str, *more_flags: str) -> None:
+def compile_to(path: str, *more_flags: str, compiler: Sequence[str] = (COMPILER,)) -> None:
     """Compile the library. Raises CompilerError if there is no compiler, or it fails."""
     try:
-        subprocess.run([COMPILER, *flags(), '-shared', '-fPIC', *more_flags, '-o', path, *sources(), '-lm'],
+        subprocess.run([*compiler, *flags(), '-shared', '-fPIC', *more_flags, '-o', path, *sources(), '-lm'],
                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=True)
     except FileNotFoundError:
         raise CompilerError('unit5 is not built, and there is no C compiler "%s" to build %s with. Run '
-                            'script/setup in the folder of unit5, or: sudo apt install build-essential'
-                            % (COMPILER, HERE)) from None
+                            'script/setup in the folder of unit5, or install a wheel that was made for this '
+                            'system, or a compiler: sudo apt install build-essential (on macOS: xcode-select '
+                            '--install)' % (compiler[0], HERE)) from None
     except subprocess.CalledProcessError as error:
         raise CompilerError('The C compiler "%s" cannot build %s. Run script/setup in the folder of unit5. The '
-                            'compiler says: %s' % (COMPILER, HERE, error.stderr)) from None
+                            'compiler says: %s' % (compiler[0], HERE, error.stderr)) from None
 
 
 if __name__ == '__main__':

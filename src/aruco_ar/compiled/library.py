@@ -1,4 +1,4 @@
-"""Finding libunit5.so. catkin and wheels build it; otherwise it is compiled at the first import."""
+"""Finding the library. catkin and wheels build it; otherwise it is compiled at the first import."""
 from __future__ import annotations
 
 import ctypes

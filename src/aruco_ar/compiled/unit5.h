@@ -1,4 +1,4 @@
-/* All that libunit5.so shows: what has the prefix unit5_.
+/* All that the library shows: what has the prefix unit5_.
 
    Only binding.py calls it, and checks all arguments; nothing is checked here. What is demanded: arrays have the
    size that is said in brackets, at most 2^31 - 1 numbers, row by row without gaps. No pointer is NULL unless that
@@ -7,7 +7,11 @@
 
 #include "image.h"
 
+#ifdef _WIN32
+#pragma clang attribute push(__attribute__((dllexport)), apply_to = any(function, variable(is_global)))
+#else
 #pragma GCC visibility push(default)
+#endif
 
 const char *unit5_version(void);  /* which sources the library was made of */
 
@@ -288,4 +292,8 @@ void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *pl
                       const uint8_t *certain, int64_t count, float passed, float settle, float rate,
                       float variance_rate, float *look, float *variance, uint8_t *known, float *seconds);
 
+#ifdef _WIN32
+#pragma clang attribute pop
+#else
 #pragma GCC visibility pop
+#endif

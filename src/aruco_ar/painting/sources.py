@@ -13,6 +13,7 @@ import cv2
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import opened
+from aruco_ar.base.system import name_for_opencv
 
 from .picture_file import opened_picture, picture_of, shrink_to_warp, too_large
 
@@ -142,8 +143,7 @@ def _animation(path: str) -> Iterator[tuple[float, Image]]:
 def _video(path: str) -> Iterator[tuple[float, Image]]:
     """(duration in seconds, picture) of a video."""
     with opened(path) as file:
-        # The file is named by its descriptor, since OpenCV ends the process for a path that is not UTF-8.
-        capture = cv2.VideoCapture('/proc/self/fd/%d' % file.fileno(), cv2.CAP_FFMPEG, TIMEOUTS)
+        capture = cv2.VideoCapture(name_for_opencv(file, path), cv2.CAP_FFMPEG, TIMEOUTS)
     capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)  # upright as players show it, whatever OpenCV does by itself
     _check_size(path, capture.get(cv2.CAP_PROP_FRAME_WIDTH) * capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
     duration, picture, start = DEFAULT_DURATION_S, None, 0.0

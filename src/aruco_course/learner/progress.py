@@ -1,7 +1,6 @@
 """What a learner has done and when, kept in .learn/progress.json of his package."""
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 from contextlib import contextmanager
@@ -11,6 +10,7 @@ from typing import Any, Iterator
 
 from aruco_ar import InputError
 from aruco_ar.base.files import read_whole, write_whole
+from aruco_ar.base.system import lock
 
 from .package import HIDDEN, Package
 
@@ -100,15 +100,15 @@ def changed(package: Package) -> Iterator[Progress]:
     folder = package.path(HIDDEN)
     try:
         os.makedirs(folder, exist_ok=True)
-        lock = os.open(os.path.join(folder, 'lock'), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        handle = os.open(os.path.join(folder, 'lock'), os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise InputError('Cannot write to "%s": %s. Your progress is kept there; make that folder writable.'
                          % (folder, error.strerror)) from None
     try:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        except OSError:
-            pass  # some network drives have no locks; then the file is at least never half written
+            lock(handle)
+        except (OSError, ImportError):
+            pass  # some network drives and systems have no locks; then the file is at least never half written
         progress, is_whole = _read(package)
         progress.started = progress.started or now()
         yield progress
@@ -117,7 +117,7 @@ def changed(package: Package) -> Iterator[Progress]:
         text = json.dumps(asdict(progress), indent=1, ensure_ascii=False)
         write_whole(package.path(HIDDEN, FILE), text.encode('utf-8', 'replace'))
     finally:
-        os.close(lock)
+        os.close(handle)
 
 
 def _read(package: Package) -> tuple[Progress, bool]:

@@ -15,6 +15,7 @@ from typing import IO, Any, Callable, Sequence
 
 import numpy as np
 from aruco_ar.base.arrays import Image
+from aruco_ar.base.system import end_with_children
 
 from .limits import Limits
 
@@ -153,13 +154,7 @@ class Process:
         """End the process, and those that it has started."""
         if self._process.returncode is not None:
             return  # its number may be that of another process by now
-        if hasattr(os, 'killpg'):
-            try:
-                os.killpg(self._process.pid, signal.SIGKILL)
-            except (ProcessLookupError, PermissionError):
-                pass
-        else:
-            self._process.kill()
+        end_with_children(self._process)
 
     def _ask_where(self) -> None:
         """Let the process write where it is, if it has not done so, and give it a moment for that."""

@@ -10,14 +10,24 @@ import zipfile
 
 import cv2
 import numpy as np
+import pytest
 from aruco_ar import Detector, find_area
 from aruco_ar.compiled.compiler import version_of_sources
 
 
-def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package, frame, tmp_path):
+@pytest.fixture(params=['here', pytest.param('by script/wheels', marks=[
+    pytest.mark.long, pytest.mark.xdist_group('wheels')])])
+def installable(request, package, tmp_path):
+    """What pip installs: the sources, which it compiles here, or the wheel that script/wheels makes."""
+    if request.param == 'by script/wheels':
+        wheel, = request.getfixturevalue('wheels').glob('*-manylinux_2_17_%s.*' % os.uname().machine)
+        return str(wheel)
     # A copy, since building leaves files behind.
-    source = shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
-        '.git', '.venv', 'build', 'bags', '__pycache__'))
+    return shutil.copytree(package, str(tmp_path / 'unit5'), symlinks=True, ignore=shutil.ignore_patterns(
+        '.git', '.venv', 'build', 'bags', 'dist', '__pycache__'))
+
+
+def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package, frame, tmp_path, installable):
     clean = {key: value for key, value in os.environ.items() if not key.startswith(('PYTHON', 'LD_'))}
 
     def run(*command, **environment):
@@ -27,7 +37,9 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
         return done.stdout
     venv.create(str(tmp_path / 'env'), with_pip=True)
     python = str(tmp_path / 'env' / 'bin' / 'python')
-    run(python, '-m', 'pip', 'install', '-q', source)
+    # Only the sources need a compiler.
+    run(python, '-m', 'pip', 'install', '-q', installable,
+        **{'PATH': ''} if installable.endswith('.whl') else {})
     with open(package + '/docs/reference/aruco_ar.md', encoding='utf-8') as page:
         example = re.search(r'```python\n(import cv2\nfrom aruco_ar .*?)```', page.read(), re.DOTALL)[1]
     cv2.imwrite(str(tmp_path / 'photo.jpg'), frame, [cv2.IMWRITE_JPEG_QUALITY, 95])

@@ -1,0 +1,17 @@
+import os
+import subprocess
+
+import pytest
+
+
+@pytest.fixture(scope='session')
+def wheels(package, tmp_path_factory):
+    """The folder of the wheels that script/wheels makes of this package."""
+    folder = tmp_path_factory.mktemp('wheels')
+    done = subprocess.run(
+        [package + '/script/wheels', '--into', str(folder)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        text=True, env={**os.environ, 'SOURCE_DATE_EPOCH': '1700000000'})
+    if 'Is there a network?' in done.stdout:
+        pytest.skip('pip cannot get Zig')
+    assert done.returncode == 0, done.stdout
+    return folder
