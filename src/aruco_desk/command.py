@@ -9,7 +9,7 @@ import runpy
 import sys
 from typing import Callable, Sequence
 
-from aruco_ar.base.errors import InputError
+from aruco_ar.base.errors import MAX_SENTENCE, InputError, shorten
 from aruco_ar.base.files import in_package
 from aruco_ar.hints.which_dictionary import dictionary_in
 from aruco_ar.settings.settings import PictureSettings
@@ -69,8 +69,8 @@ def _paint(options: argparse.Namespace) -> int:
     if options.file is not None and os.path.exists(out) and os.path.samefile(out, options.file):
         raise InputError('"%s" would replace what is painted on. Give another --out.' % out)
     painted = paint(footage, settings, out, options.calibration)
-    print('Wrote %s: the picture is in %d of %d frames, between tags of %s.' % (
-        out, painted.shown, painted.frames, settings.dictionary))
+    print(shorten('Wrote %s: the picture is in %d of %d frames, between tags of %s.' % (
+        out, painted.shown, painted.frames, settings.dictionary), MAX_SENTENCE))
     if not painted.shown:
         print('aruco-ar: ' + painted.why_not, file=sys.stderr)
     return RIGHT if painted.shown else WRONG

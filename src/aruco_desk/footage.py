@@ -9,6 +9,8 @@ import cv2
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import opened
+from aruco_ar.base.system import name_for_opencv
+from aruco_ar.painting.sources import TIMEOUTS
 
 USUAL_RATE = 30.0          # frames per second, if the file or the camera does not say
 RATES = 1.0, 1000.0        # a file that says another rate is not believed
@@ -32,10 +34,11 @@ class Footage:
         """Raises InputError if there is no such file, or if it is neither a video nor a photo."""
         if not os.path.exists(path):
             raise InputError('There is no file "%s". Give the path of a video or a photo.' % path)
-        with opened(path):
-            pass
-        photo = cv2.imread(path) if cv2.haveImageReader(path) else None
-        capture = cv2.VideoCapture() if photo is not None else cv2.VideoCapture(path)
+        with opened(path) as file:
+            name = name_for_opencv(file, path)
+            photo = cv2.imread(name) if cv2.haveImageReader(name) else None
+            capture = cv2.VideoCapture() if photo is not None else \
+                cv2.VideoCapture(name, cv2.CAP_FFMPEG, TIMEOUTS)
         if photo is None and not capture.isOpened():
             raise InputError('"%s" is neither a video nor a photo that OpenCV can read.' % path)
         capture.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)

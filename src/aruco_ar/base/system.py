@@ -17,9 +17,10 @@ OPEN_FILES = '/proc/self/fd'  # where Linux shows a process its own open files
 def open_at_once(path: str) -> int:
     """A descriptor of a file to read from. Does not wait, even if the file has become a pipe by now.
 
-    Windows keeps its pipes in a place of their own, where no file is replaced by one.
+    Windows keeps its pipes in a place of their own, where no file is replaced by one. But without O_BINARY, it
+    takes files for text, and changes their bytes.
     """
-    return os.open(path, os.O_RDONLY | getattr(os, 'O_NONBLOCK', 0))
+    return os.open(path, os.O_RDONLY | getattr(os, 'O_NONBLOCK', 0) | getattr(os, 'O_BINARY', 0))
 
 
 def open_unnamed(folder: str) -> int | None:

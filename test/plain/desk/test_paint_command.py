@@ -67,6 +67,15 @@ def test_a_video_is_painted_frame_by_frame_and_keeps_its_rate(folder, frames, ca
     assert sorted(os.listdir('.')) == ['clip-painted.mp4', 'clip.mp4', 'green.png']  # and no draft
 
 
+@pytest.mark.skipif(not os.path.isdir('/proc/self/fd'), reason='elsewhere, paths are text')
+def test_a_name_that_is_not_utf_8_is_no_problem(folder, frames):
+    film('clip.mp4', [frame.image for frame in frames[:3]])
+    os.rename('clip.mp4', b'caf\xe9.mp4')
+    assert main(['paint', os.fsdecode(b'caf\xe9.mp4')]) == RIGHT
+    os.rename(b'caf\xe9-painted.mp4', 'painted.mp4')
+    assert len(read('painted.mp4')[0]) == 3
+
+
 def test_a_photo_is_painted(folder, frames, capsys):
     cv2.imwrite('wall.png', frames[0].image)
     assert main(['paint', 'wall.png', '--picture', 'green.png', '--out', 'deep/painted.png']) == RIGHT
