@@ -242,6 +242,12 @@ def largest_channel(image: Image) -> Image:
     return cv2.max(cv2.max(blue, green), red)
 
 
+def mean_channel(image: Floats) -> Floats:
+    """(h, w) float32: the mean of the three channels of an image. NumPy's own mean takes many times as long."""
+    blue, green, red = cv2.split(image)
+    return np.asarray((blue + green + red) / np.float32(3))
+
+
 def _mean_around(image: Floats, px: int) -> Floats:
     """The mean of an image in a window of that width around each pixel."""
     return np.asarray(cv2.boxFilter(image, -1, (px, px)))
