@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from math import hypot
 
+import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image, Integers
@@ -185,7 +186,8 @@ def without(look: Floats, things: Booleans) -> Floats:
     if not things.any():
         return look
     hidden = grown(things, THING_PX)
-    return np.where(hidden[..., None], mean_color(look, ~hidden, 2 * NEAR_PX), look)
+    around = mean_color(look, ~hidden, 2 * NEAR_PX)
+    return np.asarray(cv2.copyTo(around, hidden.view(np.uint8), look.copy()), np.float32)
 
 
 def _differs(image: Floats, look: Floats, px: int) -> Booleans:
