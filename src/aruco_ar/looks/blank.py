@@ -8,6 +8,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats
 
+from .difference import largest_difference, mean_channel
 from .parts import grown, outline_of, parts_of
 
 STEP_PX = 6           # every sixth pixel is enough for the surface
@@ -66,8 +67,9 @@ def blank_wall(seen: Floats, usable: Booleans) -> BlankWall | None:
 
 def _differs(seen: Floats, surface: Floats, deviation: float) -> Booleans:
     """(h, w): where the wall is not seen: its brightness differs much, or its color a little."""
-    gray, wall_gray = seen.mean(axis=2), np.maximum(surface.mean(axis=2), 1)
-    off = np.abs(seen - surface * (gray / wall_gray)[..., None]).max(axis=2)
+    gray, wall_gray = mean_channel(seen), np.maximum(mean_channel(surface), 1)
+    lit = np.asarray(cv2.multiply(surface, cv2.merge([gray / wall_gray] * 3)), np.float32)
+    off = largest_difference(seen, lit)
     return np.asarray((np.abs(gray - wall_gray) > HIDDEN_LEVELS + 3 * deviation * wall_gray)
                       | (off > HIDDEN_LEVELS + COLOR * gray))
 

@@ -35,8 +35,9 @@ def mean_color(image: Floats, mask: Booleans, px: int) -> Floats:
     ``image``: (h, w, 3) float32. Where no such pixel is near, it is 0.
     """
     weight = mask.astype(np.float32)
-    sums, weights = (cv2.blur(each, (px, px)) for each in (image * weight[..., None], weight))
-    return np.asarray(sums / np.maximum(weights, 1e-6)[..., None], np.float32)
+    masked = cv2.multiply(image, cv2.merge([weight] * 3))
+    sums, weights = (cv2.blur(each, (px, px)) for each in (masked, weight))
+    return np.asarray(cv2.divide(sums, cv2.merge([np.maximum(weights, np.float32(1e-6))] * 3)), np.float32)
 
 
 def opened(mask: Booleans) -> Booleans:

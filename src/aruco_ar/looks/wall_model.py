@@ -271,7 +271,7 @@ class WallModel:
         other_s += np.float32(passed) * stays
         other_s[same & ~stays & ~was_wall] = 0
         new = front & ~same
-        np.copyto(other, unlit, where=new[..., None])
+        cv2.copyTo(unlit, new.view(np.uint8), other)
         other_s[new], was_wall[new] = 0, False
         wins = (same & was_wall) | self._became_wall(unlit, labels, count, settle, part)
         if self._views.standing.any():
