@@ -170,8 +170,10 @@ def of_mix_picture():
 
 def of_light_picture():
     _, arrays = of_mix_picture()
+    height, width = (-(-side // binding.LIGHT_STEP_PX) for side in (HEIGHT, WIDTH))
     return lambda **arrays: binding.light_picture(**arrays, black=0.1), {
-        'picture': arrays['picture'], 'white': arrays['mask']}
+        'picture': arrays['picture'], 'mask': arrays['mask'],
+        'white': np.random.RandomState(4).randint(0, 256, (height, width, 3)).astype(np.uint8)}
 
 
 def of_read_rings():
@@ -760,3 +762,20 @@ def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
     code, output = run('-m', 'pytest', '-q', '-s', '-p', 'no:cacheprovider', '--basetemp',
                        str(tmp_path / 'tests'), __file__)
     assert code == 0 and ' passed' in output, output[-5000:]
+
+
+@pytest.mark.parametrize('channels', [3, 4])
+@pytest.mark.parametrize('width, height', [(1, 1), (2, 9), (9, 2), (4, 4), (50, 39)])
+def test_light_is_interpolated_and_alpha_and_what_is_not_shown_stay_as_they_are(width, height, channels):
+    random = np.random.RandomState(2)
+    before = random.randint(0, 256, (height, width, channels)).astype(np.uint8)
+    coarse = random.randint(0, 256, (-(-height // 4), -(-width // 4), 3)).astype(np.float32)
+    mask = np.zeros((height, width, 3), np.uint8)
+    mask[height // 4:max(height // 2, 1), width // 3:] = 90
+    picture, shown = before.copy(), mask[..., 0] > 0
+    binding.light_picture(picture, mask, coarse.astype(np.uint8), 0.2)
+    light = cv2.resize(coarse, (4 * coarse.shape[1], 4 * coarse.shape[0]))[:height, :width]
+    expected = (0.2 * 255 + 0.8 * before[..., :3]) * light / 255
+    assert shown.any() and np.abs(picture[..., :3] - expected)[shown].max() < 1.6  # three numbers are rounded
+    np.testing.assert_array_equal(picture[..., 3:], before[..., 3:])
+    np.testing.assert_array_equal(picture[~shown], before[~shown])
