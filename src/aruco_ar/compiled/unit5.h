@@ -157,6 +157,12 @@ extern const int unit5_light_step;  /* pixels from one at which the light is kno
    the picture. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
 int unit5_light_picture(const Image *picture, const Image *mask, const Image *white, int black);
 
+/* soften.c, for grain.py. Blur a picture, BGR, and its mask, BGR, of one size, by a normal distribution. ``across``,
+   ``down``: its deviation, pixels. Writes ``softened`` and ``share``: (height, width, 3), the colors and the mask; where
+   they remain black, they are not written. */
+int unit5_soften_picture(const Image *picture, const Image *mask, double across, double down, uint8_t *softened,
+                         uint8_t *share);
+
 /* ring.c, for ring.py. */
 
 extern const int unit5_ring_steps, unit5_ring_places;

@@ -176,6 +176,12 @@ def of_light_picture():
         'white': np.random.RandomState(4).randint(0, 256, (height, width, 3)).astype(np.uint8)}
 
 
+def of_soften_picture():
+    _, arrays = of_mix_picture()
+    return lambda **arrays: binding.soften_picture(**arrays, across=1.3, down=0.7), {
+        'picture': arrays['window'], 'mask': arrays['mask']}
+
+
 def of_read_rings():
     random = np.random.RandomState(6)
     return binding.read_rings, {
@@ -315,7 +321,8 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
+         of_soften_picture, of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs,
+         of_refine_pose_pairs,
          of_find_tag_poses, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
          of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
@@ -779,3 +786,26 @@ def test_light_is_interpolated_and_alpha_and_what_is_not_shown_stay_as_they_are(
     assert shown.any() and np.abs(picture[..., :3] - expected)[shown].max() < 1.6  # three numbers are rounded
     np.testing.assert_array_equal(picture[..., 3:], before[..., 3:])
     np.testing.assert_array_equal(picture[~shown], before[~shown])
+
+
+@pytest.mark.parametrize('across, down', [(0, 0), (1.1, 0.8), (0, 4), (5, 0)])
+@pytest.mark.parametrize('width, height', [(1, 1), (1, 9), (9, 2), (140, 90)])
+def test_a_picture_is_softened_as_by_a_normal_distribution(width, height, across, down):
+    picture = np.random.RandomState(2).randint(0, 256, (height, width, 3)).astype(np.uint8)
+    mask = np.zeros_like(picture)
+    mask[height // 4:max(height // 2, 1), width // 3:] = 255
+    mask[0, -1] = 90
+    softened, share = binding.soften_picture(picture, mask, across, down)
+    size = tuple(2 * int(3 * deviation + 0.5) + 1 for deviation in (across, down))
+    wanted_share, inside = (cv2.GaussianBlur(image, size, max(across, 0.01), sigmaY=max(down, 0.01))
+                            for image in (mask / 255.0, picture * (mask / 255.0)))
+    assert np.abs(share / 255.0 - wanted_share).max() < 1 / 255
+    assert np.abs(softened * (share / 255.0) - inside).max() < 1.6  # four numbers are rounded
+
+
+@pytest.mark.parametrize('deviation', [-1, np.nan, np.inf, 1001])
+def test_a_picture_is_softened_by_a_possible_deviation(deviation):
+    _, arrays = of_soften_picture()
+    for both in (deviation, 1), (1, deviation):
+        with pytest.raises(InputError, match='cannot be blurred by .* pixels; choose from 0 to 1000'):
+            binding.soften_picture(*arrays.values(), *both)
