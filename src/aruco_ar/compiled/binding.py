@@ -24,6 +24,7 @@ MAX_SEARCHED_PX = 2**15      # width and height of an image that is searched for
 MAX_BORDER, MAX_WORD = 10, 8  # of a tag that is read: the width of its border and of what is within it, cells
 USUAL_QUADS = 2000           # there is room for so many at first
 MOTION = 8 + 8 + 16 * 16 + 8 * 8 + 2 + 1  # numbers of the C structure Motion of unit5.h
+MAX_SOFTNESS_PX = 1000       # deviation of a blur
 MAX_DEVIATIONS = 4096        # of the points of an object; the square is an int in C
 
 _C = load()
@@ -90,7 +91,8 @@ _learn_patches = _function('learn_patches', _Array, *[_INT] * 3, *[_Array] * 2, 
 _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, *[_INT] * 2, *[_Array] * 3,
                            result=_INT)
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
-_light_picture = _function('light_picture', _IMAGE, _IMAGE, _INT)
+_light_picture = _function('light_picture', *[_IMAGE] * 3, _INT, result=_INT)
+_soften_picture = _function('soften_picture', _IMAGE, _IMAGE, _DOUBLE, _DOUBLE, _Array, _Array, result=_INT)
 _read_rings = _function('read_rings', _IMAGE, _INT, *[_Array] * 6)
 _draw_cover = _function('draw_cover', _IMAGE, _IMAGE, _Array, _LONG, *[_INT] * 4, _Array, _Array, _IMAGE, _INT,
                         *[_Array] * 3)
@@ -113,6 +115,7 @@ _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Ar
 NEAREST_M, SEAM, DARK = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam', 'dark'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
+LIGHT_STEP_PX = _INT.in_dll(_C, 'unit5_light_step').value
 MOST_SOURCES = _INT.in_dll(_C, 'unit5_most_sources').value
 RING_STEPS, RING_PLACES = (_INT.in_dll(_C, 'unit5_ring_' + name).value for name in ('steps', 'places'))
 RING_OFFSETS_PX = np.ctypeslib.as_array((_FLOAT * RING_STEPS).in_dll(_C, 'unit5_ring_offsets'))
@@ -390,17 +393,37 @@ def mix_picture(window: Image, picture: Image, mask: Image, opacity: float) -> t
     return hidden, shown
 
 
-def light_picture(picture: Image, white: Image, black: float) -> None:
+def light_picture(picture: Image, mask: Image, white: Image, black: float) -> None:
     """Change a picture, (h, w, 3) or (h, w, 4) uint8, contiguous, as if it hung in a light: see unit5.h.
 
-    ``white``: (h, w, 3) uint8. ``black``: 0 to 1.
+    ``mask``: (h, w, 3) uint8; where it is black, the picture may stay as it is. ``white``: (rows, columns, 3)
+    uint8, h and w divided by LIGHT_STEP_PX and rounded up. ``black``: 0 to 1.
     """
-    size = _sized(white, 3)[1][:2]
-    white = _rows('light', white, np.uint8, (*size, 3))
+    size = _sized(mask, 3)[1][:2]
+    mask = _rows('mask', mask, np.uint8, (*size, 3))
     _check_changed('picture', picture, np.uint8, (*size, 3), (*size, 4))
+    white = _rows('light', white, np.uint8, (*(-(-side // LIGHT_STEP_PX) for side in mask.shape[:2]), 3))
     if not 0 <= black <= 1:
         raise InputError('Black cannot be %s of white; choose from 0 to 1.' % black)
-    _light_picture(_image(picture), _image(white), round(255 * black))
+    if picture.size and not _light_picture(_image(picture), _image(mask), _image(white), round(255 * black)):
+        raise MemoryError
+
+
+def soften_picture(picture: Image, mask: Image, across: float, down: float) -> tuple[Image, Image]:
+    """A picture and its mask, blurred by a normal distribution: two (h, w, 3) uint8. See unit5.h.
+
+    ``picture``, ``mask``: (h, w, 3) uint8. ``across``, ``down``: the deviation, 0 to MAX_SOFTNESS_PX.
+    """
+    size = _sized(mask, 3)[1][:2]
+    mask = _rows('mask', mask, np.uint8, (*size, 3))
+    picture = _rows('picture', picture, np.uint8, (*size, 3))
+    if not (0 <= across <= MAX_SOFTNESS_PX and 0 <= down <= MAX_SOFTNESS_PX):
+        raise InputError('A picture cannot be blurred by %s and %s pixels; choose from 0 to %d.'
+                         % (across, down, MAX_SOFTNESS_PX))
+    softened, share = np.zeros(mask.shape, np.uint8), np.zeros(mask.shape, np.uint8)
+    if mask.size and not _soften_picture(_image(picture), _image(mask), across, down, softened, share):
+        raise MemoryError
+    return softened, share
 
 
 def read_rings(frame: Image, ends: Floats, parts: Floats,

@@ -152,9 +152,20 @@ int unit5_align_patches(float *image, int width, int height, int count, const fl
 void unit5_mix_picture(const Image *window, const Image *picture, const Image *mask, int opacity, uint8_t *hidden,
                        uint8_t *shown);
 
-/* mix.c, for hanging.py. Change a picture, BGR or BGRA, as if it was printed and hung in a light. ``white``: BGR, of
-   its size, the level of white paper. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
-void unit5_light_picture(const Image *picture, const Image *white, int black);
+/* light.c, for hanging.py. */
+
+extern const int unit5_light_step;  /* pixels from one at which the light is known to the next, across and down */
+
+/* Change a picture, BGR or BGRA, as if it was printed and hung in a light, where a mask, BGR, is not black. ``white``:
+   BGR, the level of white paper in the middle of each square of light_step pixels; at least one, and enough of them for
+   the picture. ``black``: the level of ink, 0 to 255, as a share of that of paper. */
+int unit5_light_picture(const Image *picture, const Image *mask, const Image *white, int black);
+
+/* soften.c, for grain.py. Blur a picture, BGR, and its mask, BGR, of one size, by a normal distribution. ``across``,
+   ``down``: its deviation, pixels. Writes ``softened`` and ``share``: (height, width, 3), the colors and the mask; where
+   they remain black, they are not written. */
+int unit5_soften_picture(const Image *picture, const Image *mask, double across, double down, uint8_t *softened,
+                         uint8_t *share);
 
 /* ring.c, for ring.py. */
 

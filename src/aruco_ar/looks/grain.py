@@ -95,12 +95,7 @@ class Grain:
             colors, alpha = picture[:, :, :3], cv2.cvtColor(picture[:, :, 3], cv2.COLOR_GRAY2BGR)
             mask = cv2.multiply(mask, alpha, scale=1 / 255)
         if self.softness is not None and self.softness.max() > MIN_VARIANCE:
-            across, down = np.sqrt(np.maximum(self.softness, 1e-4))
-            _, inside = binding.mix_picture(mask, colors, mask, 1)
-            inside, share = (cv2.GaussianBlur(image, (0, 0), sigmaX=across, sigmaY=down)
-                             for image in (inside, np.ascontiguousarray(mask[:, :, 0])))
-            mask = cv2.cvtColor(share, cv2.COLOR_GRAY2BGR)
-            colors = cv2.divide(inside, mask, scale=255)
+            colors, mask = binding.soften_picture(colors, mask, *np.sqrt(np.maximum(self.softness, 0)))
         return cv2.cvtColor(self.noisy(colors), cv2.COLOR_BGR2BGRA), mask
 
     def noisy(self, picture: Image) -> Image:

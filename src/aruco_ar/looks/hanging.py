@@ -31,7 +31,6 @@ TAG_SCALE = 1.5         # width of a tag with its white rim, in sides of the tag
 # other one if something is.
 EVERY, EVERY_IN_FRONT = 3, 2
 MIDDLE_OF_TWO = 0.25    # where the middle of two pixels is, in pixels as large as both, if the first is at 0
-STEP_PX = 4             # the light is computed at every fourth pixel across and down
 AS_IN_COURSE = PAINT, FULL, CLEAN, SHOW
 
 
@@ -52,14 +51,15 @@ class OnWall:
     def apply(self, warped: Image, place: Place) -> tuple[Image, Image]:
         """The picture as it looks on the wall, (h, w, 3) BGR or (h, w, 4) BGRA, and its mask.
 
-        ``warped``: (h, w, 3) BGR or (h, w, 4) BGRA, the picture that was warped to its Place.
+        ``warped``: (h, w, 3) BGR or (h, w, 4) BGRA, the picture that was warped to its Place; it may be
+        overwritten.
         """
         mask = place.mask
         if not mask.size:
             return warped, mask
         if self.white is not None:
-            warped = np.array(warped, order='C')
-            binding.light_picture(warped, _smoothly_warped(self.white, place), self.black)
+            warped = np.require(warped, requirements=('C', 'W'))
+            binding.light_picture(warped, mask, _coarsely_warped(self.white, place), self.black)
         if self.grain is not None:
             warped, mask = self.grain.apply(warped, mask)
         if self.front is not None:
@@ -187,19 +187,18 @@ def _warped(image: Image, place: Place) -> Image:
     return warp(image, homography, place.mask, place.positions)
 
 
-def _smoothly_warped(image: Image, place: Place) -> Image:
-    """The same for an image that changes slowly: every fourth pixel tells enough. The mask does not count."""
+def _coarsely_warped(image: Image, place: Place) -> Image:
+    """The same for an image that changes slowly: see binding.light_picture. The mask does not count."""
     height, width = place.window.shape[:2]
-    first = STEP_PX // 2
-    rows, columns = -(-height // STEP_PX), -(-width // STEP_PX)
-    from_coarse = np.array([[STEP_PX, 0, first], [0, STEP_PX, first], [0, 0, 1.0]])
+    step = binding.LIGHT_STEP_PX
+    first = step // 2
+    rows, columns = -(-height // step), -(-width // step)
+    from_coarse = np.array([[step, 0, first], [0, step, first], [0, 0, 1.0]])
     homography, positions = place.area.homography(image.shape[1], image.shape[0]), place.positions
     if positions is None:
         homography = np.linalg.inv(from_coarse) @ homography
     else:
-        y, x = (np.minimum(np.arange(count) * STEP_PX + first, length - 1)
+        y, x = (np.minimum(np.arange(count) * step + first, length - 1)
                 for count, length in ((rows, height), (columns, width)))
         positions = np.ascontiguousarray(positions[y[:, None], x])
-    coarse = warp(image, homography, np.full((rows, columns), 255, np.uint8), positions)
-    fine = cv2.resize(coarse, (columns * STEP_PX, rows * STEP_PX), interpolation=cv2.INTER_LINEAR)
-    return np.asarray(fine)[:height, :width]
+    return warp(image, homography, np.full((rows, columns), 255, np.uint8), positions)

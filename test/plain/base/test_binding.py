@@ -170,8 +170,16 @@ def of_mix_picture():
 
 def of_light_picture():
     _, arrays = of_mix_picture()
+    height, width = (-(-side // binding.LIGHT_STEP_PX) for side in (HEIGHT, WIDTH))
     return lambda **arrays: binding.light_picture(**arrays, black=0.1), {
-        'picture': arrays['picture'], 'white': arrays['mask']}
+        'picture': arrays['picture'], 'mask': arrays['mask'],
+        'white': np.random.RandomState(4).randint(0, 256, (height, width, 3)).astype(np.uint8)}
+
+
+def of_soften_picture():
+    _, arrays = of_mix_picture()
+    return lambda **arrays: binding.soften_picture(**arrays, across=1.3, down=0.7), {
+        'picture': arrays['window'], 'mask': arrays['mask']}
 
 
 def of_read_rings():
@@ -313,7 +321,8 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
+         of_soften_picture, of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs,
+         of_refine_pose_pairs,
          of_find_tag_poses, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
          of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
@@ -760,3 +769,43 @@ def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
     code, output = run('-m', 'pytest', '-q', '-s', '-p', 'no:cacheprovider', '--basetemp',
                        str(tmp_path / 'tests'), __file__)
     assert code == 0 and ' passed' in output, output[-5000:]
+
+
+@pytest.mark.parametrize('channels', [3, 4])
+@pytest.mark.parametrize('width, height', [(1, 1), (2, 9), (9, 2), (4, 4), (50, 39)])
+def test_light_is_interpolated_and_alpha_and_what_is_not_shown_stay_as_they_are(width, height, channels):
+    random = np.random.RandomState(2)
+    before = random.randint(0, 256, (height, width, channels)).astype(np.uint8)
+    coarse = random.randint(0, 256, (-(-height // 4), -(-width // 4), 3)).astype(np.float32)
+    mask = np.zeros((height, width, 3), np.uint8)
+    mask[height // 4:max(height // 2, 1), width // 3:] = 90
+    picture, shown = before.copy(), mask[..., 0] > 0
+    binding.light_picture(picture, mask, coarse.astype(np.uint8), 0.2)
+    light = cv2.resize(coarse, (4 * coarse.shape[1], 4 * coarse.shape[0]))[:height, :width]
+    expected = (0.2 * 255 + 0.8 * before[..., :3]) * light / 255
+    assert shown.any() and np.abs(picture[..., :3] - expected)[shown].max() < 1.6  # three numbers are rounded
+    np.testing.assert_array_equal(picture[..., 3:], before[..., 3:])
+    np.testing.assert_array_equal(picture[~shown], before[~shown])
+
+
+@pytest.mark.parametrize('across, down', [(0, 0), (1.1, 0.8), (0, 4), (5, 0)])
+@pytest.mark.parametrize('width, height', [(1, 1), (1, 9), (9, 2), (140, 90)])
+def test_a_picture_is_softened_as_by_a_normal_distribution(width, height, across, down):
+    picture = np.random.RandomState(2).randint(0, 256, (height, width, 3)).astype(np.uint8)
+    mask = np.zeros_like(picture)
+    mask[height // 4:max(height // 2, 1), width // 3:] = 255
+    mask[0, -1] = 90
+    softened, share = binding.soften_picture(picture, mask, across, down)
+    size = tuple(2 * int(3 * deviation + 0.5) + 1 for deviation in (across, down))
+    wanted_share, inside = (cv2.GaussianBlur(image, size, max(across, 0.01), sigmaY=max(down, 0.01))
+                            for image in (mask / 255.0, picture * (mask / 255.0)))
+    assert np.abs(share / 255.0 - wanted_share).max() < 1 / 255
+    assert np.abs(softened * (share / 255.0) - inside).max() < 1.6  # four numbers are rounded
+
+
+@pytest.mark.parametrize('deviation', [-1, np.nan, np.inf, 1001])
+def test_a_picture_is_softened_by_a_possible_deviation(deviation):
+    _, arrays = of_soften_picture()
+    for both in (deviation, 1), (1, deviation):
+        with pytest.raises(InputError, match='cannot be blurred by .* pixels; choose from 0 to 1000'):
+            binding.soften_picture(*arrays.values(), *both)
