@@ -27,7 +27,10 @@ WINE = next(filter(os.path.exists, ['/usr/lib/wine/wine64', '/usr/bin/wine64', '
 def library(wheels, tmp_path):
     """A function of a wheel's tag: takes the library out of it, and returns its path."""
     def taken(tag):
-        with zipfile.ZipFile(str(wheels / ('aruco_ar-0.1.0-py3-none-%s.whl' % tag))) as archive:
+        wheel = wheels / ('aruco_ar-0.1.0-py3-none-%s.whl' % tag)
+        if tag == WINDOWS and not wheel.exists():
+            pytest.skip('script/wheels has not been run here, and takes ten minutes for Windows')
+        with zipfile.ZipFile(str(wheel)) as archive:
             names = [name for name in archive.namelist() if re.search(r'\.(so|dll|dylib|pyd|pdb|lib)$', name)]
             assert names == ['aruco_ar/compiled/' + LIBRARIES[tag]]
             return archive.extract(names[0], str(tmp_path))
@@ -46,8 +49,8 @@ def names_of_ours():
 
 
 def test_there_is_one_wheel_for_each_system(wheels):
-    assert {path.name for path in wheels.iterdir()} == {'aruco_ar-0.1.0-py3-none-%s.whl' % tag
-                                                       for tag in LIBRARIES}
+    made = {'aruco_ar-0.1.0-py3-none-%s.whl' % tag for tag in LIBRARIES}
+    assert made - {'aruco_ar-0.1.0-py3-none-win_amd64.whl'} <= {path.name for path in wheels.iterdir()} <= made
 
 
 def test_another_folder_makes_the_same_bytes(wheels, package, tmp_path):
@@ -55,7 +58,7 @@ def test_another_folder_makes_the_same_bytes(wheels, package, tmp_path):
         '.git', '.venv', 'build', 'bags', 'dist', '__pycache__'))
     os.mkdir(source + '/build')
     os.symlink(package + '/build/wheels', source + '/build/wheels')  # Zig
-    output_of(source + '/script/wheels', env={**os.environ, 'SOURCE_DATE_EPOCH': '1700000000'})
+    output_of(source + '/script/wheels', '--quick', env={**os.environ, 'SOURCE_DATE_EPOCH': '1700000000'})
     for path in wheels.iterdir():
         with open(os.path.join(source, 'dist', path.name), 'rb') as again:
             assert again.read() == path.read_bytes(), path.name
