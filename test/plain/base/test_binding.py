@@ -772,7 +772,7 @@ def test_no_function_reads_or_writes_beyond_its_arrays(tmp_path):
 
 
 def weights_of_neighbors(length, count):
-    """(length, count): how much each of ``count`` values counts at each of ``length`` places, four to a value."""
+    """(length, count): how much each of ``count`` values counts at ``length`` places, four to a value."""
     places = np.clip((np.arange(length) + 0.5) / 4 - 0.5, 0, count - 1)
     return np.maximum(1 - np.abs(places[:, None] - np.arange(count)), 0)
 
