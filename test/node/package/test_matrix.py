@@ -16,7 +16,7 @@ from runner import QUICK
 SYSTEM, OLDEST = 'of the system', '3.8'
 # The arguments of "uv pip install".
 LOWEST = ['--resolution', 'lowest-direct', '-r', 'requirements.txt']
-NEWEST = ['-r', 'pyproject.toml', '--extra', 'print']
+NEWEST = ['-r', 'pyproject.toml']
 WAYS = {'3.8, lowest': (OLDEST, LOWEST), 'system, newest': (SYSTEM, NEWEST)}
 
 
