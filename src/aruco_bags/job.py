@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Dict
 
 import cv2
+from aruco_ar.base.drafts import drafted
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.exercise import PICTURE
 from aruco_ar.painting.video_writer import need_video
 
 from .bag_reader import pieces_of
-from .drafts import drafted
 from .pieces import join_bags, join_tables, make_video
 from .task import COLUMNS, annotate
 

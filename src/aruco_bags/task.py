@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import rosbag
 from aruco_ar import InputError, PoseEstimator, find_area
+from aruco_ar.base.drafts import drafted
 from aruco_ar.base.files import in_package
 from aruco_ar.exercise import AREA, PICTURE, Exercise
 from aruco_ar.painting.sources import Still, open_source
@@ -22,7 +23,6 @@ from aruco_node.process.memory import keep_memory
 from sensor_msgs.msg import CameraInfo
 
 from .bag_reader import decoder_of, messages
-from .drafts import drafted
 
 CORNERS = [(number, axis) for number in range(4) for axis in 'xy']
 COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in CORNERS),

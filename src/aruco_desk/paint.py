@@ -8,6 +8,7 @@ from typing import Callable, Iterator, NamedTuple
 
 import cv2
 from aruco_ar.base.arrays import Image
+from aruco_ar.base.drafts import drafted
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package, path_of, write_whole
 from aruco_ar.base.progress import progress
@@ -99,11 +100,6 @@ def _writer(out: str, footage: Footage) -> Iterator[Callable[[Image], None]]:
     if os.path.splitext(out)[1].lower() != VIDEO:
         raise InputError('A video is written as MP4. Name a file such as painted.mp4, not "%s".' % out)
     need_video('give a photo in place of a video')
-    draft = '%s.part%d' % (out, os.getpid())
-    try:
-        with video_writer(draft, footage.rate, out) as write:
-            yield write
-        os.replace(draft, out)
-    finally:
-        if os.path.exists(draft):
-            os.unlink(draft)
+    folder = os.path.dirname(os.path.abspath(out))
+    with drafted(out, folder) as draft, video_writer(draft, footage.rate, out) as write:
+        yield write

@@ -11,7 +11,7 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.tags.tag import DICTIONARIES, get_dictionary
 
 from .searches import Searches, shrunk
-from .squares import MIRRORED, PLAIN, UNKNOWN, Kind, Meanings, families, read_squares
+from .squares import MIRRORED, PLAIN, UNKNOWN, Kind, Meanings, families, read_squares, smallest_with
 
 WAIT_S = 2.0     # no tag must be in sight for this time before others are looked for
 PAUSE_S = 0.25   # time between two searches, at least
@@ -186,7 +186,7 @@ class OtherTags:
     def _sentence(self, kind: Kind, ids: AbstractSet[int]) -> str | None:
         if kind.way == UNKNOWN:
             return UNKNOWN_TAGS % (len(ids), self._words.seeker, PRINT_OTHERS)
-        smallest = next(name for name in kind.family if max(ids) < len(get_dictionary(name).bytesList))
+        smallest = smallest_with(kind.family, max(ids))
         is_family = kind.family == self._family
         is_own = is_family and max(ids) < self._count
         tags = '%d tags of %s (%s)' % (len(ids), self._dictionary if is_own else smallest,

@@ -77,6 +77,11 @@ class _Grid(NamedTuple):
     whole: Floats
 
 
+def smallest_with(names: Sequence[str], tag_id: int) -> str:
+    """The first of these dictionaries that has a tag with that id. One of them must."""
+    return next(name for name in names if tag_id < len(get_dictionary(name).bytesList))
+
+
 def read_squares(gray: Image, borders: Sequence[int]) -> list[Meanings]:
     """All that may be tags in a frame, (h, w) uint8: for each, what it may be.
 

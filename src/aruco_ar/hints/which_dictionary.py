@@ -7,13 +7,11 @@ from typing import Sequence
 import cv2
 
 from aruco_ar.base.arrays import Image
-from aruco_ar.tags.tag import get_dictionary
 
+from .other_tags import FOUR, USUAL_BORDER
 from .searches import shrunk
-from .squares import PLAIN, read_squares
+from .squares import PLAIN, read_squares, smallest_with
 
-FOUR = 4           # an area needs four tags
-USUAL_BORDER = 1   # cells
 LEAST_SHARE = 0.4  # a tag must be in this share of the frames: by chance, anything looks like one in a few
 
 
@@ -35,5 +33,4 @@ def dictionary_in(frames: Sequence[Image], usual: str) -> str | None:
     if counts[family] < FOUR:
         return None
     highest = max(tag_id for each, tag_id in tags if each == family)
-    names = [usual] * (usual in family) + list(family)
-    return next(name for name in names if highest < len(get_dictionary(name).bytesList))
+    return smallest_with([usual] * (usual in family) + list(family), highest)

@@ -5,7 +5,7 @@ import time
 
 import cv2
 from aruco_ar import Tracker, load_picture
-from aruco_ar.painting.paint import visible, warp
+from aruco_ar.painting.paint import put_in, warp
 from aruco_ar.painting.picture import Picture
 from aruco_ar.painting.place import find_place
 from aruco_node.messages.images import ImageDecoder, image_from_frame
@@ -37,11 +37,6 @@ def _written(message):
     return buffer.getvalue()
 
 
-def _put(window, mask, shown):
-    cv2.subtract(window, mask, window)
-    cv2.add(window, shown, window)
-
-
 def take_steps(frames, rate, dictionary, ids):
     """The Steps of some frames, (h, w, 3) BGR, of a camera with that rate."""
     cv2.setNumThreads(1)
@@ -56,8 +51,7 @@ def take_steps(frames, rate, dictionary, ids):
             place = steps.time('find the place', find_place, own, area, picture)
             mask = steps.time('mask', lambda: place.mask)
             warped = steps.time('warp', warp, picture, place.homography, mask)
-            mask, shown = steps.time('mix', visible, place.window, warped, mask)
-            steps.time('put in', _put, place.window, mask, shown)
+            steps.time('put in', put_in, place.window, warped, mask)
         steps.time('write', _written, image_from_frame(own, Header()))
     return steps
 
