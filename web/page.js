@@ -2,6 +2,7 @@
 import { connect } from './connection.js';
 import { choices } from './choices.js';
 import { driving } from './driving.js';
+import { filming } from './filming.js';
 import { tiles } from './tiles.js';
 
 const MESSAGE_MS = 8000;
@@ -30,3 +31,4 @@ const connection = connect({
 const views = tiles(connection.send);
 const drive = driving(connection.send);
 const choose = choices(connection.send, say);
+filming(say);
