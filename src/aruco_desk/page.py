@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import threading
 import time
@@ -164,6 +165,12 @@ class DeskSite(Site):
         sentence, is_trouble = self._studio.advice
         return (sentence, is_trouble) if is_trouble or node == '/' + PAINTER else ('', False)
 
+    def end(self) -> None:
+        """Film no longer."""
+        if self.phone is not None:
+            self.phone.end()
+        self._studio.end()
+
     def _on_wanted(self, wanted: dict[str, bool]) -> None:
         self._studio.wanted = wanted
 
@@ -174,6 +181,8 @@ def serve(make_studio: MakeStudio, port: int, phone: Phone | None = None) -> Non
     With a Phone, the page is served to the whole network, over HTTPS. Raises InputError if the page cannot be
     served, or if the settings cannot be used.
     """
+    # Phones first refuse the certificate, which is no news for this terminal.
+    logging.getLogger('tornado.general').setLevel(logging.ERROR)
     loop = asyncio.new_event_loop()
     asyncio.set_event_loop(loop)
     address, tls = HERE, None
@@ -192,3 +201,4 @@ def serve(make_studio: MakeStudio, port: int, phone: Phone | None = None) -> Non
     with suppress(KeyboardInterrupt):
         loop.run_forever()
     server.stop()
+    site.end()

@@ -21,7 +21,7 @@ class Phone:
 
     def __init__(self) -> None:
         self._newest: tuple[float, bytes] | None = None
-        self._changed = threading.Condition()
+        self._changed, self._ended = threading.Condition(), False
 
     def take(self, jpeg: bytes) -> None:
         """A frame has arrived, the bytes of a JPEG. Call it from any thread."""
@@ -29,13 +29,21 @@ class Phone:
             self._newest = time.time(), jpeg
             self._changed.notify_all()
 
+    def end(self) -> None:
+        """Iterating ends."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify_all()
+
     def __iter__(self) -> Iterator[tuple[float, Image]]:
         while True:
             with self._changed:
-                if not self._changed.wait_for(lambda: self._newest is not None, WAIT_S):
+                self._changed.wait_for(lambda: self._newest is not None or self._ended, WAIT_S)
+                if self._ended:
+                    return
+                if self._newest is None:
                     raise InputError('No phone films. Open this page on the phone, and touch "Film with this '
                                      'device".')
-                assert self._newest is not None
                 (stamp, jpeg), self._newest = self._newest, None
             yield stamp, decoded(jpeg)
 

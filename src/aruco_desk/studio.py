@@ -11,6 +11,7 @@ from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.calibration.camera_file import read_camera
+from aruco_ar.exercise import TAGS
 from aruco_ar.geometry.lens import Lens
 from aruco_ar.hints.hints import Hints
 from aruco_ar.hints.which_dictionary import dictionary_in
@@ -18,6 +19,7 @@ from aruco_ar.painting.sources import Clip, Still, open_source
 from aruco_ar.runner import Runner
 from aruco_ar.settings.declaration import checked, parameters_of
 from aruco_ar.settings.settings import PictureSettings
+from aruco_ar.tracking.observer import FOUND, NEEDED, Observer
 from aruco_ar.tracking.sight import Sight
 
 from .options import with_options
@@ -27,6 +29,7 @@ CAMERA, PAINTER = 'camera/rgb/image_raw', 'exercise5_6'
 EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', PAINTER
 RETRY_S = 2.0    # a camera that is away is tried again after this time
 LOOK_S = 1.0     # the dictionary is looked for so often
+END_S = 3.0      # a camera has this time for a frame when all ends
 LOST_S = 1.0     # after this time without the area, it is said why
 DROPPED = 'dropped %d'  # the value of the parameter picture for a picture in memory
 _log = logging.getLogger(__name__)
@@ -63,7 +66,10 @@ class Studio:
         self._drop_count = 0
         self._lock, self._ended = threading.Lock(), threading.Event()
         self._steps = {name: exercise(name[len('exercise'):].replace('_', '.')) for name in EXERCISES}
-        self._runners = {name: Runner(step, [settings], self._open) for name, step in self._steps.items()}
+        self._observer = Observer([settings])  # looks at each frame once, for all exercises
+        self._runners = {name: Runner(step, [settings], self._open, observer=self._observer)
+                         for name, step in self._steps.items()}
+        self._finds_all = False  # whether the Observer finds all tags, or those that tell where the area is
         self._advice = ''
         self._hints = self._new_hints()
         self._seen = self._looked = 0.0  # when the area was seen, and the dictionary was looked for
@@ -75,8 +81,9 @@ class Studio:
         self._thread.start()
 
     def end(self) -> None:
-        """Film no longer."""
+        """Film no longer. Waits until the current frame is done, but not for a camera that hangs."""
         self._ended.set()
+        self._thread.join(END_S)
 
     @property
     def advice(self) -> tuple[str, bool]:
@@ -100,12 +107,17 @@ class Studio:
         settings = replace(self.settings, **{
             name: checked(name, kinds[name], value) for name, value in values.items()})
         with self._lock:
-            self._runners = {name: Runner(step, [settings], self._open, self._runners[name])
-                             for name, step in self._steps.items()}
+            self._use(settings)
             self._knows_dictionary = self._knows_dictionary or 'dictionary' in values
             self.settings = settings
             self._hints = self._new_hints()
         self._on_change()
+
+    def _use(self, settings: PictureSettings) -> None:
+        observer = Observer([settings], FOUND if self._finds_all else NEEDED, previous=self._observer)
+        self._runners = {name: Runner(step, [settings], self._open, self._runners[name], observer=observer)
+                         for name, step in self._steps.items()}
+        self._observer = observer
 
     def save_wall(self, path: str) -> None:
         """Write what was learned of the wall. Raises InputError if that is too little, or if writing fails."""
@@ -146,15 +158,17 @@ class Studio:
         with self._lock:
             self._update_lens((frame.shape[1], frame.shape[0]))
             self._deliver(CAMERA, frame, stamp)
-            for name, runner in self._runners.items():
-                # The painter sees every frame while anything is looked at, since it says what is wrong.
-                if not self.wanted.get(name) and name != PAINTER:
-                    continue
-                sight, images = runner.run(frame, stamp, self._lens, keeps_frame=True)
-                self._deliver(name + '/tags', sorted(tag.id for tag in sight.tags), stamp)
+            wanted = [name for name in EXERCISES if self.wanted.get(name)]
+            finds_all = any(TAGS in self._steps[name].needs for name in wanted)
+            if finds_all != self._finds_all:
+                self._finds_all = finds_all
+                self._use(self.settings)
+            sight = self._observer.look(frame, stamp, self._lens)
+            for name in wanted:
+                seen, images = self._runners[name].show(sight, keeps_frame=True)
+                self._deliver(name + '/tags', sorted(tag.id for tag in seen.tags), stamp)
                 self._deliver(name + '/image', images[-1], stamp)
-                if name == PAINTER:
-                    self._advise(sight)
+            self._advise(sight)
 
     def _update_lens(self, size: tuple[int, int]) -> None:
         if self._calibration is not None and size != self._size:

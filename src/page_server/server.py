@@ -27,7 +27,7 @@ SEND_BUFFER_BYTES = 128 * 1024  # the buffer is small, since frames that wait in
 IDLE_S = 20         # time limit from the end of one request to the end of the next one's header
 BODY_S = 60         # time limit for the body of a request
 MAX_CONNECTIONS = 256
-PING_S = 5
+PING_S = 10
 STATE_MS = 2000
 
 
@@ -162,7 +162,7 @@ def application(site):
         ('/stream', Stream, shared), ('/stream_viewer', StreamViewer, shared), ('/snapshot', Snapshot, shared),
         (r'/page/([a-z]+\.(?:js|css|svg|yaml))', Files, {'path': files}),
     ], default_handler_class=Unknown, default_handler_args=shared, template_path=files,
-        log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=2 * PING_S,
+        log_function=lambda handler: None, websocket_ping_interval=PING_S, websocket_ping_timeout=PING_S,
         websocket_max_message_size=64 * 1024)
 
 
