@@ -61,12 +61,12 @@ class Runner:
         """The same as ``run``, of a frame at which the Observer has already looked."""
         frame = sight.frame
         image = frame.copy() if keeps_frame or len(self._canvases) > 1 else frame
-        seen_areas = sight.areas or [SeenArea(None, sight.tags)]
+        is_own = AREA not in self._exercise.needs  # it may also find the tags itself, as 5.2 does
+        seen_areas = [SeenArea(None, sight.tags)] if is_own else sight.areas
         result = Result([image], sight.tags)
         for canvas, seen in zip(self._canvases, seen_areas):
             result = self._exercise.step(canvas.scene(sight, seen, result.images[-1]))
-        # An exercise may also find the tags itself, as 5.2 does.
-        return sight if sight.areas else replace(sight, tags=tuple(result.tags)), result.images
+        return replace(sight, tags=tuple(result.tags)) if is_own else sight, result.images
 
     def changed(self, settings: Sequence[DetectionSettings]) -> Runner:
         """A new Runner with changed settings. This one is unchanged. Raises InputError."""

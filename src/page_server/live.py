@@ -1,7 +1,9 @@
 """The page's websocket.
 
 The browser sends JSON objects:
-  {"look": [topics], "width": w}  the topics whose frames it wants, and no others, at most w pixels wide
+  {"look": [topics], "width": w, "h264": true}  the topics whose frames it wants, and no others, at most w
+                               pixels wide, and as H.264 if it says so and the server can
+  {"lost": topic}              it cannot decode the H.264 of this topic, which is to begin anew
   {"shown": topic}             it shows the last frame of this topic, so it can take the next one
   {"drive": [forward, left]}   each from -1 to 1
   {"picture": name}            the picture to paint
@@ -13,7 +15,8 @@ The server sends JSON objects:
   {"state": ...}                           what can be chosen, and what is chosen
   {"problem": sentence}                    why a choice has failed
   {"without": topic, "why": sentence}      why this topic has no frames
-It sends frames as binary messages: the length of a JSON object in four bytes, the object, and a JPEG.
+It sends frames as binary messages: the length of a JSON object in four bytes, the object, and a JPEG. If the
+object has "key", it is H.264 in Annex B instead; "key" says whether a stream begins with it.
 """
 import asyncio
 import json
@@ -25,6 +28,7 @@ from aruco_ar.base.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from .handlers import STALLED_S, BaseHandler
+from .video import VideoStream, can_encode
 
 SHOWN_S = 5.0       # a browser that shows no frame for this time is sent the next one anyway
 SILENT_S = 3.0      # after this time without a frame, the page says so
@@ -46,6 +50,7 @@ class ShownTopic:
         self.shown = asyncio.Event()
         self.stamp = None
         self.latencies: deque[float] = deque(maxlen=15)
+        self.video = VideoStream()
         self.task = None
 
     def figures(self, topic):
@@ -75,6 +80,7 @@ class Live(BaseHandler, WebSocketHandler):
         self._views = {}
         self._tasks = set()  # asyncio itself keeps no reference to running tasks
         self._unsent = self._choices = 0
+        self._as_video = False  # whether frames are sent as H.264, else as JPEG
         self._width = None  # pixels, the largest that the browser can show; None for any
 
     def prepare(self):
@@ -106,6 +112,9 @@ class Live(BaseHandler, WebSocketHandler):
                 self._set_views([str(name) for name in request['look']][:MAX_VIEWS])
                 width = request.get('width')
                 self._width = int(min(max(width, 1), MAX_WIDTH)) if isinstance(width, (int, float)) else None
+                self._as_video = request.get('h264') is True and can_encode()
+            elif 'lost' in request and request['lost'] in self._views:
+                self._views[request['lost']].video.restart()
             elif 'shown' in request and request['shown'] in self._views:
                 self._views[request['shown']].on_shown(self.site.now())
             elif 'drive' in request and self.site.drive_control:
@@ -182,14 +191,18 @@ class Live(BaseHandler, WebSocketHandler):
     async def _show_frame(self, view, topic):
         stamp, figures = topic.stamp_ns / 1e9, view.figures(topic)
         try:
-            jpeg = await topic.jpeg(most_width=self._width)
+            if self._as_video:
+                frame = await topic.frame(most_width=self._width)
+                data, figures['key'] = await topic.in_encoder(view.video.encode, frame, stamp)
+            else:
+                data = await topic.jpeg(most_width=self._width)
         except InputError as error:
             self.tell({'without': view.name, 'why': str(error)})
             return
         head = json.dumps(figures).encode()
         view.shown.clear()
         view.stamp = stamp
-        await self._send(struct.pack('>I', len(head)) + head + jpeg)
+        await self._send(struct.pack('>I', len(head)) + head + data)
         try:
             await asyncio.wait_for(view.shown.wait(), SHOWN_S)
         except asyncio.TimeoutError:

@@ -6,9 +6,10 @@ import time
 from collections import deque
 from concurrent.futures import Executor
 from contextlib import contextmanager
-from typing import Any, Iterator
+from typing import Any, Callable, Iterator
 
 import cv2
+import numpy as np
 from aruco_ar.base.arrays import Image
 from aruco_ar.painting.jpeg_file import JPEG_QUALITY, jpeg_from_frame
 
@@ -82,8 +83,8 @@ class SharedImage(Shared):
         """``encoder``: an executor that encodes JPEGs."""
         super().__init__(name)
         self._encoder = encoder
-        self._encoded: dict[Any, asyncio.Future[bytes]] = {}  # {options: JPEG}, of the newest frame
-        self._encoded_number = -1
+        self._made: dict[Any, asyncio.Future[Any]] = {}  # {(function, options): result}, of the newest frame
+        self._made_number = -1
 
     def frame_of(self, item: Any) -> Image:
         """The frame, (h, w, 3) BGR uint8, of an item. Called by the encoder. Raises InputError."""
@@ -100,19 +101,33 @@ class SharedImage(Shared):
         ``quality``: 1 to 100. ``width``, ``height``: pixels. None leaves it as it is. ``most_width``: a wider
         frame is shrunk to this width, pixels. Raises InputError if the frame cannot be used.
         """
-        if self._encoded_number != self.number:
-            self._encoded, self._encoded_number = {}, self.number
-        options = quality, width, height, most_width
-        if options not in self._encoded:  # requests with the same options share the work
-            self._encoded[options] = self._loop.run_in_executor(
-                self._encoder, self._encode, self.item, *options)
-        return await asyncio.shield(self._encoded[options])
+        jpeg: bytes = await self._shared(self._encode, quality, width, height, most_width)
+        return jpeg
+
+    async def frame(self, most_width: int | None = None) -> Image:
+        """The newest frame, (h, w, 3) BGR uint8; see ``jpeg``. Others may use it, too, so do not change it."""
+        return np.asarray(await self._shared(self._sized, None, None, most_width))
+
+    async def in_encoder(self, work: Callable[..., Any], *arguments: Any) -> Any:
+        """What a function returns, called where JPEGs are encoded."""
+        return await self._loop.run_in_executor(self._encoder, work, *arguments)
+
+    async def _shared(self, work: Callable[..., Any], *options: Any) -> Any:
+        """What a function of the newest item returns. Requests with the same options share the work."""
+        if self._made_number != self.number:
+            self._made, self._made_number = {}, self.number
+        if (work, options) not in self._made:
+            self._made[work, options] = self._loop.run_in_executor(self._encoder, work, self.item, *options)
+        return await asyncio.shield(self._made[work, options])
 
     def _encode(self, item: Any, quality: int | None, width: int | None, height: int | None,
                 most_width: int | None) -> bytes:
         made = None if quality or width or height else self.jpeg_of(item, most_width)
         if made is not None:
             return made
+        return jpeg_from_frame(self._sized(item, width, height, most_width), quality or JPEG_QUALITY)
+
+    def _sized(self, item: Any, width: int | None, height: int | None, most_width: int | None) -> Image:
         frame = self.frame_of(item)
         if most_width and frame.shape[1] > most_width:
             width = most_width
@@ -121,4 +136,4 @@ class SharedImage(Shared):
                     height or round(frame.shape[0] * (width or 1) / frame.shape[1]))
             frame = cv2.resize(frame, [min(max(side, 1), MAX_SIDE_PX) for side in size],
                                interpolation=cv2.INTER_AREA)
-        return jpeg_from_frame(frame, quality or JPEG_QUALITY)
+        return frame

@@ -7,6 +7,7 @@ import sys
 from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import replace
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -146,6 +147,35 @@ def test_the_page_shows_what_the_exercises_make_of_a_camera(tmp_path, wall):
             await browser.say(write=['ids', '1,2,3'])
             refused, _ = await browser.until(lambda head, frame: 'problem' in head)
             assert 'the ids of four different tags' in refused['problem']
+    with served(tmp_path, '--camera', film(tmp_path, image)) as port:
+        asyncio.run(look(port))
+
+
+def test_frames_come_as_h264_if_the_browser_asks_for_it(tmp_path, wall):
+    image, middle = wall
+
+    async def look(port):
+        decoder, found = av.CodecContext.create('h264', 'r'), []
+        async with Browser().to('ws://127.0.0.1:%d/live' % port) as browser:
+            await browser.say(look=[PAINTED], h264=True)
+            while len(found) < 12:
+                message = await browser.read()
+                if isinstance(message, bytes):
+                    length, = struct.unpack('>I', message[:4])
+                    head, data = json.loads(message[4:4 + length]), message[4 + length:]
+                    if len(found) == 6:  # the browser has lost the stream
+                        await browser.say(lost=PAINTED)
+                    await browser.say(shown=PAINTED)
+                    frames = decoder.decode(av.Packet(data))
+                    assert len(frames) == 1  # none waits for the next one
+                    found.append((head['key'], len(data), frames[0].to_ndarray(format='bgr24')))
+        firsts = [number for number, (is_first, _, _) in enumerate(found) if is_first]
+        assert firsts in ([0, 6], [0, 7])
+        assert np.median([size for is_first, size, _ in found if not is_first]) < found[0][1] / 5
+        painted = found[-1][2]
+        assert painted.shape == image.shape
+        assert np.abs(painted[middle[1], middle[0]] - np.int32(GREEN)).max() < 12
+        assert np.abs(painted[:20].astype(int) - image[:20]).mean() < 6
     with served(tmp_path, '--camera', film(tmp_path, image)) as port:
         asyncio.run(look(port))
 
