@@ -6,7 +6,7 @@ import os
 import socket
 import ssl
 import tempfile
-from datetime import datetime, timedelta
+from datetime import datetime, timedelta, timezone
 
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes, serialization
@@ -33,7 +33,7 @@ def made_on_the_spot(address: str) -> ssl.SSLContext:
     """TLS with a new certificate that this machine signs itself, for an address or a name."""
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, 'unit5 at %s' % address)])
-    now = datetime.utcnow()
+    now = datetime.now(timezone.utc)
     certificate = (
         x509.CertificateBuilder().subject_name(name).issuer_name(name).public_key(key.public_key())
         .serial_number(x509.random_serial_number())

@@ -5,7 +5,7 @@ import logging
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any, Callable, Iterable, Mapping
+from typing import Any, Callable, Iterable, Mapping, Tuple
 
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.errors import InputError
@@ -35,7 +35,7 @@ DROPPED = 'dropped %d'  # the value of the parameter picture for a picture in me
 _log = logging.getLogger(__name__)
 
 Deliver = Callable[[str, Any, float], None]
-Frames = Iterable[tuple[float, Image]]
+Frames = Iterable[Tuple[float, Image]]
 
 
 class Studio:
