@@ -13,7 +13,7 @@ from typing import Callable, Sequence
 from aruco_ar.base.errors import MAX_SENTENCE, InputError, shorten
 from aruco_ar.base.files import in_package, path_of
 from aruco_ar.hints.which_dictionary import dictionary_in
-from aruco_ar.settings.settings import PictureSettings
+from aruco_ar.settings.settings import LEARN, PictureSettings
 
 from .footage import Footage, filmed
 from .options import add_settings, settings_of
@@ -71,6 +71,9 @@ def _port(text: str) -> int:
 
 
 def _paint(options: argparse.Namespace) -> int:
+    for name in 'picture', 'wall':  # to a node, a relative path is one within the package
+        if getattr(options, name) not in (None, LEARN):
+            setattr(options, name, os.path.abspath(path_of(getattr(options, name))))
     if options.file is None and options.out is None:
         return _show(options)
     if options.phone:
@@ -94,8 +97,6 @@ def _paint(options: argparse.Namespace) -> int:
 
 def _show(options: argparse.Namespace) -> int:
     """Paint live, on a page in the browser, until Ctrl-C."""
-    if options.picture is not None:
-        options.picture = os.path.abspath(path_of(options.picture))
     settings = settings_of(options, PictureSettings)
     from .page import serve
     from .phone import Phone

@@ -104,9 +104,9 @@ class Studio:
     def change(self, values: Mapping[str, Any]) -> None:
         """Change settings, {name: value}. Raises InputError if one cannot be used; then none is changed."""
         kinds = parameters_of(PictureSettings)
-        settings = replace(self.settings, **{
-            name: checked(name, kinds[name], value) for name, value in values.items()})
+        taken = {name: checked(name, kinds[name], value) for name, value in values.items()}
         with self._lock:
+            settings = replace(self.settings, **taken)
             self._use(settings)
             self._knows_dictionary = self._knows_dictionary or 'dictionary' in values
             self.settings = settings
