@@ -13,10 +13,10 @@ from concurrent.futures import ThreadPoolExecutor
 from xml.etree import ElementTree
 
 from aruco_ar.settings.declaration import parameters_of
+from aruco_node.page import node as page
 from aruco_node.parameters import settings
 from aruco_node.parameters.parameters import ros_values
 from course import corpus
-from page_server import server
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # Title, class, and the class whose parameters it has besides.
@@ -30,7 +30,7 @@ SETTINGS = [
     ('`calibrate_live`', settings.CalibrationSettings, settings.FrameSettings),
     ('`camera_relay`', settings.RelaySettings, settings.FrameSettings),
     ('`wall_camera`', runpy.run_path(PACKAGE + '/nodes/wall_camera.py')['WallCameraSettings'], None),
-    ('`page`', server.PageSettings, None),
+    ('`page`', page.PageSettings, None),
 ]
 NODES = ['exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', 'exercise5_6', 'tag_poses', 'wall_camera',
          'camera_relay', 'calibrate_live', 'page']

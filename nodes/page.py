@@ -2,7 +2,7 @@
 """A live page in the browser: the images of all exercises, driving, and the choice of the picture."""
 from aruco_node.nodes.manual import Manual
 from aruco_node.nodes.node import run_node
-from page_server.server import PageSettings, serve
+from aruco_node.page.node import PageSettings, serve
 
 if __name__ == '__main__':
     run_node('page', serve, Manual(

@@ -1,7 +1,7 @@
 // The websocket to the server. It carries JSON objects in both directions, and frames from the server.
 const RECONNECT_MS = 1000;
 
-// Calls opened(), closed(), received(object) and frame(object, Blob). Reconnects when the connection breaks.
+// Calls opened(), closed(), received(object) and frame(object, bytes). Reconnects when the connection breaks.
 export function connect({ opened, closed, received, frame }) {
   const address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/live`;
   let socket = null;
@@ -15,7 +15,7 @@ export function connect({ opened, closed, received, frame }) {
       if (typeof data === 'string') { received(JSON.parse(data)); return; }
       const length = new DataView(data).getUint32(0);
       const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-      frame(head, new Blob([new Uint8Array(data, 4 + length)], { type: 'image/jpeg' }));
+      frame(head, new Uint8Array(data, 4 + length));
     };
   }
   setTimeout(open);  // later, so that the caller has set up its callbacks

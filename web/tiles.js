@@ -1,4 +1,6 @@
 // The tiles: each shows a topic. A click enlarges one. Only frames of visible tiles are requested.
+import { decoder, decodes } from './video.js';
+
 const WIDTH_STEP = 160;
 
 export function tiles(send) {
@@ -8,7 +10,7 @@ export function tiles(send) {
     const tile = { element, topic: element.dataset.topic, inView: false,
                    canvas: element.querySelector('canvas'), button: element.querySelector('.view'),
                    why: element.querySelector('.why'), advice: element.querySelector('.advice'),
-                   problem: '', advised: '', failed: false };
+                   problem: '', advised: '', failed: false, video: decoder() };
     all.set(tile.topic, tile);
     tile.button.addEventListener('click', () => enlarge(tile.element.classList.contains('large') ? null : tile));
   }
@@ -42,19 +44,21 @@ export function tiles(send) {
     // Larger frames than a tile shows would only take time. In steps, so that browsers share what is encoded.
     const widest = Math.max(1, ...seen.map(({ canvas }) => canvas.parentElement.clientWidth));
     const width = Math.ceil(widest * devicePixelRatio / WIDTH_STEP) * WIDTH_STEP;
-    send({ look: seen.map(({ topic }) => topic), width });
+    send({ look: seen.map(({ topic }) => topic), width, h264: decodes() });
   }
 
-  async function frame(head, jpeg) {
+  async function frame(head, data) {
     const tile = all.get(head.topic);
     if (!tile) return;
     try {
-      const picture = await createImageBitmap(jpeg);
-      if (tile.canvas.width !== picture.width || tile.canvas.height !== picture.height) {
-        [tile.canvas.width, tile.canvas.height] = [picture.width, picture.height];
-      }
+      const picture = 'key' in head ? await tile.video(data, head.key) : await createImageBitmap(new Blob([data], { type: 'image/jpeg' }));
+      const [width, height] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
+      if (tile.canvas.width !== width || tile.canvas.height !== height) [tile.canvas.width, tile.canvas.height] = [width, height];
       tile.canvas.getContext('2d').drawImage(picture, 0, 0);
       picture.close();
+    } catch (error) {
+      if (!('key' in head)) throw error;
+      send({ lost: head.topic });
     } finally {
       send({ shown: head.topic });
     }

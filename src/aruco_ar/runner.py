@@ -27,17 +27,18 @@ class Runner:
 
     def __init__(self, exercise: Exercise, settings: Sequence[DetectionSettings],
                  open_source: Callable[[str], Source], previous: Runner | None = None,
-                 in_thread: bool = False) -> None:
+                 in_thread: bool = False, observer: Observer | None = None) -> None:
         """``settings``: the node's parameters, for each area.
 
         ``open_source``: a function that opens the Source that the parameter ``picture`` names. ``previous``:
         the Runner with the settings before a change. What it has learned and its sources are kept, as far as
-        their own settings are unchanged. ``in_thread``: see Observer. Raises InputError.
+        their own settings are unchanged. ``in_thread``: see Observer. ``observer``: the Observer of these
+        settings, if several Runners share it; else the Runner has its own. Raises InputError.
         """
         self._exercise, self._open_source, self._in_thread = exercise, open_source, in_thread
-        self._observer: Observer = Observer(settings, FOUND if TAGS in exercise.needs else NEEDED,
-                                            AREA in exercise.needs,
-                                            None if previous is None else previous._observer, in_thread)
+        self._observer: Observer = observer or Observer(
+            settings, FOUND if TAGS in exercise.needs else NEEDED, AREA in exercise.needs,
+            None if previous is None else previous._observer, in_thread)
         opens = open_source if PICTURE in exercise.needs else None
         before: Sequence[_Canvas | None] = [None] * len(settings) if previous is None else previous._canvases
         self._canvases: list[_Canvas] = [_Canvas(own, opens, kept) for own, kept in zip(settings, before)]
@@ -54,14 +55,18 @@ class Runner:
         ``keeps_frame``: whether the frame must stay as it is. Otherwise it may be painted on. The other
         arguments are those of Observer.look.
         """
-        sight = self._observer.look(frame, stamp, lens)
+        return self.show(self._observer.look(frame, stamp, lens), keeps_frame)
+
+    def show(self, sight: Sight, keeps_frame: bool = False) -> tuple[Sight, Sequence[Image]]:
+        """The same as ``run``, of a frame at which the Observer has already looked."""
+        frame = sight.frame
         image = frame.copy() if keeps_frame or len(self._canvases) > 1 else frame
-        seen_areas = sight.areas or [SeenArea(None, sight.tags)]
+        is_own = AREA not in self._exercise.needs  # it may also find the tags itself, as 5.2 does
+        seen_areas = [SeenArea(None, sight.tags)] if is_own else sight.areas
         result = Result([image], sight.tags)
         for canvas, seen in zip(self._canvases, seen_areas):
             result = self._exercise.step(canvas.scene(sight, seen, result.images[-1]))
-        # An exercise may also find the tags itself, as 5.2 does.
-        return sight if sight.areas else replace(sight, tags=tuple(result.tags)), result.images
+        return replace(sight, tags=tuple(result.tags)) if is_own else sight, result.images
 
     def changed(self, settings: Sequence[DetectionSettings]) -> Runner:
         """A new Runner with changed settings. This one is unchanged. Raises InputError."""

@@ -7,14 +7,15 @@ import argparse
 import os
 import runpy
 import sys
+from functools import partial
 from typing import Callable, Sequence
 
 from aruco_ar.base.errors import MAX_SENTENCE, InputError, shorten
-from aruco_ar.base.files import in_package
+from aruco_ar.base.files import in_package, path_of
 from aruco_ar.hints.which_dictionary import dictionary_in
-from aruco_ar.settings.settings import PictureSettings
+from aruco_ar.settings.settings import LEARN, PictureSettings
 
-from .footage import Footage
+from .footage import Footage, filmed
 from .options import add_settings, settings_of
 from .paint import own_name, paint
 
@@ -22,6 +23,7 @@ DESCRIPTION = ('Paint pictures and videos between four ArUco tags on a wall, so 
                'First print the tags, and put them up: aruco-ar tags. Then film them: aruco-ar paint clip.mp4 '
                '--picture cat.png')
 SHEET = 'wall.pdf'
+PORT = 8080
 STILLS = 6  # number of frames by which the dictionary of the tags is found
 RIGHT, WRONG, USAGE = 0, 1, 2
 
@@ -50,21 +52,38 @@ def _add_paint(parser: argparse.ArgumentParser) -> None:
     source = parser.add_mutually_exclusive_group(required=True)
     source.add_argument('file', nargs='?', metavar='FILE', help='a video or a photo')
     source.add_argument('--camera', metavar='N', help='a webcam by its number, or the address of a camera; '
-                                                      'it is filmed until Ctrl-C')
+                                                      'without --out, it is shown live on a page')
+    source.add_argument('--phone', action='store_true', help='the camera of the phone that opens the page')
     parser.add_argument('--out', metavar='FILE', help='the file to write: an MP4, or for a photo a PNG or JPEG '
                                                       '(default: NAME-painted, in this folder)')
+    parser.add_argument('--port', type=_port, default=PORT, metavar='N',
+                        help='of the page (default: %d)' % PORT)
     parser.add_argument('--calibration', metavar='FILE.yaml',
                         help='the calibration of the camera that filmed it: see aruco-ar calibrate')
     add_settings(parser, PictureSettings, {
-        'dictionary': 'that of most tags in FILE; for a camera %s' % PictureSettings.dictionary})
+        'dictionary': 'that of most tags in sight'})
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 65535:
+        raise argparse.ArgumentTypeError('it is a number from 1 to 65535')
+    return int(text)
 
 
 def _paint(options: argparse.Namespace) -> int:
-    if options.dictionary is None and options.file is not None:
-        stills = Footage.of_file(options.file).stills(STILLS)
-        options.dictionary = dictionary_in(stills, PictureSettings.dictionary)
-    settings = settings_of(options, PictureSettings)
+    for name in 'picture', 'wall':  # to a node, a relative path is one within the package
+        if getattr(options, name) not in (None, LEARN):
+            setattr(options, name, os.path.abspath(path_of(getattr(options, name))))
+    if options.file is None and options.out is None:
+        return _show(options)
+    if options.phone:
+        raise InputError('What a phone films is shown live on the page. Leave out --out.')
     footage = Footage.of_camera(options.camera) if options.file is None else Footage.of_file(options.file)
+    if options.dictionary is None:
+        options.dictionary = dictionary_in(footage.stills(STILLS), PictureSettings.dictionary)
+        if options.file is not None:
+            footage = Footage.of_file(options.file)
+    settings = settings_of(options, PictureSettings)
     out = options.out or own_name(options.file or 'camera', footage.is_photo)
     if options.file is not None and os.path.exists(out) and os.path.samefile(out, options.file):
         raise InputError('"%s" would replace what is painted on. Give another --out.' % out)
@@ -74,6 +93,19 @@ def _paint(options: argparse.Namespace) -> int:
     if not painted.shown:
         print('aruco-ar: ' + painted.why_not, file=sys.stderr)
     return RIGHT if painted.shown else WRONG
+
+
+def _show(options: argparse.Namespace) -> int:
+    """Paint live, on a page in the browser, until Ctrl-C."""
+    settings = settings_of(options, PictureSettings)
+    from .page import serve
+    from .phone import Phone
+    from .studio import Studio
+    phone = Phone() if options.phone else None
+    film = partial(filmed, options.camera) if phone is None else lambda: phone
+    serve(partial(Studio, film, settings, options.dictionary is not None, options.calibration), options.port,
+          phone)
+    return RIGHT
 
 
 def _tags(arguments: list[str]) -> int:

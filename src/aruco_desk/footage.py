@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import time
+from itertools import islice
 from typing import Iterator
 
 import cv2
@@ -14,6 +15,15 @@ from aruco_ar.painting.sources import TIMEOUTS
 
 USUAL_RATE = 30.0          # frames per second, if the file or the camera does not say
 RATES = 1.0, 1000.0        # a file that says another rate is not believed
+
+
+def filmed(camera: str) -> Iterator[tuple[float, Image]]:
+    """(seconds by time.time, frame) of a camera, live: see Footage.of_camera. A file has its own rate."""
+    began, is_file, footage = time.monotonic(), os.path.isfile(camera), Footage.of_camera(camera)
+    for number, (_, frame) in enumerate(footage):
+        if is_file:
+            time.sleep(max(0.0, began + number / footage.rate - time.monotonic()))
+        yield time.time(), frame
 
 
 class Footage:
@@ -54,9 +64,11 @@ class Footage:
         return cls(capture, None, text, True)
 
     def stills(self, count: int) -> list[Image]:
-        """Some of its frames, evenly chosen. Read the others from a new Footage then."""
+        """Some of its frames, evenly chosen; of a camera, the next ones. Read a file anew after that."""
         if self._photo is not None:
             return [self._photo]
+        if self._is_live:
+            return [frame for _, frame in islice(self, count)]
         whole, found = max(int(self._capture.get(cv2.CAP_PROP_FRAME_COUNT)), count), []
         for number in range(count):
             self._capture.set(cv2.CAP_PROP_POS_FRAMES, (2 * number + 1) * whole // (2 * count))

@@ -10,12 +10,12 @@ import cv2
 from aruco_ar.base.arrays import Image
 from aruco_ar.base.drafts import drafted
 from aruco_ar.base.errors import InputError
-from aruco_ar.base.files import in_package, path_of, write_whole
+from aruco_ar.base.files import in_package, write_whole
 from aruco_ar.base.progress import progress
 from aruco_ar.calibration.camera_file import read_camera
 from aruco_ar.exercise import Exercise
 from aruco_ar.hints.other_tags import OtherTags, Words
-from aruco_ar.painting.sources import Clip, Still, open_source
+from aruco_ar.painting.sources import open_source
 from aruco_ar.painting.video_writer import need_video, video_writer
 from aruco_ar.runner import Runner
 from aruco_ar.settings.settings import PictureSettings
@@ -55,7 +55,7 @@ def paint(footage: Footage, settings: PictureSettings, out: str, calibration: st
     see read_camera. Ctrl-C ends it earlier, with the frames until then. Raises InputError if a file cannot be
     read or written, or if there are no frames.
     """
-    runner = Runner(exercise('5.6'), [settings], _open)
+    runner = Runner(exercise('5.6'), [settings], lambda picture: open_source(in_package(picture)))
     others = OtherTags(settings.dictionary, settings.ids, settings.border, WORDS)
     lens, frames, shown, looks, shortfall = None, 0, 0, 0, None
     with _writer(out, footage) as write:
@@ -78,10 +78,6 @@ def paint(footage: Footage, settings: PictureSettings, out: str, calibration: st
     return Painted(frames, shown, with_options(shortfall or others.hint or (
         'No tag of %s was seen. Print some: aruco-ar tags. Or name the dictionary of yours: --dictionary NAME.'
         % settings.dictionary)))
-
-
-def _open(picture: str) -> Still | Clip:
-    return open_source(in_package(picture) if picture == PictureSettings.picture else path_of(picture))
 
 
 @contextmanager

@@ -10,8 +10,8 @@ from tornado.iostream import StreamClosedError
 from tornado.web import Finish, RequestHandler, stream_request_body
 
 from .access import is_own_name, is_same_site
-from .choices import MAX_BYTES
-from .topics import MAX_SIDE_PX
+from .shared import MAX_SIDE_PX
+from .shelf import MAX_BYTES
 
 BOUNDARY = 'boundarydonotcross'  # the same as in web_video_server
 MAX_UPLOADS = 2                  # number of uploads at the same time
@@ -64,10 +64,10 @@ class BaseHandler(RequestHandler):
 
 
 class Handler(BaseHandler):
-    """The base of the handlers that use Parts."""
+    """The base of the handlers that use the Site."""
 
-    def initialize(self, parts):
-        self.parts = parts
+    def initialize(self, site):
+        self.site = site
         self.is_closed = False
 
     def on_connection_close(self):
@@ -91,7 +91,7 @@ class Handler(BaseHandler):
         return int(text)
 
     async def image(self):
-        """(ImageTopic, options) by the query; (None, None) if the request has been refused."""
+        """(SharedImage, options) by the query; (None, None) if the request has been refused."""
         try:
             options = {'quality': self.number('quality', 100), 'width': self.number('width', MAX_SIDE_PX),
                        'height': self.number('height', MAX_SIDE_PX)}
@@ -111,22 +111,22 @@ class Handler(BaseHandler):
         return None, None
 
     async def chosen(self, options):
-        """The ImageTopic by the query, as it is published now. Raises what Topics.image raises."""
+        """The SharedImage by the query, as it is published now. Raises what Topics.image raises."""
         name = self.get_query_argument('topic', '')
-        return await self.parts.topics.image(name, exact=options['quality'] is not None)
+        return await self.site.topics.image(name, exact=options['quality'] is not None)
 
     @contextmanager
     def counted(self):
         """A context manager that counts this request as a viewer. Ends it if there are too many."""
-        if len(self.parts.viewers) >= MAX_VIEWERS:
+        if len(self.site.viewers) >= MAX_VIEWERS:
             self.refuse(503, 'There are %d streams and snapshots already, and there cannot be more. Try again '
                         'later.' % MAX_VIEWERS)
             raise Finish
-        self.parts.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]  # as below
+        self.site.viewers[self] = self.request.connection.stream  # type: ignore[union-attr]  # as below
         try:
             yield
         finally:
-            del self.parts.viewers[self]
+            del self.site.viewers[self]
 
 
 class Unknown(Handler):
@@ -143,16 +143,16 @@ class Page(Handler):
 
     async def get(self):
         try:
-            topics = await self.parts.topics.images()
+            topics = await self.site.topics.images()
         except InputError:
             topics = []
         self.set_header('Content-Security-Policy', POLICY % (self.request.host, self.request.host))
         self.set_header('Referrer-Policy', 'no-referrer')
-        tiles = [tile for tile in self.parts.tiles if tile.number]
-        if any(tile.topic in topics for tile in self.parts.tiles if not tile.number):  # such as calibration
-            tiles = [tile for tile in self.parts.tiles if tile.topic in topics]
+        tiles = [tile for tile in self.site.tiles if tile.number]
+        if any(tile.topic in topics for tile in self.site.tiles if not tile.number):  # such as calibration
+            tiles = [tile for tile in self.site.tiles if tile.topic in topics]
         self.show('index.html', tiles=tiles, topics=topics, quote=quote, fits=FITS,
-                  dictionaries=DICTIONARY_NAMES)
+                  dictionaries=DICTIONARY_NAMES, films=self.site.phone is not None)
 
 
 class StreamViewer(Handler):
@@ -186,7 +186,7 @@ class Stream(Handler):
                 self.request.connection.stream.close()  # type: ignore[union-attr]  # it is an HTTP1Connection
 
     async def _send_all(self, topic, options):
-        """Send the frames of an ImageTopic until the camera has another one; returns that."""
+        """Send the frames of an SharedImage until the camera has another one; returns that."""
         number, chosen = topic.number, topic
         while chosen is topic and not self.is_closed:
             if await topic.newer(number, 1.0):
@@ -198,13 +198,13 @@ class Stream(Handler):
         return chosen
 
     async def _send(self, topic, options):
-        stamp = topic.message.header.stamp
+        stamp = divmod(topic.stamp_ns, 10**9)
         try:
             jpeg = await topic.jpeg(**options)
         except InputError:  # skip this frame; the next one may be usable
             return
         self.write('Content-type: image/jpeg\r\nX-Timestamp: %d.%09d\r\nContent-Length: %d\r\n\r\n'
-                   % (stamp.secs, stamp.nsecs, len(jpeg)))
+                   % (*stamp, len(jpeg)))
         self.write(jpeg)
         self.write('\r\n--%s\r\n' % BOUNDARY)
         await asyncio.wait_for(self.flush(), STALLED_S)
@@ -221,14 +221,14 @@ class Snapshot(Handler):
             if not await topic.newer(topic.number, SILENT_S):
                 self.refuse(503, 'Nothing has arrived on %s for %g s.' % (topic.name, SILENT_S))
                 return
-            stamp = topic.message.header.stamp
+            stamp = divmod(topic.stamp_ns, 10**9)
             try:
                 jpeg = await topic.jpeg(**options)
             except InputError as error:
                 self.refuse(503, str(error))
                 return
         self.set_header('Content-Type', 'image/jpeg')
-        self.set_header('X-Timestamp', '%d.%09d' % (stamp.secs, stamp.nsecs))
+        self.set_header('X-Timestamp', '%d.%09d' % stamp)
         self.finish(jpeg)
 
 
@@ -236,8 +236,8 @@ class Snapshot(Handler):
 class Picture(Handler):
     """GET: a thumbnail of a picture. POST: have the picture in the body painted."""
 
-    def initialize(self, parts):
-        super().initialize(parts)
+    def initialize(self, site):
+        super().initialize(site)
         self._body, self._bytes, self._is_complete = [], 0, False
 
     def prepare(self):
@@ -248,20 +248,20 @@ class Picture(Handler):
         if not self._finished and announced.isdecimal() and int(announced) > MAX_BYTES:
             self._refuse_size()
         if not self._finished and self.request.method == 'POST':
-            if len(self.parts.uploads) >= MAX_UPLOADS:
+            if len(self.site.uploads) >= MAX_UPLOADS:
                 self.set_header('Connection', 'close')
                 self.refuse(503, 'Other pictures are being uploaded. Try again later.')
             else:
-                self.parts.uploads.add(self)
+                self.site.uploads.add(self)
 
     def on_finish(self):
-        self.parts.uploads.discard(self)
+        self.site.uploads.discard(self)
 
     def on_connection_close(self):
         super().on_connection_close()
         if not self._is_complete:  # otherwise post() still uses it
             self._body = []
-            self.parts.uploads.discard(self)
+            self.site.uploads.discard(self)
 
     def data_received(self, chunk):
         self._bytes += len(chunk)
@@ -272,7 +272,7 @@ class Picture(Handler):
 
     async def get(self):
         try:
-            jpeg = await self.parts.choices.thumbnail(self.get_query_argument('name', ''))
+            jpeg = await self.site.choices.thumbnail(self.get_query_argument('name', ''))
         except InputError as error:
             self.refuse(404, str(error))
             return
@@ -284,12 +284,12 @@ class Picture(Handler):
             return
         body, self._body, self._is_complete = self._body, [], True
         try:
-            await self.parts.choices.drop(body)
+            await self.site.choices.drop(body)
         except InputError as error:
             self.refuse(422, str(error))
             return
         finally:
-            self.parts.uploads.discard(self)
+            self.site.uploads.discard(self)
         self.set_status(204)
 
     def _refuse_size(self):

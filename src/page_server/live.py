@@ -1,7 +1,9 @@
 """The page's websocket.
 
 The browser sends JSON objects:
-  {"look": [topics], "width": w}  the topics whose frames it wants, and no others, at most w pixels wide
+  {"look": [topics], "width": w, "h264": true}  the topics whose frames it wants, and no others, at most w
+                               pixels wide, and as H.264 if it says so and the server can
+  {"lost": topic}              it cannot decode the H.264 of this topic, which is to begin anew
   {"shown": topic}             it shows the last frame of this topic, so it can take the next one
   {"drive": [forward, left]}   each from -1 to 1
   {"picture": name}            the picture to paint
@@ -13,7 +15,8 @@ The server sends JSON objects:
   {"state": ...}                           what can be chosen, and what is chosen
   {"problem": sentence}                    why a choice has failed
   {"without": topic, "why": sentence}      why this topic has no frames
-It sends frames as binary messages: the length of a JSON object in four bytes, the object, and a JPEG.
+It sends frames as binary messages: the length of a JSON object in four bytes, the object, and a JPEG. If the
+object has "key", it is H.264 in Annex B instead; "key" says whether a stream begins with it.
 """
 import asyncio
 import json
@@ -21,11 +24,11 @@ import struct
 from collections import deque
 from contextlib import nullcontext
 
-import rospy
 from aruco_ar.base.errors import InputError
 from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
 from .handlers import STALLED_S, BaseHandler
+from .video import VideoStream, can_encode
 
 SHOWN_S = 5.0       # a browser that shows no frame for this time is sent the next one anyway
 SILENT_S = 3.0      # after this time without a frame, the page says so
@@ -47,21 +50,22 @@ class ShownTopic:
         self.shown = asyncio.Event()
         self.stamp = None
         self.latencies: deque[float] = deque(maxlen=15)
+        self.video = VideoStream()
         self.task = None
 
     def figures(self, topic):
         """The JSON object that is sent with the topic's newest frame."""
         has_tags = self.tags is not None and self.tags.age < STALE_S
-        ids = sorted(tag.id for tag in self.tags.message.tags) if has_tags else None
+        ids = self.tags.item if has_tags else None
         latency = sorted(self.latencies)[len(self.latencies) // 2] if self.latencies else None
-        return {'topic': self.name, 'stamp': topic.message.header.stamp.to_sec(),
+        return {'topic': self.name, 'stamp': topic.stamp_ns / 1e9,
                 'rate': round(topic.rate, 1), 'tags': ids,
                 'latency': None if latency is None else round(1000 * latency)}
 
-    def on_shown(self):
-        """The browser shows the last frame that was sent."""
+    def on_shown(self, now):
+        """The browser shows the last frame that was sent. ``now``: the time, seconds."""
         if self.stamp is not None:
-            latency = (rospy.Time.now() - self.stamp).to_sec()
+            latency = now - self.stamp
             if 0 <= latency < MAX_LATENCY_S:
                 self.latencies.append(latency)
         self.stamp = None
@@ -71,16 +75,17 @@ class ShownTopic:
 class Live(BaseHandler, WebSocketHandler):
     """The websocket of one browser."""
 
-    def initialize(self, parts):
-        self.parts = parts
+    def initialize(self, site):
+        self.site = site
         self._views = {}
         self._tasks = set()  # asyncio itself keeps no reference to running tasks
         self._unsent = self._choices = 0
+        self._as_video = False  # whether frames are sent as H.264, else as JPEG
         self._width = None  # pixels, the largest that the browser can show; None for any
 
     def prepare(self):
         super().prepare()
-        if not self._finished and len(self.parts.browsers) >= MAX_BROWSERS:
+        if not self._finished and len(self.site.browsers) >= MAX_BROWSERS:
             self.refuse(503, 'There are %d pages open already, and there cannot be more.' % MAX_BROWSERS)
 
     def check_origin(self, origin):
@@ -88,18 +93,18 @@ class Live(BaseHandler, WebSocketHandler):
 
     def open(self):
         self.set_nodelay(True)
-        self.parts.browsers.add(self)
-        self.tell({'state': self.parts.state()})
+        self.site.browsers.add(self)
+        self.tell({'state': self.site.state()})
 
     def on_close(self):
-        self.parts.browsers.discard(self)
+        self.site.browsers.discard(self)
         self._set_views([])
-        if self.parts.drive_control:
-            self.parts.drive_control.release(self)
+        if self.site.drive_control:
+            self.site.drive_control.release(self)
 
     async def on_message(self, message):
         await asyncio.sleep(0)  # let other tasks run between two messages
-        if self not in self.parts.browsers:
+        if self not in self.site.browsers:
             return  # it has been closed meanwhile
         try:
             request = json.loads(message)
@@ -107,21 +112,24 @@ class Live(BaseHandler, WebSocketHandler):
                 self._set_views([str(name) for name in request['look']][:MAX_VIEWS])
                 width = request.get('width')
                 self._width = int(min(max(width, 1), MAX_WIDTH)) if isinstance(width, (int, float)) else None
+                self._as_video = request.get('h264') is True and can_encode()
+            elif 'lost' in request and request['lost'] in self._views:
+                self._views[request['lost']].video.restart()
             elif 'shown' in request and request['shown'] in self._views:
-                self._views[request['shown']].on_shown()
-            elif 'drive' in request and self.parts.drive_control:
-                self.parts.drive_control.command(self, *request['drive'])
+                self._views[request['shown']].on_shown(self.site.now())
+            elif 'drive' in request and self.site.drive_control:
+                self.site.drive_control.command(self, *request['drive'])
             elif 'picture' in request:
-                self._start(self._choose(self.parts.choices.choose, request['picture']))
+                self._start(self._choose(self.site.choices.choose, request['picture']))
             elif 'slide' in request:
                 name, value = request['slide']
-                self._start(self._choose(self.parts.choices.slide, name, value))
+                self._start(self._choose(self.site.choices.slide, name, value))
             elif 'write' in request:
                 name, value = request['write']
-                self._start(self._choose(self.parts.choices.write, name, value))
+                self._start(self._choose(self.site.choices.write, name, value))
             elif 'switch' in request:
                 name, on = request['switch']
-                self._start(self._choose(self.parts.choices.switch, name, on))
+                self._start(self._choose(self.site.choices.switch, name, on))
         except (ValueError, TypeError, OverflowError, RecursionError):
             self.close(1003, 'not a message of this page')
 
@@ -150,7 +158,7 @@ class Live(BaseHandler, WebSocketHandler):
         for name in set(self._views) - set(names):
             self._views.pop(name).task.cancel()
         for name in set(names) - set(self._views):
-            self._views[name] = view = ShownTopic(name, self.parts.tags_beside(name))
+            self._views[name] = view = ShownTopic(name, self.site.tags_beside(name))
             view.task = asyncio.ensure_future(self._show(view))
 
     async def _show(self, view):
@@ -167,7 +175,7 @@ class Live(BaseHandler, WebSocketHandler):
             return self._views.get(view.name) is view
         while is_open():
             try:
-                topic = await self.parts.topics.image(view.name)
+                topic = await self.site.topics.image(view.name)
             except (LookupError, InputError) as error:
                 self.tell({'without': view.name, 'why': error.args[0]})
                 await asyncio.sleep(SILENT_S)
@@ -181,16 +189,20 @@ class Live(BaseHandler, WebSocketHandler):
                 self.tell({'without': view.name, 'why': 'Nothing arrives on %s.' % view.name})
 
     async def _show_frame(self, view, topic):
-        stamp, figures = topic.message.header.stamp, view.figures(topic)
+        stamp, figures = topic.stamp_ns / 1e9, view.figures(topic)
         try:
-            jpeg = await topic.jpeg(most_width=self._width)
+            if self._as_video:
+                frame = await topic.frame(most_width=self._width)
+                data, figures['key'] = await topic.in_encoder(view.video.encode, frame, stamp)
+            else:
+                data = await topic.jpeg(most_width=self._width)
         except InputError as error:
             self.tell({'without': view.name, 'why': str(error)})
             return
         head = json.dumps(figures).encode()
         view.shown.clear()
         view.stamp = stamp
-        await self._send(struct.pack('>I', len(head)) + head + jpeg)
+        await self._send(struct.pack('>I', len(head)) + head + data)
         try:
             await asyncio.wait_for(view.shown.wait(), SHOWN_S)
         except asyncio.TimeoutError:

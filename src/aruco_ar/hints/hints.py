@@ -9,7 +9,7 @@ from aruco_ar.tracking.sight import Sight
 from .area_hints import AreaHints
 from .light import Light
 from .missed_tags import MissedTags
-from .other_tags import USUAL_BORDER, OtherTags
+from .other_tags import OF_NODES, USUAL_BORDER, OtherTags, Words
 from .same_ids import SameIds
 from .shortfall import Shortfall
 
@@ -34,13 +34,14 @@ class Hints:
     what may surprise the user.
     """
 
-    def __init__(self, detection: Mapping[str, Any], upright: str | None, needs_area: bool = True) -> None:
+    def __init__(self, detection: Mapping[str, Any], upright: str | None, needs_area: bool = True,
+                 words: Words = OF_NODES) -> None:
         """``detection``: the arguments of the Detector. ``upright``: see Tracker; None without one.
 
-        ``needs_area``: whether tags that span no area are of no use.
+        ``needs_area``: whether tags that span no area are of no use. ``words``: see Words.
         """
         ids = detection['ids']
-        self._other_tags = OtherTags(detection['dictionary'], ids, detection.get('border', USUAL_BORDER))
+        self._other_tags = OtherTags(detection['dictionary'], ids, detection.get('border', USUAL_BORDER), words)
         self._missed_tags = MissedTags(detection)
         self._same_ids, self._light, self._shortfall = SameIds(), Light(), Shortfall()
         self._area_hints = AreaHints(ids, upright)

@@ -6,6 +6,7 @@ from typing import Any, Dict
 import cv2
 import numpy as np
 from aruco_ar.base.errors import InputError, shorten
+from aruco_ar.painting.jpeg_file import JPEG_QUALITY, jpeg_from_frame
 from aruco_ar.painting.picture_file import MAX_PICTURE_PIXELS, open_header, with_end
 from geometry_msgs.msg import Point32, PolygonStamped
 from PIL import Image as Picture
@@ -21,7 +22,6 @@ from .levels import WHITES, Levels
 from .yuv import UYVY, YUY2, order_of
 
 END_OF_VIDEO = 'empty bgr8 frame'  # image_publisher sends one after each round of a video
-JPEG_QUALITY = 80  # the default of compressed_image_transport
 
 # Larger frames are refused before memory is allocated for them. OpenCV cannot warp images with longer sides.
 MAX_SIDE_PX = 32766
@@ -301,21 +301,6 @@ def compressed_from_frame(frame, header, quality=JPEG_QUALITY):
     """The frame as a sensor_msgs/CompressedImage with this header: a JPEG of this quality, 1 to 100."""
     return CompressedImage(header=header, format='bgr8; jpeg compressed bgr8',
                            data=jpeg_from_frame(frame, quality))
-
-
-def jpeg_from_frame(frame, quality=JPEG_QUALITY):
-    """The frame as the bytes of a JPEG of this quality, 1 to 100.
-
-    Raises InputError if a side is longer than a JPEG allows, 65500 pixels.
-    """
-    try:
-        done, data = cv2.imencode('.jpg', frame, [cv2.IMWRITE_JPEG_QUALITY, quality])
-    except cv2.error:  # OpenCV before 4.11
-        done = False
-    if not done:
-        raise InputError('A frame of %d x %d pixels is too large for a JPEG.' % frame.shape[1::-1],
-                         kind='frame too large for a JPEG')
-    return data.tobytes()
 
 
 # For each ~image_transport: the suffix of the topic, the class of the message, and that of what decodes frames.

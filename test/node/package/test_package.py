@@ -79,7 +79,7 @@ def test_an_install_space_is_complete(package, tmp_path):
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
               ' && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 exercise5_6.launch'
-              ' && python3 -c "import aruco_ar, aruco_node, page_server.server; print(aruco_ar.__file__); '
+              ' && python3 -c "import aruco_ar, aruco_node.page.node; print(aruco_ar.__file__); '
               'print(open(\'/proc/self/maps\').read())"'
               % (prefix, tmp_path))
     clean = {key: value for key, value in os.environ.items()

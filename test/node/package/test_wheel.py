@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from aruco_ar import Detector, find_area
 from aruco_ar.compiled.compiler import version_of_sources
+from rig.page.server import ask, free_port
+from rig.processes.started import Started
 
 
 @pytest.fixture(params=['here', pytest.param('by script/wheels', marks=[
@@ -62,6 +64,15 @@ def test_the_example_of_the_docs_and_the_course_run_with_the_wheel_alone(package
     assert np.abs(cv2.imread(str(tmp_path / 'command.png')).astype(int) - painted).mean() < 2
     run(command, 'tags', PATH='')
     assert (tmp_path / 'wall.pdf').read_bytes().startswith(b'%PDF')
+    # The page is served, too, also while there is no camera.
+    port = free_port()
+    serving = Started(command, 'paint', '--camera', 'none.avi', '--port', str(port))
+    serving.wait_for('The page is at http://localhost:%d' % port)
+    for path, words in ('/', b'A picture in its place'), ('/page/page.js', b'import'), (
+            '/picture?name=earth.jpg', b'JFIF'):
+        status, _, body = ask(port, path)
+        assert status == 200 and words in body
+    serving.stop()
     # The course needs no more than that.
     learn = str(tmp_path / 'env' / 'bin' / 'aruco-learn')
     run(learn, 'start', 'mine', PATH='')
@@ -78,7 +89,8 @@ def test_the_wheel_contains_what_needs_no_ros_and_nothing_else(package, tmp_path
     wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-linux_%s.whl' % os.uname().machine)
     with zipfile.ZipFile(str(wheel)) as archive:
         assert {name.split('/')[0] for name in archive.namelist()} == {
-            'aruco_ar', 'aruco_course', 'aruco_desk', 'aruco_program', 'aruco_ar-0.1.0.dist-info'}
+            'aruco_ar', 'aruco_course', 'aruco_desk', 'aruco_program', 'page_server',
+            'aruco_ar-0.1.0.dist-info'}
         archive.extract('aruco_ar/compiled/libunit5.so', str(tmp_path))
     library = ctypes.CDLL(str(tmp_path / 'aruco_ar' / 'compiled' / 'libunit5.so'))
     library.unit5_version.restype = ctypes.c_char_p

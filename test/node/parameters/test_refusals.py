@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 from aruco_ar import InputError
+from aruco_node.page import remote
 from aruco_node.ros_internals import reconfigure_server
 from dynamic_reconfigure.msg import Config, StrParameter
-from page_server import choices
 from rig.processes.started import WAIT_S
 
 
@@ -58,11 +58,11 @@ def test_a_browser_is_told_only_that_its_own_value_is_refused(monkeypatch):
             begun.set()
             assert go_on.wait(WAIT_S)
         return SimpleNamespace(config=config_of(fit='cover', ids='any', dictionary='A'))  # it keeps its ids
-    monkeypatch.setattr(choices.rospy, 'Subscriber', lambda *_: None)
-    monkeypatch.setattr(choices.rospy, 'ServiceProxy', lambda *_: service)
+    monkeypatch.setattr(remote.rospy, 'Subscriber', lambda *_: None)
+    monkeypatch.setattr(remote.rospy, 'ServiceProxy', lambda *_: service)
 
     async def set_all():
-        node = choices.RemoteParameters('/node', None)
+        node = remote.RemoteParameters('/node', None)
         first = asyncio.ensure_future(node.set(fit='cover'))
         await asyncio.get_event_loop().run_in_executor(None, begun.wait, WAIT_S)
         others = [asyncio.ensure_future(node.set(**each)) for each in ({'ids': '1,2'}, {'dictionary': 'A'})]

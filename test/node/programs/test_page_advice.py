@@ -2,8 +2,8 @@
 import pytest
 from aruco_node.health.diagnostics import ERROR, OK, WARN
 from aruco_node.messages.images import ENCODING
+from aruco_node.page.advice import MAX_TEXT, sentence_of
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
-from page_server.advice import MAX_TEXT, sentence_of
 
 NOW = 'area in the last frame'
 WHY = 'Four tags have not been seen together.'

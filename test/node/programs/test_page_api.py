@@ -3,7 +3,7 @@ import os
 import re
 
 import yaml
-from page_server import choices
+from page_server import shelf
 from page_server.handlers import Unknown
 from page_server.live import Live
 from page_server.server import application
@@ -42,5 +42,5 @@ def test_only_pictures_inside_the_folder_can_be_chosen(tmp_path):
     (tmp_path / 'images' / 'out.png').symlink_to(tmp_path / 'secret.png')
     (tmp_path / 'images' / 'nowhere.png').symlink_to('missing.png')
     (tmp_path / 'images' / 'in.png').symlink_to('a.png')
-    assert choices.files_in(str(tmp_path / 'images')) == ['a.png', 'b.png', 'in.png']
-    assert choices.files_in(str(tmp_path / 'nowhere')) == []
+    assert shelf.files_in(str(tmp_path / 'images')) == ['a.png', 'b.png', 'in.png']
+    assert shelf.files_in(str(tmp_path / 'nowhere')) == []

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import InputError
-from page_server import choices, driving
+from aruco_node.page import driving, remote
+from page_server import shelf
 from rig.processes.started import WAIT_S
 
 
@@ -29,10 +30,10 @@ def published(monkeypatch):
 
         def get_num_connections(self):
             return 0
-    for module in choices, driving:
+    for module in remote, driving:
         monkeypatch.setattr(module.rospy, 'Publisher', Publisher)
-    monkeypatch.setattr(choices.rospy, 'Subscriber', Absent)
-    monkeypatch.setattr(choices.rospy, 'ServiceProxy', Absent)
+    monkeypatch.setattr(remote.rospy, 'Subscriber', Absent)
+    monkeypatch.setattr(remote.rospy, 'ServiceProxy', Absent)
     monkeypatch.setattr(driving.rospy, 'on_shutdown', lambda work: None)
     return messages
 
@@ -74,10 +75,10 @@ def test_a_file_system_that_hangs_does_not_stop_the_page(published, monkeypatch)
         scanned.set()
         assert answers.wait(WAIT_S)
         return ['late.png']
-    monkeypatch.setattr(choices, 'files_in', scan)
-    monkeypatch.setattr(choices, 'ANSWER_S', 0.05)
+    monkeypatch.setattr(shelf, 'files_in', scan)
+    monkeypatch.setattr(shelf, 'ANSWER_S', 0.05)
     changed = threading.Event()
-    there = choices.Choices(changed.set)
+    there = remote.NodeChoices(changed.set)
     assert there.state()['pictures'] == [] and scanned.wait(WAIT_S)
     assert there.state()['pictures'] == []  # it does not wait
     with pytest.raises(InputError, match='images/ cannot be read: its file system does not answer'):
@@ -92,10 +93,10 @@ def test_of_two_choices_the_later_one_counts_though_the_file_system_is_slow(publ
 
     async def paint(node, picture):
         painted.append(picture)
-    monkeypatch.setattr(choices, 'files_in', lambda folder: answers.wait(WAIT_S) and ['slow.png'])
-    monkeypatch.setattr(choices.RemoteParameters, 'set', paint)
-    monkeypatch.setattr(choices.rospy.Time, 'now', choices.rospy.Time)
-    there = choices.Choices(lambda: None)
+    monkeypatch.setattr(shelf, 'files_in', lambda folder: answers.wait(WAIT_S) and ['slow.png'])
+    monkeypatch.setattr(remote.RemoteParameters, 'set', paint)
+    monkeypatch.setattr(remote.rospy.Time, 'now', remote.rospy.Time)
+    there = remote.NodeChoices(lambda: None)
 
     async def choose_both():
         first = asyncio.ensure_future(there.choose('slow.png'))

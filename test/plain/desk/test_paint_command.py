@@ -95,6 +95,14 @@ def test_the_dictionary_need_not_be_named(folder, capsys, dictionary, found):
         assert_green_inside(image, frame)
 
 
+def test_a_camera_is_filmed_into_a_file(folder, capsys):
+    frames = drive(LIVELY, 9, wall=replace(WALL, dictionary='DICT_4X4_50'))
+    film('camera.mp4', [frame.image for frame in frames])
+    assert main(['paint', '--camera', 'camera.mp4', '--out', 'live.mp4', '--picture', 'green.png']) == RIGHT
+    # By the first six, the dictionary was found.
+    assert 'in 3 of 3 frames, between tags of DICT_4X4_50.' in capsys.readouterr().out
+
+
 def test_settings_are_those_of_the_nodes(folder, frames):
     cv2.imwrite('wall.png', frames[0].image)
     assert main(['paint', 'wall.png', '--picture', 'green.png', '--opacity', '.5', '--out', 'half.png']) == 0
@@ -129,7 +137,8 @@ def test_a_calibration_bends_the_picture_as_the_lens_does(folder):
     (['green.png', '--light', 'mtch'], 'The parameter --light is "mtch"; it must be one of full, match'),
     (['green.png', '--opacity', 'much'], 'The parameter --opacity is "much"; it must be a number from 0 to 1'),
     (['green.png', '--ids', '1,2,3'], 'The parameter --ids is "1,2,3"'),
-    (['green.png', '--picture', 'none.png'], 'The picture "none.png" is not a file'),
+    (['green.png', '--picture', 'none.png'], 'The picture ".*/test_what_.*/none.png" is not a file'),
+    (['green.png', '--wall', 'none.npz'], '/test_what_.*/none.npz'),
     (['green.png', '--out', 'painted.doc'], 'Name a file such as painted.png'),
     (['green.png', '--out', 'green.png'], '"green.png" would replace what is painted on'),
     (['text.mp4'], '"text.mp4" is neither a video nor a photo'),

@@ -12,6 +12,11 @@ OPTIONS = ['--disable-gpu', '--disable-quic', '--no-first-run', '--disable-backg
            '--disable-component-update', '--disable-sync']
 
 
+def browser_path():
+    """The path of the browser, or None if it is not installed."""
+    return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
 class BrowserTest(ServerTest):
     """Opens the page as ``page``. ``tiles``: how many tiles it has.
 
@@ -22,7 +27,7 @@ class BrowserTest(ServerTest):
 
     @classmethod
     def setUpClass(cls):
-        path = next(filter(None, map(shutil.which, BROWSERS)), None)
+        path = browser_path()
         if path is None:
             skip(cls.__name__, 'Chromium is not installed')
         from playwright.sync_api import sync_playwright

@@ -131,7 +131,7 @@ class WorkerFault(NodeTest):
         self.assertGreater(np.ptp(np.frombuffer(self.next_message('camera').data, np.uint8)), 50)
 
     def test_the_page_is_served_again(self):
-        state, images = 'page_server.choices:Choices.state', 'page_server.topics:Topics.images'
+        state, images = 'page_server.choices:Choices.state', 'aruco_node.page.topics:Topics.images'
         port = free_port()
         self.start_failing('page', [state, images], '_port:=%d' % port)
         self.node.wait_for('The page is at')

@@ -5,7 +5,8 @@ import itertools
 import numpy as np
 import rospy
 import rostest
-from aruco_node.messages.images import frame_from_compressed, frame_from_image, jpeg_from_frame
+from aruco_ar.painting.jpeg_file import jpeg_from_frame
+from aruco_node.messages.images import frame_from_compressed, frame_from_image
 from diagnostic_msgs.msg import DiagnosticStatus
 from rig.nodes.case import BLANK, CAMERA, IMAGES, OUTSIDE, NodeTest, scene
 from rig.nodes.topics import Diagnostics, until

@@ -3,11 +3,12 @@ import time
 
 import rospy
 from aruco_ar.hints.area_hints import NOTES
+from diagnostic_msgs.msg import DiagnosticArray
+
 from aruco_node.health.diagnostics import AREA_SEEN, ERROR, NO, NO_TAG, NONE_SEEN
 from aruco_node.health.faults import fault_barrier
 from aruco_node.messages.images import ENCODING
 from aruco_node.ros_internals.subscribers import tolerant
-from diagnostic_msgs.msg import DiagnosticArray
 
 OLD_S = 5.0   # a node that has been silent for this time has ended
 MAX_TEXT = 600

@@ -4,8 +4,9 @@ import threading
 import time
 
 import rospy
-from aruco_node.health.faults import fault_barrier
 from geometry_msgs.msg import Twist
+
+from aruco_node.health.faults import fault_barrier
 
 DEAD_MAN_S = 0.4  # the robot is stopped if the driver sends nothing for this time
 
