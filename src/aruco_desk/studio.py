@@ -60,6 +60,7 @@ class Studio:
         self.wanted: Mapping[str, bool] = {}
         self._film, self._deliver, self._on_change = film, deliver, on_change
         self._calibration, self._knows_dictionary = calibration, knows_dictionary
+        self._told: set[str] = set()  # what the terminal has been told; each sentence once
         self._lens: Lens | None = None
         self._size: tuple[int, int] | None = None
         self._drops: list[Image] = []  # the picture that was dropped last
@@ -153,6 +154,9 @@ class Studio:
         if trouble != self.trouble:
             self.trouble = trouble
             self._on_change()
+        if trouble and trouble not in self._told:
+            self._told.add(trouble)
+            _log.warning('aruco-ar: %s', trouble)
 
     def _show(self, frame: Image, stamp: float) -> None:
         with self._lock:

@@ -41,8 +41,8 @@ def film(folder, image, seconds=20):
 
 
 @contextmanager
-def served(folder, *options):
-    """aruco-ar serves its page: the port. The folder has a green.png."""
+def served(folder, *options, is_away=False):
+    """aruco-ar serves its page: the port. The folder has a green.png. ``is_away``: its camera is, at first."""
     cv2.imwrite(str(folder / 'green.png'), np.full((30, 40, 3), GREEN, np.uint8))
     port = free_port()
     command = Started(sys.executable, '-c', 'import sys; from aruco_desk.command import main; sys.exit(main())',
@@ -50,6 +50,8 @@ def served(folder, *options):
     try:
         command.wait_for(':%d' % port)
         yield port
+        if is_away:
+            command.wait_for('aruco-ar: The camera', 'cannot be opened')
     finally:
         command.stop()
     assert not [line for line in command.lines if 'Traceback' in line], ''.join(command.lines)
@@ -204,7 +206,7 @@ def test_a_camera_that_is_away_is_awaited(tmp_path, wall):
             assert is_trouble and 'Is it plugged in' in sentence
             film(tmp_path, image)
             await browser.until_painted(middle, GREEN)
-    with served(tmp_path, '--camera', str(tmp_path / 'camera.avi')) as port:
+    with served(tmp_path, '--camera', str(tmp_path / 'camera.avi'), is_away=True) as port:
         asyncio.run(look(port))
 
 
