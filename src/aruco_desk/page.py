@@ -4,6 +4,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -23,11 +24,10 @@ from page_server.tiles import TILES
 
 from .options import with_options
 from .phone import Phone
-from .qr import qr_code
+from .qr import can_show, qr_code
 from .studio import EXERCISES, PAINTER, Deliver, Studio
 
-FOR_PHONES = '''%s
-Open %s on the phone, and touch "Film with this device".
+FOR_PHONES = '''Open %s on the phone, and touch "Film with this device".
 The page has a certificate that this machine has just made, so the phone says that it does not know it: go on
 anyway. Whoever is in the same network can open the page, too. It is served until Ctrl-C.'''
 HERE, NETWORK = '127.0.0.1', '0.0.0.0'  # where the page is served: to this machine only, or to its network
@@ -196,8 +196,9 @@ def serve(make_studio: MakeStudio, port: int, phone: Phone | None = None) -> Non
     except InputError as error:
         raise InputError(with_options(str(error))) from None
     place = address_of_page(address, port, tls)
-    print('The page is at %s until Ctrl-C.' % place if phone is None else FOR_PHONES % (qr_code(place), place),
-          flush=True)
+    if phone is not None and can_show(sys.stdout):
+        print(qr_code(place))
+    print(('The page is at %s until Ctrl-C.' if phone is None else FOR_PHONES) % place, flush=True)
     with suppress(KeyboardInterrupt):
         loop.run_forever()
     server.stop()

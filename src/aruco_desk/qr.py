@@ -1,6 +1,8 @@
 """A QR code in the terminal, which a phone can read."""
 from __future__ import annotations
 
+from typing import TextIO
+
 import cv2
 import numpy as np
 
@@ -9,6 +11,11 @@ QUIET = 2  # modules around it that are white
 # these colors make it so.
 BLOCKS = {(False, False): '\u2588', (False, True): '\u2580', (True, False): '\u2584', (True, True): ' '}
 ON, OFF = '\x1b[38;2;255;255;255;48;2;0;0;0m', '\x1b[0m'
+
+
+def can_show(stream: TextIO) -> bool:
+    """Whether a stream, such as sys.stdout, is a terminal that shows the blocks."""
+    return stream.isatty() and (stream.encoding or '').lower().startswith('utf')
 
 
 def qr_code(text: str) -> str:
