@@ -60,6 +60,20 @@ static inline void turn_back(const double matrix[9], const double vector[3], dou
         turned[axis] = matrix[axis] * vector[0] + matrix[3 + axis] * vector[1] + matrix[6 + axis] * vector[2];
 }
 
+/* The homography from the unit square to corners, x and y, row by row: the closed form in P. Heckbert, Fundamentals of
+   Texture Mapping and Image Warping, 1989, section 2.2.3. */
+static inline void square_to(const double p[8], double to[9])
+{
+    double one_x = p[2] - p[4], one_y = p[3] - p[5], other_x = p[6] - p[4], other_y = p[7] - p[5];
+    double rest_x = p[0] - p[2] + p[4] - p[6], rest_y = p[1] - p[3] + p[5] - p[7];
+    double area = one_x * other_y - one_y * other_x;
+    area = area != 0 ? area : 1e-9;
+    double g = (rest_x * other_y - rest_y * other_x) / area, h = (one_x * rest_y - one_y * rest_x) / area;
+    const double found[9] = {p[2] - p[0] + g * p[2], p[6] - p[0] + h * p[6], p[0],
+                             p[3] - p[1] + g * p[3], p[7] - p[1] + h * p[7], p[1], g, h, 1};
+    memcpy(to, found, sizeof found);
+}
+
 /* Where a homography maps a point of a plane. */
 static inline void map_point(const double to[9], double x, double y, double mapped[2])
 {

@@ -93,10 +93,14 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', *[_IMAGE] * 3, _INT, result=_INT)
 _soften_picture = _function('soften_picture', _IMAGE, _IMAGE, _DOUBLE, _DOUBLE, _Array, _Array, result=_INT)
+_rectify = _function('rectify', _IMAGE, _IMAGE, _Array, _Array, _INT, _INT)
+_find_ways = _function('find_ways', _INT, _Array, _Array)
 _read_rings = _function('read_rings', _IMAGE, _INT, *[_Array] * 6)
+_even_rings = _function('even_rings', _INT, *[_Array] * 5)
 _draw_cover = _function('draw_cover', _IMAGE, _IMAGE, _Array, _LONG, *[_INT] * 4, _Array, _Array, _IMAGE, _INT,
                         *[_Array] * 3)
-_choose_sources = _function('choose_sources', _IMAGE, _INT, _Array, _INT, _INT, _Array, _INT, *[_Array] * 3)
+_choose_sources = _function('choose_sources', _IMAGE, _INT, _Array, _Array, _INT, _INT, _Array, _INT, _Array,
+                            _DOUBLE, _Array, _Array, result=_INT)
 _find_pose_pairs = _function('find_pose_pairs', _LONG, _INT, *[_Array] * 5)
 _refine_pose_pairs = _function('refine_pose_pairs', _LONG, _INT, _INT, *[_Array] * 9, result=_INT)
 _find_tag_poses = _function('find_tag_poses', _LONG, _Array, _DOUBLE, *[_Array] * 10, result=_INT)
@@ -111,14 +115,14 @@ _light_wall = _function('light_wall', _Array, _Array, _LONG, _Array)
 _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
+_find_rim = _function('find_rim', *[_Array] * 3, _INT, _INT, _Array, result=_INT)
 
 NEAREST_M, SEAM, DARK = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam', 'dark'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('block_width', 'block_height', 'levels'))
 LIGHT_STEP_PX = _INT.in_dll(_C, 'unit5_light_step').value
 MOST_SOURCES = _INT.in_dll(_C, 'unit5_most_sources').value
-RING_STEPS, RING_PLACES = (_INT.in_dll(_C, 'unit5_ring_' + name).value for name in ('steps', 'places'))
-RING_OFFSETS_PX = np.ctypeslib.as_array((_FLOAT * RING_STEPS).in_dll(_C, 'unit5_ring_offsets'))
+RING_PLACES = _INT.in_dll(_C, 'unit5_ring_places').value
 WIDEST_WINDOW = _INT.in_dll(_C, 'unit5_widest_window').value
 BELIEF_SIZE, FLATNESS_SIZE = (
     _INT.in_dll(_C, 'unit5_' + name).value for name in ('belief_size', 'flatness_size'))
@@ -426,27 +430,69 @@ def soften_picture(picture: Image, mask: Image, across: float, down: float) -> t
     return softened, share
 
 
-def read_rings(frame: Image, ends: Floats, parts: Floats,
-               steps: Integers) -> tuple[Floats, Booleans, Integers]:
-    """The colors of the ground beside n quadrilaterals, where the frame shows it, and its depths: see unit5.h.
+def rectify(frame: Image, size: tuple[int, int], homography: Floats | None, grid: Floats | None = None,
+            step: int = 1) -> Image:
+    """(h, w, 3) uint8: see rectify_color in geometry/lens.py.
 
-    ``frame``: (h, w, 3) uint8. ``ends``: (n, 4, RING_PLACES, 2, 2), ``parts``: (n, 4, 1 + RING_STEPS), and
-    ``steps``: (n, 4), 1 to RING_STEPS. The results are (n, 4, RING_PLACES, 3) float64, (n, 4, RING_PLACES) and
-    (n, 4, 2) int32.
+    ``frame``: (H, W, 3) uint8, at least 2 pixels each way. ``size``: (w, h). ``homography``: (3, 3), from
+    pixels of the view to those of the frame; or None, and ``grid``: (m, k, 2), the places of every ``step``-th
+    pixel.
     """
     frame = _rows('frame', frame, np.uint8, ('h', 'w', 3))
-    ends, parts, steps = (_numbers(array, dtype) for array, dtype in (
-        (ends, np.float64), (parts, np.float64), (steps, np.int32)))
-    count = len(ends) if ends.ndim else 0
-    check_array('ends', ends, np.float64, (count, 4, RING_PLACES, 2, 2))
-    check_array('parts', parts, np.float64, (count, 4, 1 + RING_STEPS))
-    check_array('steps', steps, np.int32, (count, 4))
-    if count and not 1 <= steps.min() <= steps.max() <= RING_STEPS:
-        raise InputError('A ring has 1 to %d steps, not %d to %d.' % (RING_STEPS, steps.min(), steps.max()))
-    colors, shown = np.empty((count, 4, RING_PLACES, 3)), np.empty((count, 4, RING_PLACES), bool)
-    depths = np.empty((count, 4, 2), np.int32)
-    _read_rings(_image(frame), count, ends, parts, steps, colors, shown, depths)
-    return colors, shown, depths
+    columns, rows = (-(-side // step) + 1 for side in size)
+    if homography is not None:
+        homography = _numbers(homography, np.float64)
+        check_array('homography', homography, np.float64, (3, 3))
+    else:
+        grid = _numbers(grid, np.float64)
+        check_array('grid', grid, np.float64, (rows, columns, 2))
+    if min(frame.shape[:2]) < 2:
+        raise InputError('The frame is %d x %d pixels large; give one of at least 2 each way.'
+                         % frame.shape[1::-1])
+    view = np.empty((size[1], size[0], 3), np.uint8)
+    _rectify(_image(frame), _image(view), homography, grid, columns, step)
+    return view
+
+
+def find_ways(quads: Floats) -> Floats:
+    """(n, 4, RING_PLACES, 2, 2): where read_rings looks beside quadrilaterals, (n, 4, 2), without a lens."""
+    quads = _quads('quadrilaterals', quads, np.float64)
+    ways = np.empty((len(quads), 4, RING_PLACES, 2, 2))
+    _find_ways(len(quads), quads, ways)
+    return ways
+
+
+def read_rings(frame: Image, quads: Floats, ways: Floats) -> tuple[Floats, Booleans, Floats, Floats]:
+    """What is beside n quadrilaterals: see unit5.h.
+
+    ``frame``: (h, w, 3) uint8. ``quads``: (n, 4, 2). ``ways``: see find_ways; pixels of the frame. The results
+    are (n, 4 * RING_PLACES, 3) float64, (n, 4 * RING_PLACES), (n, 4, 2) float64 and (n, 2) float64.
+    """
+    frame = _rows('frame', frame, np.uint8, ('h', 'w', 3))
+    quads, ways = _quads('quadrilaterals', quads, np.float64), _numbers(ways, np.float64)
+    count = len(quads)
+    check_array('ways', ways, np.float64, (count, 4, RING_PLACES, 2, 2))
+    colors, shown = np.empty((count, 4 * RING_PLACES, 3)), np.empty((count, 4 * RING_PLACES), bool)
+    corners, reaches = np.empty((count, 4, 2)), np.empty((count, 2))
+    _read_rings(_image(frame), count, quads, ways, colors, shown, corners, reaches)
+    return colors, shown, corners, reaches
+
+
+def even_rings(colors: Floats, shown: Booleans, seen: Booleans, before: Floats) -> tuple[Floats, Floats]:
+    """The colors of n rings without those of other things, and the usual ones as they are now: see unit5.h.
+
+    ``colors``, ``shown``: see read_rings. ``seen``: (n,) bool. ``before``: the usual colors so far, of the same
+    shape, NaN if unknown.
+    """
+    colors, usual = _numbers(colors, np.float64), np.array(before, np.float64, order='C')
+    count = len(colors) if colors.ndim else 0
+    check_array('colors', colors, np.float64, (count, 4 * RING_PLACES, 3))
+    shown = _packed('shown places', shown, np.bool_, colors.shape[:2])
+    seen = _packed('seen tags', seen, np.bool_, (count,))
+    check_array('usual colors', usual, np.float64, colors.shape)
+    even = np.empty(colors.shape)
+    _even_rings(count, colors, shown, seen, usual, even)
+    return even, usual
 
 
 def draw_cover(mask: Image, positions: Image | None, corner: tuple[int, int], cover: Floats, to_cover: Floats,
@@ -477,25 +523,27 @@ def draw_cover(mask: Image, positions: Image | None, corner: tuple[int, int], co
     return image
 
 
-def choose_sources(frame: Image, at: Floats, frames: int, learns: bool, usual: Floats,
-                   order: Floats) -> tuple[Integers, Floats] | None:
-    """The number of the source of each of n tiles, (n,), and its smooth part, (n, 3, 4) float32: see unit5.h.
+def choose_sources(frame: Image, middles: Floats, at: Floats, frames: int, learns: bool, usual: Floats,
+                   order: Floats, stays: float, to_sources: Integers) -> Floats | None:
+    """The smooth parts of the sources of n tiles, (n, 3, 4) float32: see unit5.h; None if too few are usable.
 
-    None if too few sources are usable. ``frame``: (h, w, 3) uint8. ``at``: (m, 3, 2). ``frames``: at least 1.
-    ``usual``: (m, 4) float32, contiguous, which may change. ``order``: (n, m).
+    ``frame``: (h, w, 3) uint8. ``middles``: (n, 2). ``at``: (m, 3, 2). ``frames``: at least 1. ``order``:
+    (n, m). ``usual``: (m, 4) float32, and ``to_sources``: (n, 2) int32, contiguous, which may change.
     """
     frame = _rows('frame', frame, np.uint8, *_sized(frame, 3)[1:])
-    at, order = _numbers(at, np.float64), _numbers(order, np.float32)
-    count, tiles = len(at) if at.ndim else 0, len(order) if order.ndim else 0
+    middles, at, order = _points(middles), _numbers(at, np.float64), _numbers(order, np.float32)
+    count, tiles = len(at) if at.ndim else 0, len(middles)
     check_array('places of the sources', at, np.float64, (count, 3, 2))
     check_array('order', order, np.float32, (tiles, count))
     _check_changed('usual look of the sources', usual, np.float32, (count, 4))
+    _check_changed('shifts of the tiles', to_sources, np.int32, (tiles, 2))
     if count > MOST_SOURCES or frames < 1:
         raise InputError('There are %d sources and %s frames; give at most %d, and at least 1.'
                          % (count, frames, MOST_SOURCES))
-    chosen, smooth = np.empty(tiles, np.int32), np.zeros((tiles, 3, 4), np.float32)
-    _choose_sources(_image(frame), count, at, frames, learns, usual, tiles, order, chosen, smooth)
-    return None if np.any(chosen < 0) else (chosen, smooth)
+    smooth = np.empty((tiles, 3, 4), np.float32)
+    found = _choose_sources(_image(frame), count, middles, at, frames, learns, usual, tiles, order, stays,
+                            to_sources, smooth)
+    return smooth if found else None
 
 
 def find_pose_pairs(points: Numbers, rays: Numbers) -> tuple[Floats, Floats, Booleans]:
@@ -675,6 +723,17 @@ def learn_wall(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certa
         _check_changed(name, array, dtype, shape)
     _learn_wall(seen, whole, planes, wall, certain, wall.size, passed, settle, rate, variance_rate, look,
                 variance, known, seconds)
+
+
+def find_rim(seen: Image, wall: Floats, front: Booleans) -> Floats:
+    """See soft_rim in looks/difference.py."""
+    front = _packed('pixels in front', front, np.bool_, *_sized(front))
+    height, width = size = front.shape
+    seen, wall = _packed('frame', seen, np.uint8, (*size, 3)), _packed('wall', wall, np.float32, (*size, 3))
+    share = np.empty(size, np.float32)
+    if not _find_rim(seen, wall, front, width, height, share):
+        raise MemoryError
+    return share
 
 
 def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:

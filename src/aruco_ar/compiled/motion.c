@@ -148,21 +148,6 @@ static double acceleration(const Motion *motion)
     return CURVE * speed / fmax(sqrt(radius), 1);
 }
 
-/* The homography from the plane of the area to the frame, row by row: the closed form in P. Heckbert, Fundamentals of
-   Texture Mapping and Image Warping, 1989, section 2.2.3. */
-static void homography_of(const Motion *motion, double to[9])
-{
-    const double *p = motion->place;
-    double one_x = p[2] - p[4], one_y = p[3] - p[5], other_x = p[6] - p[4], other_y = p[7] - p[5];
-    double rest_x = p[0] - p[2] + p[4] - p[6], rest_y = p[1] - p[3] + p[5] - p[7];
-    double area = one_x * other_y - one_y * other_x;
-    area = area != 0 ? area : 1e-9;
-    double g = (rest_x * other_y - rest_y * other_x) / area, h = (one_x * rest_y - one_y * rest_x) / area;
-    const double found[9] = {p[2] - p[0] + g * p[2], p[6] - p[0] + h * p[6], p[0],
-                             p[3] - p[1] + g * p[3], p[7] - p[1] + h * p[7], p[1], g, h, 1};
-    memcpy(to, found, sizeof found);
-}
-
 /* Sum up a measurement, linearized at the corners. ``pixels``: NULL, or where the points are seen. Then also the
    ``gradient``, and the squares of what they are off, divided by their variances. ``before``: the predicted corners.
    ``bias``: NULL, or of each point. */
@@ -175,7 +160,7 @@ static void sum_up(const Motion *motion, int64_t count, const double *points, co
     memset(compared, 0, sizeof *compared);
     memset(gradient, 0, 8 * sizeof *gradient);
     *squares = 0;
-    homography_of(motion, to);
+    square_to(motion->place, to);
     moves_of_corners(motion, inverse);
     invert(inverse);
     for (int64_t point = 0; point < count; point++) {
@@ -295,7 +280,7 @@ void unit5_jerk_motion(Motion *motion)
 void unit5_project(const Motion *motion, int64_t count, const double *points, double *pixels)
 {
     double to[9];
-    homography_of(motion, to);
+    square_to(motion->place, to);
     for (int64_t point = 0; point < count; point++)
         map_point(to, points[2 * point], points[2 * point + 1], pixels + 2 * point);
 }

@@ -21,6 +21,7 @@
 #define ROUGHER 0.6f
 #define LEVELS 1.0f
 #define INVISIBLE 0.6f         /* ground with less roughness than this, gray levels, is smooth */
+#define FARTHEST_PX 1e9        /* no source is so far away, but of a tag that is, shifts would not be integers */
 
 const double unit5_seam = SEAM, unit5_dark = DARK;
 const int unit5_most_sources = MOST_SOURCES;
@@ -254,8 +255,8 @@ static int find_usable(const Source *sources, int *numbers, int count, int frame
     return usable;
 }
 
-void unit5_choose_sources(const Image *frame, int count, const double *at, int frames, int learns, float *usual,
-                          int tiles, const float *order, int *chosen, float *smooth)
+int unit5_choose_sources(const Image *frame, int count, const double *middles, const double *at, int frames, int learns,
+                         float *usual, int tiles, const float *order, double stays, int *shifts, float *smooth)
 {
     Source sources[MOST_SOURCES];
     float (*usual_of)[4] = (float (*)[4])usual;
@@ -271,12 +272,20 @@ void unit5_choose_sources(const Image *frame, int count, const double *at, int f
         }
     }
     int usable = shown < FEW ? 0 : find_usable(sources, numbers, shown, frames, learns, usual_of);
+    if (usable < FEW)
+        return 0;
     for (int tile = 0; tile < tiles; tile++) {
-        chosen[tile] = -1;
-        for (int i = 0; i < usable && usable >= FEW; i++)
-            if (chosen[tile] < 0 || order[count * tile + numbers[i]] < order[count * tile + chosen[tile]])
-                chosen[tile] = numbers[i];
-        if (chosen[tile] >= 0)
-            memcpy(smooth + 12 * tile, sources[chosen[tile]].smooth, 12 * sizeof *smooth);
+        const float *order_of = order + (int64_t)count * tile;
+        int chosen = numbers[0], *shift = shifts + 2 * tile;
+        for (int i = 1; i < usable; i++)
+            if (order_of[numbers[i]] < order_of[chosen])
+                chosen = numbers[i];
+        double x = at[6 * chosen] - middles[2 * tile], y = at[6 * chosen + 1] - middles[2 * tile + 1];
+        if (!(fabs(x - shift[0]) < stays && fabs(y - shift[1]) < stays)) {
+            shift[0] = (int)rint(fmin(fmax(x, -FARTHEST_PX), FARTHEST_PX));
+            shift[1] = (int)rint(fmin(fmax(y, -FARTHEST_PX), FARTHEST_PX));
+        }
+        memcpy(smooth + 12 * tile, sources[chosen].smooth, 12 * sizeof *smooth);
     }
+    return 1;
 }

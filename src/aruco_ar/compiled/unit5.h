@@ -167,18 +167,35 @@ int unit5_light_picture(const Image *picture, const Image *mask, const Image *wh
 int unit5_soften_picture(const Image *picture, const Image *mask, double across, double down, uint8_t *softened,
                          uint8_t *share);
 
+/* rectify.c, for lens.py. Write a ``view`` of a plane in a frame, at least 2 pixels each way; both BGR. ``homography``:
+   from pixels of the view to those of the frame, or NULL; then ``grid``: (rows, columns, 2), has the places in the frame of
+   every ``step``-th pixel of the view each way, and of one more. */
+void unit5_rectify(const Image *frame, const Image *view, const double homography[9], const double *grid, int columns,
+                   int step);
+
 /* ring.c, for ring.py. */
 
-extern const int unit5_ring_steps, unit5_ring_places;
-extern const float unit5_ring_offsets[];  /* how far out from a side each step is, pixels of the frame */
+extern const int unit5_ring_places;  /* number of colors of a ring along each side */
 
-/* Read what is beside the sides of quadrilaterals, and find out where their blur ends, and the ground. ``frame``: BGR,
-   not empty. ``ends``: (count, 4, places, 2, 2), the two ends of a line from inside to outside, pixels of it. ``parts``:
-   (count, 4, 1 + steps), how far on such a line the frame is read: inside, and at the steps. ``steps``: (count, 4), how
-   many of these count, 1 to all. Writes ``colors``: (count, 4, places, 3), of the ground, ``shown``: (count, 4,
-   places), whether the frame shows that, and ``depths``: (count, 4, 2), the first step of the ground and the last. */
-void unit5_read_rings(const Image *frame, int count, const double *ends, const double *parts, const int *steps,
-                      double *colors, uint8_t *shown, int *depths);
+/* Write ``ways``: (count, 4, places, 2, 2), the ways out from each place on the sides of ``quads``: (count, 4, 2),
+   clockwise: their ends inside and outside. Neither a lens nor a slant bends them much. */
+void unit5_find_ways(int count, const double *quads, double *ways);
+
+/* Read what is beside the sides of ``quads``: (count, 4, 2), undistorted pixels, and find out where their blur ends, and
+   the ground. ``frame``: BGR, not empty. ``ways``: as above, but pixels of the frame. Writes ``colors``: (count, 4, places,
+   3), of the ground, ``shown``: (count, 4, places), whether the frame shows that, ``corners``: (count, 4, 2), the
+   quadrilaterals, grown by their blur, and ``reaches``: (count, 2), pixels, how far out the blur reaches, and the ground,
+   on all sides but the worst one. */
+void unit5_read_rings(const Image *frame, int count, const double *quads, const double *ways, double *colors,
+                      uint8_t *shown, double *corners, double *reaches);
+
+/* Write ``even``: (count, 4 * places, 3), the colors of rings, of the same shape, without those of things in front and of
+   other tags. ``shown``: as above. ``usual``: of the same shape, the colors of before, or NAN if they are unknown;
+   then most of the ring has about one color. Light changes all channels by about the same factor, and less than a thing does.
+   What is left out is filled in from the colors beside it, in the light of now. Where ``seen``, (count), is not 0, the
+   usual colors are learned. */
+void unit5_even_rings(int count, const double *colors, const uint8_t *shown, const uint8_t *seen, double *usual,
+                      double *even);
 
 /* roughness.c, for roughness.py. */
 
@@ -199,14 +216,15 @@ void unit5_draw_cover(const Image *image, const Image *mask, const float *positi
 extern const int unit5_most_sources;
 extern const double unit5_dark;  /* gray levels to add to colors before their ratios are taken */
 
-/* Choose a source for each tile. ``frame``: BGR. ``at``: (count, 3, 2), in it: the middle of each source, and the
-   places one tile right of it and below. ``frames``: at least 1, of the mean that is ``usual``: (count, 4), the color
-   and the roughness of each source, or -1 if that is unknown. The first frame begins it; later, it is changed if
-   ``learns`` is not 0. ``order``: (tiles, count): the usable source with the least of these is chosen. Writes
-   ``chosen``: (tiles), the numbers of the sources, or -1 if too few are usable; and if there are enough, ``smooth``:
-   (tiles, 3, 4), as above. */
-void unit5_choose_sources(const Image *frame, int count, const double *at, int frames, int learns, float *usual,
-                          int tiles, const float *order, int *chosen, float *smooth);
+/* Choose a source for each tile. ``frame``: BGR. ``middles``: (tiles, 2), of the tiles, and ``at``: (count, 3, 2), the
+   middle of each source, and the places one tile right of it and below; pixels of the frame. ``frames``: at least 1, of
+   the mean that is ``usual``: (count, 4), the color and the roughness of each source, or -1 if that is unknown. The first
+   frame begins it; later, it is changed if ``learns`` is not 0. ``order``: (tiles, count): the usable source with the
+   least of these is chosen. Changes ``shifts``: (tiles, 2), pixels, from each tile to its source; a shift that is off by
+   less than ``stays``, each way, stays. Writes ``smooth``: (tiles, 3, 4), as above. Returns whether enough sources are
+   usable; if not, it does neither. */
+int unit5_choose_sources(const Image *frame, int count, const double *middles, const double *at, int frames, int learns,
+                         float *usual, int tiles, const float *order, double stays, int *shifts, float *smooth);
 
 /* plane_poses.c, for plane_pose.py, which says what poses, weights and deviations are. */
 
@@ -302,6 +320,11 @@ int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole
 void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
                       const uint8_t *certain, int64_t count, float passed, float settle, float rate,
                       float variance_rate, float *look, float *variance, uint8_t *known, float *seconds);
+
+/* rim.c, for difference.py. ``seen``: BGR, the frame, and ``wall``: BGR, the wall, in the same light. ``front``: where
+   things are in front of it, 0 or 1. All arrays have the same size. Writes ``share``: how much of each pixel these
+   cover. */
+int unit5_find_rim(const uint8_t *seen, const float *wall, const uint8_t *front, int width, int height, float *share);
 
 #ifdef _WIN32
 #pragma clang attribute pop

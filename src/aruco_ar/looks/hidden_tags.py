@@ -7,7 +7,7 @@ from typing import Callable, Sequence
 import cv2
 import numpy as np
 
-from aruco_ar.base.arrays import Booleans, Floats, Image
+from aruco_ar.base.arrays import Floats, Image
 from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import UNIT_SQUARE, homography_from, homography_to, transform
 from aruco_ar.geometry.lens import Lens
@@ -18,7 +18,7 @@ from aruco_ar.tracking.area import MIN_AREA_PX, Area
 
 from .filling import filled
 from .paper_outline import paper_of
-from .ring import COUNT, DARK, Rings, rings_around
+from .ring import COUNT, Rings, rings_around
 from .roughness import SMOOTH, Roughness, Tiles
 from .tag_look import SIZE, Front, TagLook
 
@@ -29,15 +29,10 @@ SIGHTS, MISSES = 3, 15  # a tag in sight in fewer frames is forgotten after so m
 # The outline is looked for after so many frames: soon at first, later if there is none, rarely if it is known.
 SOON, LATER, RARELY = 4, 30, 120
 SAME_OUTLINE = 0.06   # outlines that differ by less are the same, in sides of the tag
-USUAL_OF = 15         # the ring's usual colors are the running mean of about this many frames
-ENOUGH = 0.3          # if less of the ring has its usual colors, and the tag is in sight, they are others now
-DARKEST, LIGHTEST = 0.45, 2.2  # light changes a color of the ring less than this, besides what it does to all
-SAME_COLOR = 0.15     # light changes the channels of a color by factors that differ by less than this
 WIDER = (UNIT_SQUARE - 0.5) * 1.15 + 0.5  # what is looked at for things in front, in sides of the outline
 RIM = 8.0             # where a thing covers more than 1 part in so many, it is a rim, not noise
 TO_SIZE = np.diag([*SIZE, 1.0])
 UNKNOWN = np.full((4 * COUNT, 3), np.nan)
-MEAN = np.full(3, 1 / 3)
 
 
 class HiddenTags:
@@ -78,12 +73,13 @@ class HiddenTags:
         rings = rings_around(frame, area.lens, np.stack(outlines))
         colors = _without_others(rings, chosen)
         covers = filled(colors)
-        tiles = [hidden.roughness.tiles(frame, area.lens, outline, blur_px, depth_px, is_seen)
-                 for (hidden, is_seen), outline, blur_px, depth_px in zip(
-                     chosen, outlines, rings.blurs.tolist(), rings.depths.tolist())]
-        fronts = [hidden.look.front(frame, transform(homography_to(outline), WIDER), area.lens, mean, is_seen)
+        to_outlines = [homography_to(outline) for outline in outlines]
+        tiles = [hidden.roughness.tiles(frame, area.lens, outline, to_outline, blur_px, depth_px, is_seen)
+                 for (hidden, is_seen), outline, to_outline, blur_px, depth_px in zip(
+                     chosen, outlines, to_outlines, rings.blurs.tolist(), rings.depths.tolist())]
+        fronts = [hidden.look.front(frame, transform(to_outline, WIDER), area.lens, mean, is_seen)
                   if keep else None
-                  for (hidden, is_seen), outline, mean in zip(chosen, outlines, colors.mean(axis=1))]
+                  for (hidden, is_seen), to_outline, mean in zip(chosen, to_outlines, colors.mean(axis=1))]
         to_covers = np.linalg.inv(np.stack([homography_to(corners) for corners in rings.corners]))
         # Only now the image changes, which may be the frame itself.
         for cover, front, outline, corners, to_cover, rough in zip(covers, fronts, outlines, rings.corners,
@@ -158,53 +154,11 @@ def _without_others(rings: Rings, tags: Sequence[tuple[_HiddenTag, bool]]) -> Fl
 
     ``tags``: the n tags, which learn the usual colors, and whether they are in sight.
     """
-    usual = np.stack([hidden.usual for hidden, _ in tags])
-    even, share = _even(rings.colors, rings.shown, usual)
-    for number, (hidden, is_seen) in enumerate(tags):
-        if not is_seen:
-            continue
-        known = hidden.usual is not UNKNOWN
-        if known and share[number] < ENOUGH:
-            known, part = False, slice(number, number + 1)
-            even[part], _ = _even(rings.colors[part], rings.shown[part], UNKNOWN[None])
-        hidden.usual = usual[number] + (even[number] - usual[number]) / USUAL_OF if known else even[number]
+    even, usual = binding.even_rings(rings.colors, rings.shown, np.array([is_seen for _, is_seen in tags]),
+                                     np.stack([hidden.usual for hidden, _ in tags]))
+    for (hidden, _), colors in zip(tags, usual):
+        hidden.usual = colors
     return even
-
-
-def _even(colors: Floats, shown: Booleans, usual: Floats) -> tuple[Floats, Floats]:
-    """Colors of n rings, (n, k, 3), without those of other things, and the share of those that remain, (n,).
-
-    ``shown``: (n, k), see Rings. ``usual``: (n, k, 3), the colors of before, or NaN if they are unknown; then
-    most of the ring has about one color. Light changes all channels by about the same factor, and less than a
-    thing does. What is left out is filled in from the colors beside it, in the light of now.
-    """
-    known = ~np.isnan(usual[:, 0, 0])
-    before = np.where(known[:, None, None], usual, 1.0)
-    change = (colors + DARK) / (before + DARK)
-    # The middle one of those that are shown; of two, it is the larger one.
-    ordered = np.sort(np.where(shown[..., None], change, np.inf), axis=1)
-    common = ordered[np.arange(len(shown)), shown.sum(axis=1) // 2 % shown.shape[1]][:, None]
-    common[~shown.any(axis=1)] = 1
-    common[known & ~_is_light(common[:, 0])] = 1  # most of the ring is covered
-    usable = shown & _is_light(change / common)
-    share = usable.mean(axis=1)
-    even = colors.copy()
-    for number in np.flatnonzero(share < 1):
-        if share[number]:
-            weights = NEARNESS * usable[number]
-            left_out = ~usable[number]
-            mean = weights[left_out] @ change[number] / weights[left_out].sum(axis=1)[:, None]
-            even[number, left_out] = mean * (before[number, left_out] + DARK) - DARK
-        elif known[number]:
-            even[number] = before[number]
-    return even, share
-
-
-def _is_light(factors: Floats) -> Booleans:
-    """(...): whether light may change colors, BGR, by such factors, (..., 3)."""
-    bright = factors @ MEAN
-    off = np.abs(factors - bright[..., None]).max(axis=-1)
-    return np.asarray((bright > DARKEST) & (bright < LIGHTEST) & (off < SAME_COLOR * bright))
 
 
 def _behind(cover: Floats, front: Front, outline: Floats, to_cover: Floats) -> Floats:
@@ -240,13 +194,3 @@ def _put(image: Image, frame: Image, covered: Area, cover: Floats, channels: int
     if tiles is SMOOTH and noisy is not None:
         drawn[:, :, :3] = noisy(drawn[:, :, :3])
     put_in(window, drawn, mask)
-
-
-def _nearness() -> Floats:
-    """(4 * COUNT, 4 * COUNT): the weight of each color of a ring in the mean for each other one."""
-    count = 4 * COUNT
-    away = np.abs(np.arange(count)[:, None] - np.arange(count))
-    return np.asarray(1 / (np.minimum(away, count - away)**2 + 0.5))
-
-
-NEARNESS = _nearness()

@@ -9,7 +9,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Floats, Image, Integers
 from aruco_ar.compiled import binding
-from aruco_ar.geometry.homography import homography_to, transform
+from aruco_ar.geometry.homography import transform
 from aruco_ar.geometry.lens import Lens
 
 # A tag is divided into tiles. Around them is a ring of such tiles, the sources. Each tile gets what is not
@@ -40,7 +40,8 @@ class Tiles(NamedTuple):
     smooth: Floats
 
 
-SMOOTH = Tiles(np.eye(3), np.zeros((0, 0, 2), np.int32), np.zeros((0, 0, 3, 4), np.float32))  # no roughness
+NO_SHIFTS: Integers = np.zeros((0, 2), np.int32)
+SMOOTH = Tiles(np.eye(3), NO_SHIFTS.reshape(0, 0, 2), np.zeros((0, 0, 3, 4), np.float32))  # no roughness
 
 
 class Roughness:
@@ -53,15 +54,16 @@ class Roughness:
         self._blur = self._depth = self._distance = 0.0  # in sides of the tag
         self._count, self._frames, self._frames_so = 0, 0, 0
         self._usual: Floats = np.zeros((0, 4), np.float32)  # the colors and the roughness of the sources
-        self._shifts: Integers | None = None  # those of this layout, if any are known yet
+        self._shifts = NO_SHIFTS  # those of this layout
 
-    def tiles(self, frame: Image, lens: Lens | None, outline: Floats, blur_px: float,
+    def tiles(self, frame: Image, lens: Lens | None, outline: Floats, homography: Floats, blur_px: float,
               depth_px: float, seen: bool) -> Tiles:
         """The Tiles to put under a tag or its paper; SMOOTH if the ground is, or too little of it can be seen.
 
         ``frame``: (h, w, 3) BGR uint8. ``lens``: that of the frame, or None. ``outline``: (4, 2) undistorted
-        pixels. ``blur_px``, ``depth_px``: how far out from it the blur reaches, and the ground: see Rings.
-        ``seen``: whether the tag is in sight. If not, something is in front, and nothing is learned.
+        pixels. ``homography``: (3, 3), to it from the unit square. ``blur_px``, ``depth_px``: how far out from
+        it the blur reaches, and the ground: see Rings. ``seen``: whether the tag is in sight. If not, something
+        is in front, and nothing is learned.
         """
         side = float(np.sqrt(cv2.contourArea(np.asarray(outline, np.float32))))
         if seen or not self._count:
@@ -69,8 +71,7 @@ class Roughness:
         count, size = self._count, self._size()
         if count > MOST or side * size < SMALLEST_PX:
             return SMOOTH
-        from_tiles = homography_to(outline) @ np.array([[size, 0, -self._distance], [0, size, -self._distance],
-                                                        [0, 0, 1]])
+        from_tiles = homography @ np.array([[size, 0, -self._distance], [0, size, -self._distance], [0, 0, 1]])
         layout = _layout(count)
         points = transform(from_tiles, layout.points)
         if lens is not None:
@@ -78,15 +79,12 @@ class Roughness:
         tiles, sources = points[:count**2], points[count**2:].reshape(-1, 3, 2)
         if self._frames_so == 1:
             self._usual = np.zeros((len(sources), 4), np.float32)
-        found = binding.choose_sources(frame, sources, self._frames_so, seen, self._usual, layout.order)
-        if found is None:
+        if self._shifts is NO_SHIFTS:
+            self._shifts = np.full((count**2, 2), np.iinfo(np.int32).min, np.int32)  # of these, none stays
+        smooth = binding.choose_sources(frame, tiles, sources, self._frames_so, seen, self._usual, layout.order,
+                                        STAYS_PX, self._shifts)
+        if smooth is None:
             return SMOOTH
-        chosen, smooth = found
-        shifts = sources[chosen, 0] - tiles
-        if self._shifts is not None:
-            stay = np.all(np.abs(shifts - self._shifts) < STAYS_PX, axis=1, keepdims=True)
-            shifts = np.where(stay, self._shifts, shifts)
-        self._shifts = np.round(shifts).astype(np.int32)
         return Tiles(np.linalg.inv(from_tiles), self._shifts.reshape(count, count, 2),
                      smooth.reshape(count, count, 3, 4))
 
@@ -102,7 +100,7 @@ class Roughness:
         self._distance = BEYOND * (max(blur, self._blur) if blur > NOW * self._distance else self._blur)
         room = (self._depth - self._distance) / (1 + binding.SEAM)
         self._count = max(int(np.ceil((1 + 2 * self._distance) / max(room, 1e-3))), FEWEST)
-        self._frames_so, self._shifts = 1, None
+        self._frames_so, self._shifts = 1, NO_SHIFTS
 
     def _size(self) -> float:
         """The size of a tile, in sides of the tag."""

@@ -182,13 +182,35 @@ def of_soften_picture():
         'picture': arrays['window'], 'mask': arrays['mask']}
 
 
+def of_rectify():
+    return lambda **arrays: binding.rectify(**arrays, size=(50, 40)), {
+        'frame': frame_with_tag()[0], 'homography': np.float64([[2, 0.1, 3], [0.2, 3, 1], [1e-3, 0, 1]])}
+
+
+def of_rectify_by_grid():
+    grid = np.random.RandomState(8).uniform(-5, 60, (6, 8, 2))
+    return lambda **arrays: binding.rectify(**arrays, size=(50, 40), homography=None, step=8), {
+        'frame': frame_with_tag()[0], 'grid': grid}
+
+
 def of_read_rings():
     random = np.random.RandomState(6)
+    quads = np.float64([CORNERS, CORNERS + 3])
     return binding.read_rings, {
-        'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8),
-        'ends': random.uniform(5, 40, (2, 4, binding.RING_PLACES, 2, 2)),
-        'parts': np.sort(random.uniform(0, 1, (2, 4, 1 + binding.RING_STEPS))),
-        'steps': random.randint(1, binding.RING_STEPS + 1, (2, 4))}
+        'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8), 'quads': quads,
+        'ways': binding.find_ways(quads)}
+
+
+def of_find_ways():
+    return binding.find_ways, {'quads': np.float64([CORNERS, CORNERS + 3])}
+
+
+def of_even_rings():
+    random = np.random.RandomState(7)
+    colors, before = (random.uniform(60, 90, (3, 4 * binding.RING_PLACES, 3)) for _ in range(2))
+    return binding.even_rings, {
+        'colors': colors, 'shown': random.uniform(size=colors.shape[:2]) < 0.8,
+        'seen': np.array([True, False, True]), 'before': before}
 
 
 def of_draw_cover():
@@ -204,9 +226,11 @@ def of_draw_cover():
 def of_choose_sources():
     random = np.random.RandomState(5)
     at = random.uniform(10, 30, (6, 1, 2)) + [[0, 0], [9, 1], [-1, 8]]
-    return lambda **arrays: binding.choose_sources(frames=1, learns=True, **arrays), {
+    return lambda **arrays: binding.choose_sources(frames=1, learns=True, stays=0.8, **arrays), {
         'frame': random.randint(60, 90, (HEIGHT, WIDTH, 3)).astype(np.uint8), 'at': at,
-        'usual': np.zeros((6, 4), np.float32), 'order': random.uniform(0, 1, (4, 6)).astype(np.float32)}
+        'middles': at[:4, 0] + 9,
+        'usual': np.zeros((6, 4), np.float32), 'order': random.uniform(0, 1, (4, 6)).astype(np.float32),
+        'to_sources': np.zeros((4, 2), np.int32)}
 
 
 def of_refine_pose_pairs():
@@ -283,6 +307,15 @@ def of_light_wall():
     return binding.light_wall, {'look': arrays['look'], 'whole': arrays['whole']}
 
 
+def of_find_rim():
+    random = np.random.RandomState(9)
+    front = np.zeros((HEIGHT, WIDTH), bool)
+    front[10:30, 5:28] = True
+    return binding.find_rim, {
+        'seen': random.randint(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8),
+        'wall': random.uniform(0, 255, (HEIGHT, WIDTH, 3)).astype(np.float32), 'front': front}
+
+
 def of_compare_wall():
     random = np.random.RandomState(2)
     look = random.uniform(20, 200, (HEIGHT, WIDTH, 3)).astype(np.float32)
@@ -321,19 +354,20 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_soften_picture, of_read_rings, of_draw_cover, of_choose_sources, of_find_pose_pairs,
+         of_soften_picture, of_rectify, of_rectify_by_grid, of_find_ways, of_read_rings, of_even_rings,
+         of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
          of_refine_pose_pairs,
          of_find_tag_poses, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
-         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
+         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall, of_find_rim)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
-             'smooth', 'cover', 'to_cover', 'at', 'order', 'ends', 'parts', 'steps',
-             'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'smooth', 'cover', 'to_cover', 'at', 'middles', 'order', 'ways', 'colors', 'before',
+             'homography', 'grid', 'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_find_tag_poses, of_weigh_poses, of_mix_poses,
                                        of_place_tags, of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
-WRITTEN = {('light_picture', 'picture'), ('choose_sources', 'usual'),
+WRITTEN = {('light_picture', 'picture'), ('choose_sources', 'usual'), ('choose_sources', 'to_sources'),
            ('weigh_poses', 'memories'), ('add_off', 'memories'),
            *(('learn_wall', name) for name in ('look', 'variance', 'known', 'seconds')),
            *((name, 'motion') for name in ('start_motion', 'predict_motion', 'jerk_motion', 'correct_motion'))}
@@ -433,8 +467,9 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3
                    for of in ('draw_cover', 'choose_sources')},
                 ('read_rings', 'frame'): other.ndim == 3 and other.shape[2] == 3 and other.size,
+                **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3 and min(other.shape) > 1
+                   for of in ('rectify', 'rectify_by_grid')},
                 ('draw_cover', 'cover'): other.ndim == 3 and other.shape[2] == 4 and min(other.shape) > 1,
-                ('choose_sources', 'order'): other.ndim == 2 and other.shape[1] == 6,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],
                 **{(tags, 'frame'): other.ndim == 2 and other.size for tags in OF_TAGS},
@@ -444,6 +479,7 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 ('find_sides', 'quads'): other.shape[1:] == (4, 2),
                 ('find_box', 'positions'): other.ndim == 3 and other.shape[2] == 2,
                 ('find_room', 'quads'): other.shape[1:] == (4, 2),
+                ('find_ways', 'quads'): other.shape[1:] == (4, 2),
                 ('find_convex', 'quads'): other.shape[-2:] == (4, 2),
                 ('project', 'points'): other.shape[-1:] == (2,),
                 ('learn_patches', 'points'): other.shape[1:] == (2,),
