@@ -37,13 +37,13 @@ class TagSearch:
     def reset(self) -> None:
         """Forget how earlier frames were searched."""
         self._searches = 0
-        self._ids: set[int] = set()  # of the tags that find_all found last
+        self._ids: set[int] = set()  # of all tags that find_all has found
 
     def find_all(self, frame: Image, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
         """The tags in a frame, of any size.
 
         Usual and fine searches take turns, since each finds some tags that the other misses. If the fine one is
-        not enough, and misses tags of the frame before, both are done.
+        not enough, both are done the first time, and later if it misses tags that were found before.
         """
         self._searches += 1
         if self._never_fine or self._searches % 2:
@@ -51,9 +51,10 @@ class TagSearch:
         else:
             tags = self.detector.search(frame, SMALL_SIDE_PX)
             found = {tag.id for tag in tags}
-            if self._ids - found and not is_enough(tags):
+            misses = self._ids if self._searches == 2 else self._ids - found
+            if misses and not is_enough(tags):
                 tags += [tag for tag in self.detector.detect(frame) if tag.id not in found]
-        self._ids = {tag.id for tag in tags}
+        self._ids.update(tag.id for tag in tags)
         return tags
 
     def find_large(self, frame: Image, side: float) -> list[Tag]:
