@@ -51,23 +51,38 @@ static void sum_columns(const Image *image, int row, int reach, uint16_t *sums)
     }
 }
 
-/* Write which pixels are dark; ``dark`` has a rim of one pixel, which is light before. ``sums``, ``until``: room for
-   width + window numbers each. All sums are those of at most 15 x 15 pixels, so what exceeds 16 bits cancels out. */
-static void find_dark(const Image *image, int window, uint8_t *dark, uint16_t *sums, uint16_t *until)
+/* Write which pixels of a row are dark. ``sums``: those of the columns around it. ``fours``: room for width + window
+   numbers. All sums are those of at most 15 x 15 pixels. Inlined for each window, all of this is vectors: that takes two
+   thirds of the time of a running sum, in which each number waits for the one before. */
+static inline __attribute__((always_inline)) void find_dark_row(const uint8_t *gray, int width, int window,
+                                                                const uint16_t *sums, uint16_t *fours, uint8_t *row)
 {
-    int width = image->width, reach = window / 2;
-    uint16_t area = window * window;
+    for (int x = 0; x < width + window - 4; x++)
+        fours[x] = sums[x] + sums[x + 1] + sums[x + 2] + sums[x + 3];
+    const uint16_t area = window * window;
+    for (int x = 0; x < width; x++) {
+        uint16_t all = 0, least = (gray[x] + DARKER) * area;
+        int at = 0;
+        for (; at + 4 <= window; at += 4)
+            all += fours[x + at];
+        for (; at < window; at++)
+            all += sums[x + at];
+        row[x] = all >= least ? DARK : LIGHT;
+    }
+}
+
+/* Write which pixels are dark; ``dark`` has a rim of one pixel, which is light before. ``window``: odd, from 3 to 15.
+   ``sums``, ``fours``: room for width + window numbers each. */
+static void find_dark(const Image *image, int window, uint8_t *dark, uint16_t *sums, uint16_t *fours)
+{
     for (int y = 0; y < image->height; y++) {
         const uint8_t *gray = image->pixels + image->row * y;
-        uint8_t *row = dark + (int64_t)(width + 2) * (y + 1) + 1;
-        sum_columns(image, y, reach, sums);
-        uint16_t sum = 0;
-        until[0] = 0;
-        for (int x = 0; x < width + 2 * reach; x++)
-            until[x + 1] = sum += sums[x];
-        for (int x = 0; x < width; x++) {
-            uint16_t all = until[x + window] - until[x], least = (gray[x] + DARKER) * area;
-            row[x] = all >= least ? DARK : LIGHT;
+        uint8_t *row = dark + (int64_t)(image->width + 2) * (y + 1) + 1;
+        sum_columns(image, y, window / 2, sums);
+        switch (window) {
+#define CASE(known) case known: find_dark_row(gray, image->width, known, sums, fours, row); break
+        CASE(3); CASE(5); CASE(7); CASE(9); CASE(11); CASE(13); CASE(15);
+#undef CASE
         }
     }
 }

@@ -9,7 +9,7 @@ from aruco_ar.base.arrays import Floats
 from aruco_ar.tags.tag import Tag
 
 from .layout import Layout, tolerance_of
-from .measurement import bias_of, measurement, softness_of
+from .measurement import measurement
 from .motion import AreaMotion
 
 # A side of a covered tag is shorter than the others say by more than the first limit, besides the bias of its
@@ -37,14 +37,14 @@ def short_tags(layout: Layout, motion: AreaMotion, seen: Mapping[int, Tag],
     if max((lengths[count:] - lengths[:count]).ravel().tolist()) <= SHORT_PX:
         return {}  # usually, and fast
     quads, lengths, likely = quads[:count], lengths[:count], lengths[count:]
-    bias = np.array([bias_of(side, softness_of(tag, side))
-                     for tag, side in zip(seen.values(), lengths.mean(axis=1).tolist())])
+    measured = measurement(layout, seen, ids)  # points, pixels, deviation and bias, four of each for a tag
+    bias = measured[-1][::4]
     if ((likely - lengths).max(axis=1) - bias).max() <= SHORT_PX:
         return {}
-    is_left, places = np.ones(count, bool), layout.quads(ids)
+    is_left, places = np.ones(count, bool), measured[0].reshape(-1, 4, 2)
     while np.count_nonzero(is_left) >= max(LEAST, count / 2, count - MOST_COVERED):
-        left = [tag_id for tag_id, stays in zip(ids, is_left) if stays]
-        corrected = motion.corrected(*measurement(layout, seen, left)).project(places)
+        left = is_left.repeat(4)
+        corrected = motion.corrected(*(part[left] for part in measured)).project(places)
         missing = _lengths(corrected) - lengths
         short, spread = missing.max(axis=1) - bias, np.abs(missing[is_left]).max()
         if not is_left.all() and np.all(short[~is_left] > SHORT_PX + SHORT_SPREADS * spread):

@@ -148,6 +148,7 @@ class FurtherTags:
             layout.learn(agreed, [places[tag_id] for tag_id in agreed])
         known = [self._seen.get(tag_id, (places[tag_id], 0))[0] for tag_id in seen]
         off = np.abs(motion.project(np.array(known)) - quads).max(axis=(1, 2))
+        new = {}
         for tag_id, is_off in zip(seen, off > SAME_PLACE_SIDES * side_of(quads) + 1):
             if tag_id in layout.ids:
                 continue
@@ -157,7 +158,9 @@ class FurtherTags:
                 layout.forget(tag_id)
             self._seen[tag_id] = place, sightings + 1
             if sightings + 1 >= MIN_SIGHTINGS and tag_id not in layout.places:
-                layout.learn([tag_id], [place])
+                new[tag_id] = place
+        if new:
+            layout.learn(new, new.values())
 
 
 class NewLayout:

@@ -36,23 +36,25 @@ class TagSearch:
 
     def reset(self) -> None:
         """Forget how earlier frames were searched."""
-        self._searches, self._has_some = 0, False  # whether the last usual search found any tags
+        self._searches = 0
+        self._ids: set[int] = set()  # of all tags that find_all has found
 
     def find_all(self, frame: Image, is_enough: Callable[[list[Tag]], bool]) -> list[Tag]:
         """The tags in a frame, of any size.
 
-        Usual and fine searches take turns, since each finds some tags that the other misses. If the usual
-        search found some in the last frame, and what the fine one finds is not enough, both are done.
+        Usual and fine searches take turns, since each finds some tags that the other misses. If the fine one is
+        not enough, both are done the first time, and later if it misses tags that were found before.
         """
         self._searches += 1
         if self._never_fine or self._searches % 2:
             tags = self.detector.detect(frame)
-            self._has_some = len(tags) > 0
-            return tags
-        tags = self.detector.search(frame, SMALL_SIDE_PX)
-        if self._has_some and not is_enough(tags):
-            known = {tag.id for tag in tags}
-            tags += [tag for tag in self.detector.detect(frame) if tag.id not in known]
+        else:
+            tags = self.detector.search(frame, SMALL_SIDE_PX)
+            found = {tag.id for tag in tags}
+            misses = self._ids if self._searches == 2 else self._ids - found
+            if misses and not is_enough(tags):
+                tags += [tag for tag in self.detector.detect(frame) if tag.id not in found]
+        self._ids.update(tag.id for tag in tags)
         return tags
 
     def find_large(self, frame: Image, side: float) -> list[Tag]:

@@ -62,6 +62,40 @@ def test_searches_of_the_whole_frame_get_rare_while_there_is_nothing_to_learn(se
     assert (480, 640) in searched  # the tag that was lost may have been moved
 
 
+@pytest.fixture
+def looked(monkeypatch):
+    """The ids of the tags that are looked for beside their places, one by one."""
+    ids, look = [], Detector.find_shifted
+    monkeypatch.setattr(Detector, 'find_shifted', lambda self, frame, some, quads: ids.extend(some)
+                        or look(self, frame, some, quads))
+    return ids
+
+
+def test_a_tag_that_stays_covered_is_looked_for_beside_its_place_ever_less_often(looked):
+    tracker, counts = Tracker(), []
+    for frame in drive(SLOW, 75, lambda number: [3] if number >= 15 else (), **USUAL):
+        looked.clear()
+        tracker.update(frame.image, frame.stamp)
+        counts.append(looked.count(3))
+    looks = np.flatnonzero(counts)
+    waits = np.diff(looks)
+    assert looks[0] == 15 and waits[:2].max() < 4           # a hand that passes by is soon away
+    assert set(waits[-5:]) <= {6, 7} and looks[-1] > 66     # after a while, five times a second
+
+
+@pytest.mark.parametrize('moved, frames', [(0.0, 0), (0.036, 7)], ids=['in its place', 'beside it'])
+def test_a_tag_that_was_covered_for_long_is_found_soon_when_it_comes_back(moved, frames):
+    tags = tuple(replace(tag, x=tag.x + moved) if tag.id == 3 else tag for tag in WALL.tags)
+    tracker, (covered,) = Tracker(), drive(STILL, 1, lambda number: [3])
+    (before,), (after,) = drive(STILL, 1), drive(STILL, 1, wall=replace(WALL, tags=tags))
+    for number in range(70):
+        tracker.update((before if number < 10 else covered).image, number / 30)
+    assert 3 not in {tag.id for tag in tracker.tags}
+    seen = [tracker.update(after.image, (70 + number) / 30) and {tag.id for tag in tracker.tags}
+            for number in range(frames + 1)]
+    assert 3 in seen[-1]
+
+
 @pytest.mark.parametrize('calm_s', [1, 12])
 def test_a_new_tag_locates_the_area_soon_after_it_was_hung(calm_s):
     more = replace(WALL, tags=(*WALL.tags, replace(WALL.tags[0], id=90, x=0.0, y=WALL.tags[0].y)))
