@@ -17,6 +17,7 @@
 #define NOISE 3.0f        /* gray levels: a patch with this deviation counts half */
 #define MIN_DEVIATION 0.5f /* gray levels: a patch with less has nothing to compare */
 #define DAMPING 1e-3      /* added to the diagonal, as a share of its mean, so that unknowns stay small */
+#define CONVERGED_PX 0.005 /* a smaller step is the last one */
 
 /* A patch of the wall, as it was learned, with mean 0 and deviation 1. ``slopes``: across and down, which fade toward
    the rim, so that what blur brings in from beyond it counts little. ``matrix``: the sums of the slopes' products:
@@ -24,10 +25,8 @@
    ``own``: of each slope times gray. */
 typedef struct { float gray[PIXELS], slopes[2][PIXELS], matrix[3], sums[2], own[2]; } Patch;
 
-/* What may change in each level: the first moves of all, and the most steps. A step by fewer of its pixels than
-   ``converged`` is the last one. What is left then is a small part of it, and the next level finds that anyway. */
-static const struct { int freedom, steps; double converged; } levels[LEVELS] = {
-    {8, 8, 0.01}, {8, 8, 0.02}, {6, 8, 0.05}, {2, 10, 0.05}};
+/* What may change in each level: the first moves of all, and the most steps. */
+static const struct { int freedom, steps; } levels[LEVELS] = {{8, 8}, {8, 8}, {6, 8}, {2, 10}};
 
 const int unit5_wall_levels = LEVELS, unit5_patch_width = PATCH, unit5_patch_size = sizeof(Patch) / sizeof(float);
 
@@ -250,8 +249,7 @@ static int move_back(const double move[MOVES], double warp[9])
 
 /* Align patches in one level; see unit5_align_patches. */
 static void align_level(const Level *image, int count, const Patch *patches, const double *places,
-                        const uint8_t *usable, int freedom, int steps, double converged, double warp[9],
-                        float *likeness, float *off)
+                        const uint8_t *usable, int freedom, int steps, double warp[9], float *likeness, float *off)
 {
     double half = image->width / 2.0, move[MOVES];
     for (int step = 0, is_last = 0; !is_last; step++) {
@@ -272,7 +270,7 @@ static void align_level(const Level *image, int count, const Patch *patches, con
         }
         double size = step < steps ? solve_for(&all, freedom, move) : -1;
         is_last = size < 0 || !move_back(move, warp);
-        steps = half * size < converged ? step + 1 : steps;
+        steps = half * size < CONVERGED_PX ? step + 1 : steps;
     }
 }
 
@@ -286,8 +284,7 @@ int unit5_align_patches(float *image, int width, int height, int count, const fl
     for (int level = coarsest; level >= 0 && others; level--) {
         int64_t first = (int64_t)level * count;
         align_level(made + level, count, (const Patch *)patches + first, places, usable, levels[level].freedom,
-                    only_compare ? 0 : levels[level].steps, levels[level].converged, warp, likeness + first,
-                    off + 2 * first);
+                    only_compare ? 0 : levels[level].steps, warp, likeness + first, off + 2 * first);
         memcpy(warps + 9 * level, warp, sizeof warp);
     }
     free(others);
