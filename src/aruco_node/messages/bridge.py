@@ -26,8 +26,7 @@ def fault_of_bridge():
     """
     bridge = importlib.util.find_spec('cv_bridge')
     if bridge is None:
-        return 'There is no cv_bridge for %s; run script/setup, or install python3-cv-bridge (on Ubuntu: ' \
-               'ros-noetic-cv-bridge).' % sys.executable
+        return 'There is no cv_bridge for %s; run script/setup, which installs it or says how.' % sys.executable
     paths = [join(folder, 'boost', 'cv_bridge_boost' + suffix)
              for folder in bridge.submodule_search_locations or [] for suffix in EXTENSION_SUFFIXES]
     compiled = [path for path in paths if exists(path)]
