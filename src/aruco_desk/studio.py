@@ -7,7 +7,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from typing import Any, Callable, Iterable, Mapping, Tuple
 
-from aruco_ar.base.arrays import Image
+from aruco_ar.base.arrays import NO_ARRAY, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
 from aruco_ar.calibration.camera_file import read_camera
@@ -63,7 +63,7 @@ class Studio:
         self._told: set[str] = set()  # what the terminal has been told; each sentence once
         self._lens: Lens | None = None
         self._size: tuple[int, int] | None = None
-        self._drops: list[Image] = []  # the picture that was dropped last
+        self._dropped: Image = NO_ARRAY  # the picture that was dropped last
         self._drop_count = 0
         self._lock, self._ended = threading.Lock(), threading.Event()
         self._steps = {name: exercise(name[len('exercise'):].replace('_', '.')) for name in EXERCISES}
@@ -99,7 +99,7 @@ class Studio:
     def drop(self, picture: Image) -> None:
         """Take a picture, (h, w, 3 or 4) uint8, that can then be painted as ``drop_value``."""
         with self._lock:
-            self._drops[:] = [picture]
+            self._dropped = picture
             self._drop_count += 1
 
     def change(self, values: Mapping[str, Any]) -> None:
@@ -128,7 +128,7 @@ class Studio:
 
     def _open(self, picture: str) -> Still | Clip:
         if self._drop_count and picture == self.drop_value:
-            return Still(self._drops[0])
+            return Still(self._dropped)
         return open_source(in_package(picture))
 
     def _new_hints(self) -> Hints:
