@@ -20,7 +20,7 @@ from aruco_ar import Tracker
 from aruco_node.messages.images import compressed_from_frame, frame_from_compressed, image_from_frame
 from aruco_node.parameters.parameters import ros_values
 from aruco_node.parameters.settings import BagSettings
-from benchmark.ros.bags import BEGIN_S, JPEG, record
+from benchmark.ros.bags import BEGIN_S, record
 from rig.accuracy.areas import follow
 from rig.accuracy.drives import FRAMES_PER_S, LIVELY, PAINTING, drive
 from rig.processes.started import WAIT_S
@@ -44,7 +44,7 @@ def frames():
 def recorded(frames, tmp_path_factory):
     """The path of a bag of these frames."""
     path = str(tmp_path_factory.mktemp('bags') / 'drive.bag')
-    record(path, [frame.image for frame in frames], SECONDS, *JPEG)
+    record(path, [frame.image for frame in frames], SECONDS, 'compressed')
     return path
 
 
@@ -303,7 +303,7 @@ def test_a_remembered_wall_is_painted_without_its_tags(package, tmp_path):
     follow(tracker, drive(LIVELY, 75, wall=PAINTING, noise=1.0))
     tracker.save_wall(str(tmp_path / 'wall.npz'))
     frames = list(drive(LIVELY, 30, lambda number: PAINTING.area, wall=PAINTING, noise=1.0))
-    record(str(tmp_path / 'bare.bag'), [frame.image for frame in frames], 1, *JPEG)
+    record(str(tmp_path / 'bare.bag'), [frame.image for frame in frames], 1, 'compressed')
     cv2.imwrite(str(tmp_path / 'red.png'), np.full((20, 30, 3), (0, 0, 255), np.uint8))
     annotate(package, tmp_path / 'out', tmp_path / 'bare.bag', '_wall:=%s' % (tmp_path / 'wall.npz'),
              '_picture:=%s' % (tmp_path / 'red.png'))
@@ -350,7 +350,7 @@ def test_what_a_killed_process_left_does_no_harm(package, recorded, done, tmp_pa
 
 
 def test_results_of_other_code_are_made_again(package, frames, tmp_path):
-    record(str(tmp_path / 'brief.bag'), [frame.image for frame in frames[:FRAMES_PER_S]], 1, *JPEG)
+    record(str(tmp_path / 'brief.bag'), [frame.image for frame in frames[:FRAMES_PER_S]], 1, 'compressed')
     for name in 'src', 'nodes':
         shutil.copytree(os.path.join(package, name), str(tmp_path / 'unit5' / name))
     for name in 'package.xml', 'config', 'images':
