@@ -79,7 +79,7 @@ FAST static void sample_run(const Image *frame, const float *across, const float
     Samples samples;
     int inside = find_samples(frame, across, down, &samples), is_low = frame->row < 0;
     for (int i = 0; i < RUN; i++)  /* from the last row in memory, nothing may be read behind the end */
-        is_low |= within(down[i], frame->height) >= frame->height - 3;  /* one more, as steps are rounded */
+        is_low |= !(down[i] < frame->height - 2);
     if (is_low)
         sample_all(frame, &samples, 2 * CHANNELS, weights, pixels);
     else
