@@ -93,7 +93,6 @@ _align_patches = _function('align_patches', _Array, *[_INT] * 3, *[_Array] * 3, 
 _mix_picture = _function('mix_picture', _IMAGE, _IMAGE, _IMAGE, _INT, _Array, _Array)
 _light_picture = _function('light_picture', *[_IMAGE] * 3, _INT, result=_INT)
 _soften_picture = _function('soften_picture', _IMAGE, _IMAGE, _DOUBLE, _DOUBLE, _Array, _Array, result=_INT)
-_rectify = _function('rectify', _IMAGE, _IMAGE, _Array, _Array, _INT, _INT)
 _find_ways = _function('find_ways', _INT, _Array, _Array)
 _read_rings = _function('read_rings', _IMAGE, _INT, *[_Array] * 6)
 _even_rings = _function('even_rings', _INT, *[_Array] * 5)
@@ -115,7 +114,6 @@ _light_wall = _function('light_wall', _Array, _Array, _LONG, _Array)
 _compare_wall = _function('compare_wall', *[_Array] * 6, _INT, _INT, _FLOAT, _FLOAT, _Array, _Array,
                           result=_INT)
 _learn_wall = _function('learn_wall', *[_Array] * 5, _LONG, *[_FLOAT] * 4, *[_Array] * 4)
-_find_rim = _function('find_rim', *[_Array] * 3, _INT, _INT, _Array, result=_INT)
 
 NEAREST_M, SEAM, DARK = (_DOUBLE.in_dll(_C, 'unit5_' + name).value for name in ('nearest', 'seam', 'dark'))
 BLOCK_WIDTH, BLOCK_HEIGHT, LEVELS = (
@@ -430,30 +428,6 @@ def soften_picture(picture: Image, mask: Image, across: float, down: float) -> t
     return softened, share
 
 
-def rectify(frame: Image, size: tuple[int, int], homography: Floats | None, grid: Floats | None = None,
-            step: int = 1) -> Image:
-    """(h, w, 3) uint8: see rectify_color in geometry/lens.py.
-
-    ``frame``: (H, W, 3) uint8, at least 2 pixels each way. ``size``: (w, h). ``homography``: (3, 3), from
-    pixels of the view to those of the frame; or None, and ``grid``: (m, k, 2), the places of every ``step``-th
-    pixel.
-    """
-    frame = _rows('frame', frame, np.uint8, ('h', 'w', 3))
-    columns, rows = (-(-side // step) + 1 for side in size)
-    if homography is not None:
-        homography = _numbers(homography, np.float64)
-        check_array('homography', homography, np.float64, (3, 3))
-    else:
-        grid = _numbers(grid, np.float64)
-        check_array('grid', grid, np.float64, (rows, columns, 2))
-    if min(frame.shape[:2]) < 2:
-        raise InputError('The frame is %d x %d pixels large; give one of at least 2 each way.'
-                         % frame.shape[1::-1])
-    view = np.empty((size[1], size[0], 3), np.uint8)
-    _rectify(_image(frame), _image(view), homography, grid, columns, step)
-    return view
-
-
 def find_ways(quads: Floats) -> Floats:
     """(n, 4, RING_PLACES, 2, 2): where read_rings looks beside quadrilaterals, (n, 4, 2), without a lens."""
     quads = _quads('quadrilaterals', quads, np.float64)
@@ -723,17 +697,6 @@ def learn_wall(seen: Image, whole: Floats, planes: Floats, wall: Booleans, certa
         _check_changed(name, array, dtype, shape)
     _learn_wall(seen, whole, planes, wall, certain, wall.size, passed, settle, rate, variance_rate, look,
                 variance, known, seconds)
-
-
-def find_rim(seen: Image, wall: Floats, front: Booleans) -> Floats:
-    """See soft_rim in looks/difference.py."""
-    front = _packed('pixels in front', front, np.bool_, *_sized(front))
-    height, width = size = front.shape
-    seen, wall = _packed('frame', seen, np.uint8, (*size, 3)), _packed('wall', wall, np.float32, (*size, 3))
-    share = np.empty(size, np.float32)
-    if not _find_rim(seen, wall, front, width, height, share):
-        raise MemoryError
-    return share
 
 
 def _tags(frame: Any, quads: Any, cells: Any) -> tuple[Any, Any, Any]:

@@ -30,14 +30,6 @@ static inline float smaller(float a, float b) { return a < b ? a : b; }
 /* The value, limited to 0 to most; 0 if it is not a number. */
 static inline float within(float value, float most) { return smaller(larger(value, 0), most); }
 
-/* The place within 0 to count - 1 that a place beyond is mirrored to. */
-static inline int mirrored(int at, int count)
-{
-    while (count > 1 && (at < 0 || at >= count))
-        at = at < 0 ? -at : 2 * (count - 1) - at;
-    return count > 1 ? at : 0;
-}
-
 /* The gray of a pixel, as an integer, which is faster; of BGR it is larger by the last factor. */
 #define PIXEL_OF_GRAY(pixel) *(pixel)
 #define PIXEL_OF_BGR(pixel) (1868 * (pixel)[0] + 9617 * (pixel)[1] + 4899 * (pixel)[2])

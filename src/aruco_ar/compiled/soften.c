@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "image.h"
 #include "shares.h"
 #include "unit5.h"
 #include "vectors.h"
@@ -29,6 +28,14 @@ static void find_kernel(Kernel *kernel, double deviation)
         double weight = 65536 / sum * (at ? exp(-at * at / (2 * deviation * deviation)) : 1);
         kernel->weights[at] = weight < 65535 ? weight + 0.5 : 65535;
     }
+}
+
+/* The place within 0 to count - 1 that a place beyond is mirrored to. */
+static int mirrored(int at, int count)
+{
+    while (count > 1 && (at < 0 || at >= count))
+        at = at < 0 ? -at : 2 * (count - 1) - at;
+    return count > 1 ? at : 0;
 }
 
 /* Add RUN numbers, and those on the other side, to a sum. In the loop that calls it, GCC would not vectorize this. */

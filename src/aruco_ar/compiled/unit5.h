@@ -167,12 +167,6 @@ int unit5_light_picture(const Image *picture, const Image *mask, const Image *wh
 int unit5_soften_picture(const Image *picture, const Image *mask, double across, double down, uint8_t *softened,
                          uint8_t *share);
 
-/* rectify.c, for lens.py. Write a ``view`` of a plane in a frame, at least 2 pixels each way; both BGR. ``homography``:
-   from pixels of the view to those of the frame, or NULL; then ``grid``: (rows, columns, 2), has the places in the frame of
-   every ``step``-th pixel of the view each way, and of one more. */
-void unit5_rectify(const Image *frame, const Image *view, const double homography[9], const double *grid, int columns,
-                   int step);
-
 /* ring.c, for ring.py. */
 
 extern const int unit5_ring_places;  /* number of colors of a ring along each side */
@@ -320,11 +314,6 @@ int unit5_compare_wall(const uint8_t *seen, const float *look, const float whole
 void unit5_learn_wall(const uint8_t *seen, const float whole[3], const float *planes, const uint8_t *wall,
                       const uint8_t *certain, int64_t count, float passed, float settle, float rate,
                       float variance_rate, float *look, float *variance, uint8_t *known, float *seconds);
-
-/* rim.c, for difference.py. ``seen``: BGR, the frame, and ``wall``: BGR, the wall, in the same light. ``front``: where
-   things are in front of it, 0 or 1. All arrays have the same size. Writes ``share``: how much of each pixel these
-   cover. */
-int unit5_find_rim(const uint8_t *seen, const float *wall, const uint8_t *front, int width, int height, float *share);
 
 #ifdef _WIN32
 #pragma clang attribute pop

@@ -13,7 +13,6 @@ import cv2
 import numpy as np
 
 from aruco_ar.base.arrays import NO_ARRAY, Floats, Image, Numbers
-from aruco_ar.compiled import binding
 
 from .homography import transform
 
@@ -171,31 +170,14 @@ def rectify(frame: Image, homography: Floats, size: tuple[int, int], lens: Lens 
     return cv2.remap(frame, positions, NO_ARRAY, cv2.INTER_LINEAR)
 
 
-def rectify_color(frame: Image, homography: Floats, size: tuple[int, int], lens: Lens | None = None) -> Image:
-    """The same for a frame, (h, w, 3), in a third of the time; its rim is not mixed with black.
-
-    Tracking does not use it: the few gray levels by which it differs from OpenCV decide what smears show.
-    """
-    if frame.dtype != np.uint8 or min(frame.shape[:2]) < 2:
-        return rectify(frame, homography, size, lens)
-    if lens is None:
-        return binding.rectify(frame, size, homography)
-    return binding.rectify(frame, size, None, lens.distort(transform(homography, _grid(*size))), GRID_PX)
-
-
-def _grid(width: int, height: int) -> Floats:
-    """(m, n, 2): every GRID_PX-th pixel each way of an image of that size, and one more."""
-    x, y = (np.arange(0, side + GRID_PX, GRID_PX) for side in (width, height))
-    return np.stack(np.meshgrid(x, y), axis=-1).astype(np.float64)
-
-
 def _from_grid(positions_of: Callable[[Floats], Floats], width: int, height: int) -> Image:
     """(height, width, 2) float32: positions that a function gives for pixels, (m, n, 2).
 
     They are exact for every GRID_PX-th pixel. Between these they are linear, which is off by some hundredths of
     a pixel.
     """
-    positions = positions_of(_grid(width, height))
+    x, y = (np.arange(0, side + GRID_PX, GRID_PX) for side in (width, height))
+    positions = positions_of(np.stack(np.meshgrid(x, y), axis=-1).astype(np.float64))
     for axis, side in (0, height), (1, width):
         before, part = np.divmod(np.arange(side), GRID_PX)
         part = np.expand_dims(part / GRID_PX, (1, 2) if axis == 0 else (0, 2))

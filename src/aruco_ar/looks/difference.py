@@ -24,7 +24,13 @@ NEAR_PX = 5           # in a window of this width around pixels surely in front,
 BRIDGE_PX = 21
 SMOOTH_PX = 5         # width of the window whose mean color tells where a thing goes on
 AROUND_PX = 61        # width of the window that shows the usual light around a pixel
+CORE_PX = 9           # what is in front by half of this on all sides has nothing of the wall
+SHADE_PX = 15         # width of the window that shows the light on the wall beside a thing
+# The light on the wall at the rim of a thing differs from that as if 1 were so many gray levels. A pixel inside
+# is no thing if it is off a shadow by less than SHADOW_LEVELS, with less than SHADOW_SHARE of the thing.
+SHADE_LEVELS, SHADOW_LEVELS, SHADOW_SHARE = 50.0, 10.0, 0.25
 RIM_MARGIN_PX = 8     # width of the margin around the things in front, for their rims
+MIN_CONTRAST = 5.0    # gray levels between a thing and the wall that are needed to tell a pixel's share
 # The widths of the windows in which a pattern is recognized, and the least correlation with the wall's. The
 # large window also shows what a glare has made pale.
 WINDOWS = (15, 0.8), (61, 0.7)
@@ -156,18 +162,63 @@ def _aligned(look: Floats, whole: Floats, weight: Floats, seen: Image) -> Floats
     return np.ascontiguousarray(aligned, np.float32)
 
 
-def soft_rim(seen: Image, wall: Floats, front: Booleans) -> Floats:
-    """(h, w) float32, 0 to 1: how much of each pixel the things in front, (h, w), cover.
+def soft_rim(seen: Floats, wall: Floats, front: Booleans) -> Floats:
+    """(h, w) float32, 0 to 1: how much of each pixel the things in front cover.
 
-    ``seen``: (h, w, 3) uint8, the frame. ``wall``: (h, w, 3) float32, the wall in the same light. A pixel at a
-    rim is a mixture of the color of the thing and that of the wall, which may be in a shadow of the thing
-    there. Least squares tell both shares of each pixel. The shadow is expected to be like that on the wall
-    around: see rim.c.
+    ``seen``, ``wall``: see difference. A pixel at a rim is a mixture of the color of the thing and that of the
+    wall, which may be in a shadow of the thing there. Least squares tell both shares of each pixel. The shadow
+    is expected to be like that on the wall around, see SHADE_LEVELS.
     """
     share = np.zeros(front.shape, np.float32)
     part = around(front, RIM_MARGIN_PX)
-    share[part] = binding.find_rim(seen[part], wall[part], front[part])
+    seen, wall, front = seen[part], wall[part], front[part]
+    core = shrunk(front, CORE_PX)
+    rim = grown(front, 3)
+    free = ~rim
+    rim &= ~core
+    at = np.nonzero(rim)
+    weight = core + np.float32(0.01) * front  # without a core nearby, all of ``front`` counts
+    window = 2 * CORE_PX - 1, 2 * CORE_PX - 1
+    weights = np.maximum(cv2.blur(weight, window)[at], 1e-4)[:, None]
+    things: Floats = cv2.blur(cv2.multiply(seen, cv2.merge([weight] * 3)), window)[at] / weights
+    mixed, off = _mixture(seen[at], things, wall[at], _shade_around(seen, wall, free)[at])
+    is_shadow = (mixed < SHADOW_SHARE) & (off < SHADOW_LEVELS)
+    shares = core.astype(np.float32)
+    shares[at] = np.where(shrunk(front, 5)[at] & ~is_shadow, 1, mixed)
+    share[part] = shares
     return share
+
+
+def _mixture(colors: Floats, things: Floats, walls: Floats, shade: Floats) -> tuple[Floats, Floats]:
+    """(n,) each: the share of the thing in each color, 0 to 1, and how far the mixture is off, in gray levels.
+
+    ``colors``, ``things``, ``walls``: (n, 3) float32, a pixel, the thing there, and the wall. ``shade``: (n,),
+    the light that is expected on the wall. A color is share * thing + rest * wall. Least squares tell both
+    factors, where rest is expected to be (1 - share) * shade.
+    """
+    trust = np.float32(SHADE_LEVELS**2)
+    thing_thing, thing_wall, wall_wall, thing_color, wall_color = (
+        np.einsum('nc,nc->n', one, other) for one, other in (
+            (things, things), (things, walls), (walls, walls), (things, colors), (walls, colors)))
+    thing_thing += trust * shade * shade
+    thing_wall += trust * shade
+    wall_wall += trust
+    thing_color += trust * shade * shade
+    wall_color += trust * shade
+    least = np.float32(3 * MIN_CONTRAST**2)  # with less contrast than that, nothing is known
+    determinant = thing_thing * wall_wall - thing_wall * thing_wall + least * wall_wall
+    share = np.clip((thing_color * wall_wall - wall_color * thing_wall) / determinant, 0, 1)
+    rest = (wall_color - share * thing_wall) / wall_wall
+    off = np.abs(colors - share[:, None] * things - rest[:, None] * walls).max(axis=1)
+    return share, np.maximum(off, SHADE_LEVELS * np.abs(rest - (1 - share) * shade))
+
+
+def _shade_around(seen: Floats, wall: Floats, free: Booleans) -> Floats:
+    """(h, w) float32: the mean light on the free wall around each pixel, a factor; 1 where nothing is free."""
+    mask, window = free.view(np.uint8), (SHADE_PX, SHADE_PX)
+    bright, usual = (cv2.blur(cv2.copyTo(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), mask), window)
+                     for image in (seen, wall))
+    return np.asarray((bright + 1e-3) / (usual + 1e-3), np.float32)
 
 
 def largest_difference(one: Floats, other: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 
 from aruco_ar.base.arrays import Booleans, Floats, Image
 from aruco_ar.geometry.homography import homography_to
-from aruco_ar.geometry.lens import Lens, rectify_color
+from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.tags.corner_rays import straight_corners
 from aruco_ar.tags.tag import Tag
 
@@ -35,7 +35,7 @@ def white_and_black(frame: Image, tags: Sequence[Tag], lens: Lens | None) -> tup
     levels = []
     for tag in tags:
         to_frame = homography_to(straight_corners(tag, lens)) @ scale @ np.diag([1 / TAG_PX, 1 / TAG_PX, 1])
-        patch = rectify_color(frame, to_frame, (TAG_PX, TAG_PX), lens).reshape(-1, 3)
+        patch = rectify(frame, to_frame, (TAG_PX, TAG_PX), lens).reshape(-1, 3)
         levels.append(np.percentile(patch, (WHITE_PERCENTILE, BLACK_PERCENTILE), axis=0))
     white, black = np.array(levels).reshape(-1, 2, 3).transpose(1, 0, 2)
     return white, black

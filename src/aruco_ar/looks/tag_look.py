@@ -55,7 +55,7 @@ class TagLook:
             self._hindered = self._hindered + 1 if seen and count else 0
             if count and self._hindered < LASTING:
                 look = self._look * change
-                return Front(soft_rim(image, look, labels > 0), colors - look)
+                return Front(soft_rim(colors, look, labels > 0), colors - look)
         if seen and valid.all():
             self._count = 1 if self._hindered else min(self._count + 1, MEAN_OF)
             if self._count == 1:

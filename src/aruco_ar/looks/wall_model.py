@@ -143,7 +143,8 @@ class WallModel:
         self.front = np.zeros(valid.shape, np.float32)
         if count:
             self._learn_front(seen, labels, count, passed, settle, part)
-            self.front[part] = soft_rim(image[part], lit, front[part] & (self._seen_s[part] >= KNOWN_S))
+            self.front[part] = soft_rim(np.asarray(image[part], np.float32), lit,
+                                        front[part] & (self._seen_s[part] >= KNOWN_S))
         if self._blank is not None:
             self._clear_patches(seen, valid, labels, self._blank)
         self._before = front

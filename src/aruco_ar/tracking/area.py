@@ -13,7 +13,7 @@ from aruco_ar.base.arrays import NO_ARRAY, Booleans, Floats, Image
 from aruco_ar.base.errors import InputError
 from aruco_ar.compiled import binding
 from aruco_ar.geometry.homography import homography_from, homography_to, transform
-from aruco_ar.geometry.lens import Lens, rectify, rectify_color
+from aruco_ar.geometry.lens import Lens, rectify
 from aruco_ar.geometry.ordering import largest_quadrilateral, order_coordinates
 from aruco_ar.tags.tag import Tag
 
@@ -125,7 +125,7 @@ class Area:
         homography = self.homography(*size) @ shift
         window, part = self.window(frame) if halvings else (frame, self)
         if not halvings or not window.size:
-            return rectify_color(frame, homography, size, self.lens)
+            return rectify(frame, homography, size, self.lens)
         block = 2**halvings
         corner = [round(offset) for offset in (self.corners[0] - part.corners[0]).tolist()]
         window, (left, top) = _in_blocks(frame, corner, window.shape[1::-1], block)
@@ -134,7 +134,7 @@ class Area:
             window = cv2.resize(window, half, interpolation=cv2.INTER_AREA)
         middle = (block - 1) / 2  # of the first block
         shrink = np.array([[1, 0, -left - middle], [0, 1, -top - middle], [0, 0, block]]) / block
-        return rectify_color(window, shrink @ homography, size)
+        return rectify(window, shrink @ homography, size)
 
     def in_frame(self, frame: Image, size: tuple[int, int]) -> Booleans:
         """(h, w): which pixels of the area, rectified, a frame shows. ``frame``, ``size``: see rectified."""

@@ -182,17 +182,6 @@ def of_soften_picture():
         'picture': arrays['window'], 'mask': arrays['mask']}
 
 
-def of_rectify():
-    return lambda **arrays: binding.rectify(**arrays, size=(50, 40)), {
-        'frame': frame_with_tag()[0], 'homography': np.float64([[2, 0.1, 3], [0.2, 3, 1], [1e-3, 0, 1]])}
-
-
-def of_rectify_by_grid():
-    grid = np.random.RandomState(8).uniform(-5, 60, (6, 8, 2))
-    return lambda **arrays: binding.rectify(**arrays, size=(50, 40), homography=None, step=8), {
-        'frame': frame_with_tag()[0], 'grid': grid}
-
-
 def of_read_rings():
     random = np.random.RandomState(6)
     quads = np.float64([CORNERS, CORNERS + 3])
@@ -307,15 +296,6 @@ def of_light_wall():
     return binding.light_wall, {'look': arrays['look'], 'whole': arrays['whole']}
 
 
-def of_find_rim():
-    random = np.random.RandomState(9)
-    front = np.zeros((HEIGHT, WIDTH), bool)
-    front[10:30, 5:28] = True
-    return binding.find_rim, {
-        'seen': random.randint(0, 256, (HEIGHT, WIDTH, 3)).astype(np.uint8),
-        'wall': random.uniform(0, 255, (HEIGHT, WIDTH, 3)).astype(np.float32), 'front': front}
-
-
 def of_compare_wall():
     random = np.random.RandomState(2)
     look = random.uniform(20, 200, (HEIGHT, WIDTH, 3)).astype(np.float32)
@@ -354,16 +334,16 @@ MADE = {made.__name__[3:]: made for made in
          of_read_tags, of_draw_mask, of_warp_picture, of_find_sides, of_find_room, of_find_box, of_find_convex,
          of_start_motion, of_predict_motion, of_jerk_motion, of_correct_motion, of_find_deviation,
          of_unlikeliness, of_project, of_learn_patches, of_align_patches, of_mix_picture, of_light_picture,
-         of_soften_picture, of_rectify, of_rectify_by_grid, of_find_ways, of_read_rings, of_even_rings,
-         of_draw_cover, of_choose_sources, of_find_pose_pairs, of_refine_pose_pairs,
+         of_soften_picture, of_find_ways, of_read_rings, of_even_rings, of_draw_cover, of_choose_sources,
+         of_find_pose_pairs, of_refine_pose_pairs,
          of_refine_pose_pairs,
          of_find_tag_poses, of_weigh_poses, of_mix_poses, of_place_tags, of_off_others, of_add_off,
-         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall, of_find_rim)}
+         of_measure_light, of_light_wall, of_compare_wall, of_learn_wall)}
 OF_TAGS = [name for name in MADE if name.endswith(('_tags', '_cells'))]
 # Numbers of any type.
 CONVERTED = {'quads', 'others', 'cells', 'words', 'corners', 'to_picture', 'to_area', 'to_tiles', 'shifts',
              'smooth', 'cover', 'to_cover', 'at', 'middles', 'order', 'ways', 'colors', 'before',
-             'homography', 'grid', 'points', 'places', 'pixels', 'deviation', 'bias', *(
+             'points', 'places', 'pixels', 'deviation', 'bias', *(
                  argument for made in (of_refine_pose_pairs, of_find_tag_poses, of_weigh_poses, of_mix_poses,
                                        of_place_tags, of_off_others, of_add_off)
                  for argument in made()[1] if argument != 'memories')}
@@ -467,8 +447,6 @@ def test_an_array_of_another_shape_is_refused(name, argument):
                 **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3
                    for of in ('draw_cover', 'choose_sources')},
                 ('read_rings', 'frame'): other.ndim == 3 and other.shape[2] == 3 and other.size,
-                **{(of, 'frame'): other.ndim == 3 and other.shape[2] == 3 and min(other.shape) > 1
-                   for of in ('rectify', 'rectify_by_grid')},
                 ('draw_cover', 'cover'): other.ndim == 3 and other.shape[2] == 4 and min(other.shape) > 1,
                 ('light_wall', 'look'): other.ndim == 3 and other.shape[2] == 3,
                 ('refine_pose_pairs', 'spread'): other.ndim == 3 and other.shape[:2] == array.shape[:2],

@@ -3,8 +3,6 @@ import cv2
 import numpy as np
 import pytest
 from aruco_ar import Lens
-from aruco_ar.geometry.homography import homography_to, transform
-from aruco_ar.geometry.lens import rectify_color
 from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import Camera, Pose, wall_to_camera
 from aruco_ar.tags.corner_rays import corner_rays
@@ -43,25 +41,6 @@ def test_the_derivatives_of_the_projection_are_right(lens, random):
     for axis in (0, 1):
         moved, _ = lens.project_rays(rays + step * np.eye(2)[axis])
         np.testing.assert_allclose((moved - pixels) / step, slopes[:, :, axis], rtol=1e-3, atol=0.01)
-
-
-@pytest.mark.parametrize('lens', [None, LENSES['plumb_bob'], LENSES['fisheye']], ids=['none', 'bent', 'fish'])
-@pytest.mark.parametrize('turned', [False, True])
-def test_a_view_of_a_plane_shows_what_the_frame_does_there(lens, turned, random):
-    frame = cv2.GaussianBlur(random.randint(0, 256, (480, 640, 3)).astype(np.uint8), (0, 0), 3)
-    frame = cv2.normalize(frame, None, 20, 255, cv2.NORM_MINMAX)
-    corners = np.roll([[-160.0, 60], [760, 20], [660, 500], [-60, 470]], 2 if turned else 0, axis=0)
-    homography = homography_to(corners) @ np.diag([1 / 199, 1 / 149, 1])
-    view = rectify_color(frame, homography, (200, 150), lens)
-    x, y = np.meshgrid(np.arange(200.0), np.arange(150.0))
-    seen = transform(homography, np.stack([x, y], axis=-1))
-    seen = seen if lens is None else lens.distort(seen)
-    wanted = cv2.remap(frame, np.float32(seen), None, cv2.INTER_LINEAR)
-    inside = np.all((seen > 0.5) & (seen < [638.5, 478.5]), axis=-1)
-    outside = np.any((seen < -0.5) | (seen > [639.5, 479.5]), axis=-1)
-    assert 0.5 < inside.mean() < 0.99
-    np.testing.assert_allclose(view[inside].astype(int), wanted[inside], atol=5)
-    assert not view[outside].any()
 
 
 def test_rays_have_the_shape_of_the_pixels():
