@@ -47,10 +47,9 @@ _PRESETS = {
 SEARCHES = tuple(_PRESETS)
 
 # A search for tags of a known size resizes the frame so that they are SEARCH_SIDE_PX
-# wide, but enlarges it at most by MAX_ENLARGED. Enlarging by less than MIN_ENLARGED would show hardly more,
-# and double the time. It needs only one window.
+# wide, but enlarges it at most by MAX_ENLARGED. It needs only one window.
 SEARCH_SIDE_PX, SEARCH_WINDOW = 22, 11
-MIN_ENLARGED, MAX_ENLARGED = 1.1, 3
+MAX_ENLARGED = 3
 # A tag must have at least this likeness (see fit_tags). As many wrong cells are corrected
 # as can be, which finds tags that are blurred by motion. This limit rejects the other
 # things that are then mistaken for tags.
@@ -136,8 +135,6 @@ class Detector:
         With a large ``side``, this is faster than ``detect``. With a small one, it finds more tags.
         """
         scale, frame = min(SEARCH_SIDE_PX / side, MAX_ENLARGED), _gray(frame)
-        if 1 < scale < MIN_ENLARGED:
-            scale = 1
         preset = _Preset(max(scale, 1), ((min(scale, 1), SEARCH_WINDOW),), _PRESETS['normal'].shortest, False)
         return self._fitted(frame, *self._find(frame, preset, only))
 
