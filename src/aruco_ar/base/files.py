@@ -81,8 +81,7 @@ def write_whole(path: str, data: bytes) -> None:
     try:
         os.makedirs(folder, exist_ok=True)
         try:
-            _write_draft(folder, draft, data)
-            os.replace(draft, path)
+            _write(folder, draft, path, data)
         except BaseException:
             with suppress(FileNotFoundError):
                 os.unlink(draft)
@@ -93,20 +92,26 @@ def write_whole(path: str, data: bytes) -> None:
                          % (path, _reason(error), remedy)) from None
 
 
-def _write_draft(folder: str, draft: str, data: bytes) -> None:
-    """Write bytes to a draft. It has no name until it is complete: a killed process leaves none.
+def _write(folder: str, draft: str, path: str, data: bytes) -> None:
+    """Write bytes to a file that has no name until it is complete, so that a killed process leaves nothing.
 
-    Where there are no files without a name, it leaves a part of the draft.
+    Where there are no files without a name, it leaves a part of the draft. If another file is replaced, it may
+    leave all of it.
     """
     handle = open_unnamed(folder)
     if handle is None:
         with open(draft, 'xb') as file:
             file.write(data)
+        os.replace(draft, path)
         return
     with open(handle, 'wb') as file:
         file.write(data)
         file.flush()
-        give_name(handle, draft)
+        try:
+            give_name(handle, os.path.join(folder, os.path.basename(path)))
+        except FileExistsError:
+            give_name(handle, draft)
+            os.replace(draft, path)
 
 
 @contextmanager
