@@ -12,6 +12,7 @@ from rig.page.browser import WAIT_MS, browser_path
 from rig.page.server import free_port
 from rig.processes.started import Started
 
+pytestmark = pytest.mark.long
 PAINTED = '[data-topic="/exercise5_6/image"]'
 GREEN = (0, 200, 0)
 # Whether a canvas is green in the middle of the area.
