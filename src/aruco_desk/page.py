@@ -194,6 +194,7 @@ def serve(make_studio: MakeStudio, port: int, phone: Phone | None = None) -> Non
     try:
         server = listen(site, HERE if phone is None else NETWORK, port, tls)
     except InputError as error:
+        site.end()
         raise InputError(with_options(str(error))) from None
     place = address_of_page(address, port, tls)
     if phone is not None and can_show(sys.stdout):
