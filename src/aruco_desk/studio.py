@@ -21,12 +21,13 @@ from aruco_ar.settings.declaration import checked, parameters_of
 from aruco_ar.settings.settings import PictureSettings
 from aruco_ar.tracking.observer import FOUND, NEEDED, Observer
 from aruco_ar.tracking.sight import Sight
+from page_server.choices import EXERCISES
+from page_server.tiles import CAMERA
 
 from .options import with_options
 from .paint import WORDS, exercise
 
-CAMERA, PAINTER = 'camera/rgb/image_raw', 'exercise5_6'
-EXERCISES = 'exercise5_2', 'exercise5_3', 'exercise5_4', 'exercise5_5', PAINTER
+PAINTER = EXERCISES[-1]
 RETRY_S = 2.0    # a camera that is away is tried again after this time
 LOOK_S = 1.0     # the dictionary is looked for so often
 END_S = 3.0      # a camera has this time for a frame when all ends
@@ -104,12 +105,15 @@ class Studio:
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Change settings, {name: value}. Raises InputError if one cannot be used; then none is changed."""
+        self._apply(values)
+        self._knows_dictionary = self._knows_dictionary or 'dictionary' in values
+
+    def _apply(self, values: Mapping[str, Any]) -> None:
         kinds = parameters_of(PictureSettings)
         taken = {name: checked(name, kinds[name], value) for name, value in values.items()}
         with self._lock:
             settings = replace(self.settings, **taken)
             self._use(settings)
-            self._knows_dictionary = self._knows_dictionary or 'dictionary' in values
             self.settings = settings
             self._hints = self._new_hints()
         self._on_change()
@@ -200,5 +204,4 @@ class Studio:
         """Take the dictionary that four tags in a frame are of, unless it has been chosen meanwhile."""
         name = found.result() if not found.exception() else None
         if name is not None and name != self.settings.dictionary and not self._knows_dictionary:
-            self.change({'dictionary': name})
-            self._knows_dictionary = False  # it was not chosen
+            self._apply({'dictionary': name})
