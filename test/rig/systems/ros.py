@@ -69,7 +69,14 @@ def add_python(prefix):
 
 
 def link_all(folder, into):
-    """Link everything in a folder into another one, except for what is there already."""
+    """Link everything in a folder into another one, except for what is there already, in any version."""
+    there = {project(name) for name in os.listdir(into)} - {None}
     for name in os.listdir(folder):
-        if not os.path.lexists(join(into, name)):
+        if not os.path.lexists(join(into, name)) and project(name) not in there:
             os.symlink(join(folder, name), join(into, name))
+
+
+def project(name):
+    """The Python package that a folder such as PyYAML-6.0.dist-info describes; None if it is no such folder."""
+    name, kind = os.path.splitext(name)
+    return re.sub('[-_.]+', '-', name.split('-')[0]).lower() if kind in ('.dist-info', '.egg-info') else None
