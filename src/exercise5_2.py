@@ -15,7 +15,7 @@ from aruco_ar.painting.marks import GREEN, RED, SHIFT, fixed_point, write_text
 def detect_tags(scene):
     """Outline every tag, mark its first corner, and write its id."""
     # The detector's settings are parameters of the node: "dictionary", "ids", "search", "correction",
-    # "likeness", "min_side" and "border". rosrun unit5 exercise5_2.py --help explains them. The dictionary
+    # "confidence", "min_side" and "border". rosrun unit5 exercise5_2.py --help explains them. The dictionary
     # lists the patterns of all tags and their ids.
     detector = Detector(**scene.settings.of_detector())
 

@@ -130,7 +130,7 @@ class _Annotator:
             self._output.write('/%s/%s%s/compressed' % (self._exercise.name, topic, self._piece.camera),
                                compressed_from_frame(image, header), time)
         self._output.write('/%s/tags%s' % (self._exercise.name, self._piece.camera),
-                           tags_from_pixels([(tag.id, tag.corners) for tag in tags], header), time)
+                           tags_from_pixels(tags, header), time)
         place = [''] * len(CORNERS) if area is None else _pixels(area.corners)
         name = os.path.basename(self._piece.bag)
         for tag in tags:

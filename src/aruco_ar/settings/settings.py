@@ -11,7 +11,7 @@ from typing import Any
 
 from aruco_ar.base.errors import InputError
 from aruco_ar.base.files import in_package
-from aruco_ar.tags.detector import MIN_LIKENESS, SEARCHES
+from aruco_ar.tags.detector import MIN_CONFIDENCE, SEARCHES
 from aruco_ar.tags.tag import DICTIONARIES, DICTIONARY_NAMES, MAX_BORDER_CELLS, SIDE_M, tag_cells
 from aruco_ar.walls.remembered import WALL_SUFFIX, RememberedWall, load_remembered
 
@@ -69,9 +69,9 @@ class DetectionSettings(Settings):
     correction: float = number(
         1.0, 0, 1,
         'how many wrong cells a tag may have, as a share of those that its dictionary can correct; 0: none')
-    likeness: float = number(
-        MIN_LIKENESS, 0, 1,
-        "how closely an image must match a tag's pattern to be taken for that tag; 1 is a perfect match")
+    confidence: float = number(
+        MIN_CONFIDENCE, 0, 1,
+        'how sure it must be that something is a tag: of those found at 0.9, nine of ten are true')
     min_side: float = number(
         0.0, 0, 10000, 'smallest side of a tag in the frame, in pixels; smaller tags are ignored')
     border: float = number(

@@ -12,6 +12,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.geometry.ordering import is_quadrilateral
 
 from .completion import Completion
+from .confidence import Confidence, count_changes
 from .edges import (
     MARGIN,
     UNEVEN,
@@ -54,6 +55,9 @@ MAX_ENLARGED = 3
 # as can be, which finds tags that are blurred by motion. This limit rejects the other
 # things that are then mistaken for tags.
 MIN_LIKENESS = 0.76
+# Usually one needs this confidence. It is low: a tag that is missed costs more than a false one, since an area needs
+# four tags.
+MIN_CONFIDENCE = 0.2
 # All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
 # so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.
 MIN_WHOLE, WHOLE_OF_PX, MIN_WHOLE_WIDE = 0.35, 0.1, 0.65
@@ -86,18 +90,18 @@ class Detector:
     near tags at a fraction of the cost; or ``thorough``, which also finds far
     and slanted tags, at many times the cost. ``correction``, 0 to 1: how many
     wrong cells are corrected, as a share of those that the dictionary can
-    correct. ``likeness``, 0 to 1: a tag must have more (see fit_tags).
+    correct. ``confidence``, 0 to 1: a tag must have more (see Confidence).
     ``min_side``, pixels: tags with a shorter mean side are ignored.
     ``border``, 1 to 10: the width of the tags' black border, whole cells. Raises
     InputError for any other value.
     """
 
     def __init__(self, dictionary: str = 'DICT_6X6_250', ids: Iterable[int] = (), search: str = 'normal',
-                 correction: float = 1.0, likeness: float = MIN_LIKENESS, min_side: float = 0,
+                 correction: float = 1.0, confidence: float = MIN_CONFIDENCE, min_side: float = 0,
                  border: float = 1) -> None:
         if search not in _PRESETS:
             raise InputError('There is no search "%s"; choose one of %s.' % (search, ', '.join(SEARCHES)))
-        for name, value in ('correction', correction), ('likeness', likeness):
+        for name, value in ('correction', correction), ('confidence', confidence):
             if not isinstance(value, (int, float)) or not 0 <= value <= 1:
                 raise InputError('The %s cannot be %s; give a number from 0 to 1.' % (name, value))
         if not isinstance(min_side, (int, float)) or not min_side >= 0:
@@ -110,7 +114,9 @@ class Detector:
         self._ids = frozenset(ids)
         for tag_id in self._ids:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
-        self._correction, self._likeness, self._min_side = correction, likeness, min_side
+        self._correction, self._least, self._min_side = correction, confidence, min_side
+        self._confidence = Confidence(dictionary, len(self._ids))
+        self._changes: dict[int, int] = {}  # of each tag that was found
         self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
         self._completions: dict[tuple[int, bool], Completion] = {}
         self._preset = _PRESETS[search]
@@ -148,6 +154,12 @@ class Detector:
     def fit(self, frame: Image, ids: Sequence[int], quads: Floats) -> tuple[Floats, Booleans, Floats]:
         """Move quadrilaterals, (n, 4, 2), onto the edges of the tags with those ids; returns as fit_tags."""
         return fit_tags(frame, quads, self._cells_of(ids))
+
+    def confidence(self, tag_id: int, likeness: float, is_expected: bool) -> float:
+        """How sure it is that what looks like the tag with that id is it; see Confidence."""
+        if tag_id not in self._changes:
+            self._changes[tag_id] = count_changes(tag_cells(self._dictionary, tag_id))
+        return self._confidence.of(likeness, self._changes[tag_id], is_expected)
 
     def find_shifted(self, frame: Image, ids: Sequence[int], quads: Floats) -> list[Tag]:
         """As find_at, but the tags may be off by up to two cells, all corners alike.
@@ -283,12 +295,14 @@ class Detector:
         room, sides = room_of(fitted, frame), side_of(fitted)
         least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
         is_in_place = found if needs_edges else found | (room >= 1)
-        good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > self._likeness)
+        good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > MIN_LIKENESS)
                               & (whole > least) & (sides >= self._min_side) & is_quadrilateral(fitted))
         if self._preset.rereads or len(set(ids)) < len(ids):
             good = _without_duplicates(fitted, whole, good)
         self._cells.update((ids[number], cells[number]) for number in good)
-        return [Tag(ids[number], fitted[number], float(likeness[number])) for number in good]
+        tags = [Tag(ids[number], fitted[number], like, self.confidence(ids[number], like, needs_edges))
+                for number, like in zip(good, likeness[good].tolist())]
+        return [tag for tag in tags if tag.confidence > self._least]
 
 
 def _gray(frame: Image) -> Image:

@@ -48,11 +48,13 @@ class Tag:
     the tag is turned. The middle of the frame's top left pixel is (0, 0).
     ``likeness``: how closely the frame matches the tag's cells, 1 at best (see
     fit_tags). It is less if the tag is blurred, and so known less exactly.
+    ``confidence``: how sure it is that this is a tag, 0 to 1 (see Confidence).
     """
 
     id: int
     corners: Floats
     likeness: float = 1.0
+    confidence: float = 1.0
 
     @property
     def center(self) -> Floats:

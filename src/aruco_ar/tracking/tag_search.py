@@ -167,7 +167,9 @@ class FrameSearch:
                                                     self._distorted([places[tag_id] for tag_id in ids]))
         each = zip(ids, quads, *(one.tolist() for one in (
             likeness, found, room_of(quads, self.frame), side_of(quads))))
-        tags = undistorted_tags([Tag(tag_id, quad, like) for tag_id, quad, like, is_found, room, side in each
+        confidence = self._detector.confidence
+        tags = undistorted_tags([Tag(tag_id, quad, like, confidence(tag_id, like, is_expected=True))
+                                 for tag_id, quad, like, is_found, room, side in each
                                  if is_found and like > EXPECTED_LIKENESS and room >= 0 and side > MIN_SIDE_PX],
                                 self.lens)
         return {tag.id: tag for tag in tags}

@@ -316,9 +316,9 @@ def points_from_pixels(pixels):
 
 
 def tags_from_pixels(tags, header):
-    """Tags, pairs of (id, corners), as a unit5/TagArray. The corners are (4, 2) pixels."""
-    return TagArray(header=header, tags=[TagMessage(id=tag_id, corners=points_from_pixels(corners))
-                                         for tag_id, corners in tags])
+    """Tags, each a Tag, as a unit5/TagArray."""
+    return TagArray(header=header, tags=[
+        TagMessage(id=tag.id, corners=points_from_pixels(tag.corners), confidence=tag.confidence) for tag in tags])
 
 
 def polygon_from_pixels(pixels, header):

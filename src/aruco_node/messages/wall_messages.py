@@ -3,6 +3,7 @@ from math import cos, sin
 
 from aruco_ar.simulation.render import project_rows
 from aruco_ar.simulation.robot import CAMERA_FORWARD_M, CAMERA_HEIGHT_M
+from aruco_ar.tags.tag import Tag
 from geometry_msgs.msg import Quaternion, TransformStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo
@@ -74,7 +75,7 @@ def true_tags(wall, first, last, camera, header):
     for tag in wall.tags:
         pixels, before_camera = project_rows(tag.corners, first, last, camera)
         if before_camera:
-            seen.append((tag.id, pixels))
+            seen.append(Tag(tag.id, pixels))
     return tags_from_pixels(seen, header)
 
 

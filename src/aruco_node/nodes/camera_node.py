@@ -93,7 +93,7 @@ class CameraNode(FrameNode):
                 log_once(kind, problem, rospy.logwarn)
             self._problems = answer.problems
             if self._tags.get_num_connections():
-                self._tags.publish(tags_from_pixels([(tag.id, tag.corners) for tag in sight.tags], header))
+                self._tags.publish(tags_from_pixels(sight.tags, header))
         return replace(answer, publish=publish, tags_in_sight=len(sight.tags),
                        has_area=any(seen.area is not None for seen in sight.areas))
 

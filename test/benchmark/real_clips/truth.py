@@ -69,6 +69,26 @@ def truth_of(frames, dictionary, ids, camera: Optional[Camera] = None):
     return _truth_by_texture(frames, seen, ids), 'texture'
 
 
+def all_tags(frames, dictionary):
+    """[{id: (4, 2) pixels} or None, ...]: all tags of a clip's plane in each of the frames, even if not read.
+
+    None for a frame that shows too few of them to know where the plane is.
+    """
+    with Pool() as pool:
+        seen = list(pool.imap(_TagReader(dictionary), frames, 4))
+    places, found = _plane(seen), []
+    for tags in seen:
+        known = [tag_id for tag_id in tags if tag_id in places]
+        homography, off = None, None
+        if len(known) >= MIN_TAGS:
+            homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
+                                              np.vstack([tags[tag_id] for tag_id in known]))
+        is_known = homography is not None and np.median(off) < MAX_OFF_PX
+        found.append({tag_id: _transform(homography, quad) for tag_id, quad in places.items()}
+                     if is_known else None)
+    return found
+
+
 class _TagReader:
     """Reads the tags of a frame: {id: (4, 2) pixels}, refined as in AprilTag."""
 

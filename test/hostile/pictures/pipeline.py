@@ -67,7 +67,7 @@ class Pipeline:
         self._count = len(get_dictionary(self.dictionary).bytesList)
         ids = random.choice([0] * 5 + [4])
         finds = {'ids': range(ids), 'search': str(random.choice(SEARCHES, p=SEARCH_SHARES)),
-                 'correction': random.choice([1.0, 0.5]), 'likeness': random.choice([0.8, 0.8, 0.8, 0.0]),
+                 'correction': random.choice([1.0, 0.5]), 'confidence': random.choice([0.2, 0.2, 0.2, 0.0]),
                  'min_side': int(random.choice([0, 0, 0, 20]))}
         self._detector = Detector(self.dictionary, **finds)
         self._tracker = Tracker(self.dictionary, hold=random.choice([0, 0.3, 60.0]),
@@ -231,7 +231,7 @@ def _faults_of_pose(pose, name):
 
 
 def _faults_of_messages(tags, poses, camera, on_wall, lens):
-    messages = [tags_from_pixels([(tag.id, tag.corners) for tag in tags], _header()),
+    messages = [tags_from_pixels(tags, _header()),
                 pose_messages.tag_poses(poses, lens, _header()),
                 pose_messages.markers(poses, on_wall, _header())]
     if on_wall is not None:

@@ -13,7 +13,7 @@ from rig.processes.started import program
 
 EXERCISES = ['exercise5_%d.launch' % number for number in range(2, 7)]
 SHARED_ARGS = {'camera', 'transport', 'folder', 'dictionary', 'ids', 'scale', 'search', 'correction',
-               'likeness', 'min_side', 'border', 'respawn', 'view', 'bag', 'sim'}
+               'confidence', 'min_side', 'border', 'respawn', 'view', 'bag', 'sim'}
 LENS_ARGS = {'lens', 'camera_info', 'rectified'}
 OWN_ARGS = {'exercise5_4.launch': LENS_ARGS,
             'exercise5_5.launch': LENS_ARGS | {'hold', 'upright', 'wall'},

@@ -370,7 +370,7 @@ def test_the_help_lists_the_exercises_and_the_parameters_of_bags(package):
                             stdout=subprocess.PIPE, text=True, check=True).stdout
     assert '{5.2,5.3,5.4,5.5,5.6}' in output and '5_2 is the same as 5.2' in output
     listed = re.findall(r'^  _(\w+) +(\S+)', output, re.MULTILINE)
-    assert dict(listed)['likeness'] == '0.76'
+    assert dict(listed)['confidence'] == '0.2'
     only_of_nodes = {'image_transport', 'folder', 'scale', 'areas', 'camera_info', 'tag_frame', 'wall_frame',
                      'robot_frame'}
     assert {name for name, _ in listed} == set(ros_values(BagSettings())) - only_of_nodes

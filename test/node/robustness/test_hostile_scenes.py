@@ -113,7 +113,7 @@ def test_every_tag_found_in_noise_is_a_quadrilateral():
     for seed in range(12):
         noise = np.random.RandomState(seed).randint(0, 256, (40, 53)).astype(np.uint8)
         frame = cv2.resize(noise, (160, 120), interpolation=cv2.INTER_LINEAR)
-        for tag in Detector('DICT_4X4_50', likeness=0).detect(frame):
+        for tag in Detector('DICT_4X4_50', confidence=0).detect(frame):
             assert is_quadrilateral(tag.corners)
 
 

@@ -5,7 +5,7 @@ from aruco_ar.hints.hints import Hints
 from aruco_ar.tracking.sight import SeenArea, Sight
 
 FRAME = np.full((240, 320, 3), 200, np.uint8)
-DETECTION = {'dictionary': 'DICT_6X6_250', 'ids': (), 'search': 'normal', 'correction': 1.0, 'likeness': 0.8,
+DETECTION = {'dictionary': 'DICT_6X6_250', 'ids': (), 'search': 'normal', 'correction': 1.0, 'confidence': 0.8,
              'min_side': 0.0}
 
 

@@ -44,7 +44,7 @@ def test_a_tag_that_is_off_by_up_to_two_cells_is_fitted_where_it_looks_like_itse
     assert not detector.find_at(frame, [7], off[None])
     tag, = detector.find_shifted(frame, [7], off[None])
     np.testing.assert_allclose(tag.corners, quad, atol=0.1)
-    assert not Detector(likeness=1).find_shifted(frame, [7], off[None])
+    assert not Detector(confidence=1).find_shifted(frame, [7], off[None])
     assert not detector.find_shifted(frame, [8], off[None])
 
 

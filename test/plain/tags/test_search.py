@@ -188,26 +188,29 @@ def test_small_tags_are_found_on_a_painting(package):
 
 @pytest.mark.parametrize('search', SEARCHES)
 def test_wrong_cells_are_corrected_as_far_as_requested(search):
-    """In this dictionary, up to five cells can be corrected."""
-    for correction, corrected in (0, 0), (0.4, 2), (1, 5):
-        detector = Detector(search=search, correction=correction, likeness=0)
+    """In this dictionary, up to five cells can be corrected. A tag with more than three is not like itself."""
+    for correction, corrected in (0, 0), (0.4, 2), (0.6, 3):
+        detector = Detector(search=search, correction=correction, confidence=0)
         assert [tag.id for tag in detector.detect(damaged_tag(corrected))] == [7]
         assert detector.detect(damaged_tag(corrected + 1)) == []
 
 
 @pytest.mark.parametrize('search', SEARCHES)
-def test_a_tag_with_less_than_the_requested_likeness_is_ignored(search):
-    assert len(Detector(search=search).detect(damaged_tag(1))) == 1
-    assert Detector(search=search, likeness=0.99).detect(damaged_tag(1)) == []
-    assert len(Detector(search=search, likeness=0.99).detect(damaged_tag(0))) == 1
+def test_a_tag_with_less_than_the_requested_confidence_is_ignored(search):
+    whole, = Detector(search=search).detect(damaged_tag(0))
+    damaged, = Detector(search=search).detect(damaged_tag(1))
+    assert 0.2 < damaged.confidence < whole.confidence < 1
+    between = (damaged.confidence + whole.confidence) / 2
+    assert Detector(search=search, confidence=between).detect(damaged_tag(1)) == []
+    assert len(Detector(search=search, confidence=between).detect(damaged_tag(0))) == 1
 
 
 @pytest.mark.parametrize('wrong, sentence', [
     ({'search': 'slow'}, '^There is no search "slow"; choose one of fast, normal, thorough.$'),
     ({'search': None}, 'no search "None"'),
     ({'correction': 1.5}, '^The correction cannot be 1.5; give a number from 0 to 1.$'),
-    ({'likeness': 'much'}, 'likeness cannot be much; give a number from 0 to 1'),
-    ({'likeness': float('nan')}, 'likeness cannot be nan'),
+    ({'confidence': 'much'}, 'confidence cannot be much; give a number from 0 to 1'),
+    ({'confidence': float('nan')}, 'confidence cannot be nan'),
     ({'min_side': -1}, '^The shortest side of tags cannot be -1; give pixels, 0 or more.$'),
 ])
 def test_wrong_arguments_are_explained(wrong, sentence):

@@ -70,12 +70,12 @@ class HostileParameters(NodeTest):
 
     def test_the_limits_of_the_parameters_are_accepted(self):
         self.start_with_camera('exercise5_6')
-        narrow = {'scale': 1.0, 'min_side': 10000.0, 'hold': 60.0, 'likeness': 1.0, 'correction': 0.0}
+        narrow = {'scale': 1.0, 'min_side': 10000.0, 'hold': 60.0, 'confidence': 1.0, 'correction': 0.0}
         for sent, size in (({'scale': 0.01}, (5, 6)), ({'scale': 4.0}, (1920, 2560)), (narrow, (480, 640))):
             taken = change('/exercise5_6', **sent)
             self.assertEqual(taken, dict(taken, **sent))
             self.assertEqual(self.answer_to(scene()).shape[:2], size)
-        change('/exercise5_6', min_side=0.0, likeness=0.5, opacity=0.0)
+        change('/exercise5_6', min_side=0.0, confidence=0.5, opacity=0.0)
         np.testing.assert_array_equal(self.answer_to(scene())[INSIDE], scene()[INSIDE])
         change('/exercise5_6', opacity=1.0)
         self.assert_painted(self.answer_to(scene()), scene())

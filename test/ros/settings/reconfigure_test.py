@@ -18,7 +18,7 @@ from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 
-RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'likeness': (0, 1), 'min_side': (0, 10000), 'hold': (0, 60),
+RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'confidence': (0, 1), 'min_side': (0, 10000), 'hold': (0, 60),
           'border': (1, 10),
           'opacity': (0, 1), 'settle': (0.5, 3600), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20),
           'falloff': (0, 1), 'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100),
@@ -28,7 +28,7 @@ CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'
            'grain': ['clean', 'match'], 'tags': ['show', 'hide'],
            'visitor': ['nobody', 'person', 'hand'], 'lens': ['correct', 'ignore'],
            'dictionary': ['DICT_4X4_50', 'DICT_6X6_250']}
-SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'likeness', 'min_side', 'border', 'folder'}
+SIGHT = {'dictionary', 'ids', 'scale', 'search', 'correction', 'confidence', 'min_side', 'border', 'folder'}
 AREA = SIGHT | {'lens', 'hold', 'upright', 'wall'}
 OFFERED = {'exercise5_4': SIGHT | {'lens'}, 'exercise5_5': AREA,
            'exercise5_6': AREA | {'picture', 'fit', 'opacity', 'foreground', 'light', 'grain', 'tags',
@@ -177,7 +177,7 @@ class DynamicReconfigure(NodeTest):
 
     def test_the_parameters_of_the_search_are_accepted_and_kept(self):
         self.paint()
-        values = {'search': 'thorough', 'correction': 0.5, 'likeness': 0.7, 'min_side': 12.0}
+        values = {'search': 'thorough', 'correction': 0.5, 'confidence': 0.7, 'min_side': 12.0}
         taken = change('/exercise5_6', **values)
         self.assertEqual(taken, dict(taken, **values))
         self.assert_painted(self.answer_to(scene()), scene())
