@@ -10,6 +10,7 @@ from rig.nodes.master import Master
 from rig.processes.record import recorded
 
 from . import screen
+from .false_tags import false_tags
 from .looks import cost, looks, real_hidden
 from .real_clips import clips, covered, other_walls, remembered, searches, video
 from .report import chart
@@ -19,7 +20,7 @@ from .simulated import accuracy, painting, poses, search, speed
 PARTS = {'sticking': accuracy.run, 'speed': speed.run, 'search': search.run, 'poses': poses.run,
          'painting': painting.run, 'looks': looks.run, 'nodes': nodes.run_load,
          'memory': nodes.run_memory, 'page': page.run, 'network': network.run, 'bags': bags.run,
-         'screen': screen.run}
+         'screen': screen.run, 'false_tags': false_tags.run}
 WITH_MASTER = 'nodes', 'memory', 'page'
 OF_CLIPS = 'walls',  # the parts that need real clips
 

@@ -9,9 +9,9 @@ from aruco_ar.base.arrays import Image
 
 from .tag import get_dictionary
 
-# What speaks for a tag: how little its likeness lacks to be perfect, and how often its pattern changes from dark to
-# light, since what else is in a frame is mostly plain or striped; a larger pattern has more changes anyway. These are
-# the coefficients of a logistic regression: "python3 -m benchmark.false_tags.fitting" finds them.
+# What speaks for a tag: how little its likeness lacks to be perfect, and how often its pattern changes from
+# dark to light, since most other things are plain or striped. A larger pattern has more changes anyway. These
+# are the coefficients of a logistic regression, which "python3 -m benchmark.false_tags.fitting" finds.
 BASE, OF_LACK, OF_CHANGES, OF_CELLS = -25.22, -3.289, 9.565, -3.801
 LEAST_LACK = 0.004  # a likeness is not known better than this
 TURNS = 4
@@ -20,9 +20,9 @@ TURNS = 4
 class Confidence:
     """Tells how sure it is that a tag is one, 0 to 1: of tags at 0.9, nine of ten are true.
 
-    This holds if a dictionary is looked for in about seven frames without any of its tags for each frame with some.
-    Where tags are rarer, fewer of those found are true. ``dictionary``: its name. ``ids``: how many different ids
-    are looked for; 0: all.
+    This holds if a dictionary is looked for in about seven frames without any of its tags for each frame with
+    some. Where tags are rarer, fewer of those found are true. ``dictionary``: its name. ``ids``: how many
+    different ids are looked for; 0: all.
     """
 
     def __init__(self, dictionary: str, ids: int = 0) -> None:
@@ -36,15 +36,18 @@ class Confidence:
     def of(self, likeness: float, changes: int, is_expected: bool = False) -> float:
         """The confidence in a tag.
 
-        ``likeness``: see fit_tags. ``changes``: see count_changes. ``is_expected``: whether only this tag was looked
-        for in this place, so that no other could have been found.
+        ``likeness``: see fit_tags. ``changes``: see count_changes. ``is_expected``: whether only this tag was
+        looked for in this place, so that no other could have been found.
         """
-        odds = self._base + OF_LACK * log(max(1 - likeness, 0) + LEAST_LACK) + OF_CHANGES * log(max(changes, 1)) \
-            + (self._of_one if is_expected else self._of_fewer)
+        odds = self._base + OF_LACK * log(max(1 - likeness, 0) + LEAST_LACK) \
+            + OF_CHANGES * log(max(changes, 1)) + (self._of_one if is_expected else self._of_fewer)
         return 1 / (1 + exp(-odds))
 
 
 def count_changes(cells: Image) -> int:
-    """How many of a tag's cells differ from the one to the left, and from the one above; ``cells``: see tag_cells."""
+    """How many of a tag's cells differ from the one to the left, and from the one above.
+
+    ``cells``: see tag_cells.
+    """
     light = cells > 127
     return int(np.sum(light[:, 1:] != light[:, :-1]) + np.sum(light[1:] != light[:-1]))

@@ -55,8 +55,8 @@ MAX_ENLARGED = 3
 # as can be, which finds tags that are blurred by motion. This limit rejects the other
 # things that are then mistaken for tags.
 MIN_LIKENESS = 0.76
-# Usually one needs this confidence. It is low: a tag that is missed costs more than a false one, since an area needs
-# four tags.
+# Usually a tag must have more confidence than this. It is low: a missed tag costs more than a false one,
+# since an area needs four tags.
 MIN_CONFIDENCE = 0.2
 # All of it, as compare_tags sees it, must be like the tag as well. Blur takes more from tags with small cells,
 # so these need less: the least, what each pixel of a cell's width adds, and the limit for wide cells.

@@ -318,7 +318,8 @@ def points_from_pixels(pixels):
 def tags_from_pixels(tags, header):
     """Tags, each a Tag, as a unit5/TagArray."""
     return TagArray(header=header, tags=[
-        TagMessage(id=tag.id, corners=points_from_pixels(tag.corners), confidence=tag.confidence) for tag in tags])
+        TagMessage(id=tag.id, corners=points_from_pixels(tag.corners), confidence=tag.confidence)
+        for tag in tags])
 
 
 def polygon_from_pixels(pixels, header):

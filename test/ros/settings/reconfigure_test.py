@@ -18,9 +18,9 @@ from rig.processes.started import WAIT_S
 from tornado.websocket import websocket_connect
 from unit5.msg import AreaPose, TagPoseArray
 
-RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'confidence': (0, 1), 'min_side': (0, 10000), 'hold': (0, 60),
-          'border': (1, 10),
-          'opacity': (0, 1), 'settle': (0.5, 3600), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20),
+RANGES = {'scale': (0.01, 4), 'correction': (0, 1), 'confidence': (0, 1), 'min_side': (0, 10000),
+          'hold': (0, 60), 'border': (1, 10), 'opacity': (0, 1),
+          'settle': (0.5, 3600), 'tag_size': (0.001, 10), 'noise': (0, 100), 'blur': (0, 20),
           'falloff': (0, 1), 'exposure': (0, 20), 'swing': (0, 4), 'hand': (0, 10), 'shutter': (0, 100),
           'jpeg': (0, 100), 'linear': (0, 2), 'angular': (0, 8), 'rate': (0, 1000), 'quality': (1, 100)}
 CHOICES = {'search': ['fast', 'normal', 'thorough'], 'upright': ['tags', 'image'],

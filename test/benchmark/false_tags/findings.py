@@ -1,0 +1,71 @@
+"""What detectors find in frames of which it is known where all tags are."""
+from collections import namedtuple
+from functools import lru_cache
+
+import cv2
+import numpy as np
+from aruco_ar import DICTIONARIES, Detector
+from aruco_ar.tags import detector
+from aruco_ar.tags.tag import DICTIONARY_NAMES
+
+from . import frames
+
+OFF = 0.15, 2.0  # a corner of a true tag is off by at most this: a part of a side, or pixels
+TAGGED = 'tags'  # the kind of frames with tags
+
+# What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether there is a tag with that ``id``.
+Finding = namedtuple('Finding', 'kind dictionary id likeness confidence is_true')
+
+
+def is_true(tag_id, corners, truth):
+    """Whether there is such a tag in the frame; ``truth``: {id: (4, 2) pixels}, all that are in it."""
+    if tag_id not in truth:
+        return False
+    side = np.linalg.norm(truth[tag_id] - np.roll(truth[tag_id], 1, axis=0), axis=1).mean()
+    return np.linalg.norm(truth[tag_id] - corners, axis=1).max() < max(OFF[0] * side, OFF[1])
+
+
+class Finder:
+    """Finds tags of all dictionaries in frames: by ours, and by OpenCV's detector as it comes.
+
+    All dictionaries are read in the same quadrilaterals, so these are found only once in each frame.
+    """
+
+    def __init__(self, confidence):
+        """``confidence``: the least one of ours."""
+        self._frame, self._quads, self._find_quads = None, {}, detector.find_quads
+        detector.find_quads = self._known_quads
+        self._ours = {name: Detector(name, confidence=confidence) for name in DICTIONARY_NAMES}
+        self._opencv = {name: cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[name]))
+                        for name in DICTIONARY_NAMES}
+
+    def ours(self, kind, frame, dictionary, truth):
+        """The Findings of our detector in a frame."""
+        if frame is not self._frame:
+            self._frame, self._quads = frame, {}
+        return [Finding(kind, dictionary, tag.id, tag.likeness, tag.confidence,
+                        is_true(tag.id, tag.corners, truth))
+                for tag in self._ours[dictionary].detect(frame)]
+
+    def _known_quads(self, image, *how):
+        if (image.shape, how) not in self._quads:
+            self._quads[image.shape, how] = self._find_quads(image, *how)
+        return self._quads[image.shape, how]
+
+    def opencv(self, frame, dictionary):
+        """The ids that OpenCV's detector finds in a frame."""
+        ids = self._opencv[dictionary].detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))[1]
+        return [] if ids is None else ids.ravel().tolist()
+
+
+@lru_cache(maxsize=1)
+def finder_of(confidence):
+    """The Finder of this process, which works on one thread."""
+    cv2.setNumThreads(1)
+    return Finder(confidence)
+
+
+def tagged(finder, dictionary, number):
+    """The Findings in one of the frames with tags of a dictionary."""
+    frame, truth = frames.tag_frame(number, dictionary)
+    return finder.ours(TAGGED, frame, dictionary, truth)
