@@ -19,6 +19,7 @@ REPORTS = os.path.join(RESULTS, 'unit5')
 TIMEOUT_S = 2100  # for a rostest; the test in it has its own limit of 1,800 s
 QUICK = 'not long and not clips'  # the tests of --quick and of the matrix, which need about a minute
 MATRIX = 'test/node/package/test_matrix.py'
+COVERAGE, LEAST_COVERED = 'test/coverage', 90.0  # percent of the lines of src
 # A constant that gives the reason why a rostest must run alone.
 ALONE = re.compile(r'^ALONE = ', re.MULTILINE)
 SKIPPED = re.compile(r'^SKIPPED (?:\S*\.)?(\S+): (.+)$', re.MULTILINE)  # see test/rig/processes/skip.py
@@ -40,7 +41,7 @@ class Rostest:
         begin, log = time.monotonic(), '%s/%s.log' % (REPORTS, self.name)
         command = ['rostest', '--results-base-dir', RESULTS, '--results-filename', self.name + '.xml']
         with open(log, 'w') as file, subprocess.Popen([*command, *self._launch], stdout=stream or file,
-                                                      stderr=subprocess.STDOUT) as process:
+                                                      stderr=subprocess.STDOUT, env=measured()) as process:
             try:
                 code = process.wait(TIMEOUT_S)
             except subprocess.TimeoutExpired:
@@ -107,11 +108,29 @@ def pytests():
             for path in sorted(glob.glob('test/%s/**/test_*.py' % folder, recursive=True))}
 
 
-def run_pytest(name, *arguments, stdout=None):
+def measured():
+    """The environment in which all Python processes note which lines of src they run; see test/coverage."""
+    folder = os.path.join(PACKAGE, COVERAGE)
+    return dict(os.environ, UNIT5=PACKAGE, COVERAGE_PROCESS_START=os.path.join(folder, 'coverage.ini'),
+                PYTHONPATH=folder + os.pathsep + os.environ.get('PYTHONPATH', ''))
+
+
+def covered():
+    """The percentage of the lines of src that have run, as coverage says it; also as build/coverage/html."""
+    def coverage(*command):
+        done = subprocess.run([sys.executable, '-m', 'coverage', *command, '--rcfile=%s/coverage.ini' % COVERAGE],
+                              env=dict(os.environ, UNIT5=PACKAGE), check=True, stdout=subprocess.PIPE, text=True)
+        return done.stdout.strip()
+    coverage('combine')
+    coverage('html', '--directory=build/coverage/html')
+    return float(coverage('report', '--format=total', '--precision=1'))
+
+
+def run_pytest(name, *arguments, stdout=None, env=None):
     """Run pytest with these arguments. Returns Cases."""
     path = '%s/%s.xml' % (REPORTS, name)
     code = subprocess.run([sys.executable, '-m', 'pytest', '-p', 'no:cacheprovider', '--junit-xml=' + path,
-                           *arguments], stdout=stdout).returncode
+                           *arguments], stdout=stdout, env=env).returncode
     cases = Cases(name, path)
     if code and not cases.failed:
         cases.failed.append((name, 'pytest returned %d' % code))
@@ -150,7 +169,7 @@ def run_named(names):
 def run_all():
     """Run all tests. Yields Cases."""
     yield run_pytest('pytest', '-q', '-n', 'auto', '--dist', 'loadgroup', '--ignore', MATRIX, 'test/plain',
-                     'test/node')
+                     'test/node', env=measured())
     yield from run_in_parallel([Matrix(), *rostests().values()])
 
 
@@ -171,8 +190,14 @@ def main(names):
             print('FAILED %s: %s\n%s' % (cases.test, name, reason))
     passed, failed, skipped = [sum(len(getattr(cases, kind)) for cases in done)
                                for kind in ('passed', 'failed', 'skipped')]
+    is_covered = True
+    if not names:
+        percent = covered()
+        is_covered = percent >= LEAST_COVERED
+        print('%.1f %% of the lines of src have run%s; see build/coverage/html/index.html'
+              % (percent, '' if is_covered else ', less than the %g %% that are promised' % LEAST_COVERED))
     print('%d passed, %d failed, %d skipped' % (passed, failed, skipped))
-    sys.exit(failed > 0 or passed == 0)
+    sys.exit(failed > 0 or passed == 0 or not is_covered)
 
 
 if __name__ == '__main__':
