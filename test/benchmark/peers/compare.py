@@ -20,11 +20,11 @@ MIN_SIGHTS = 3    # of a tag, for what is alike in all frames
 MIN_TIMED = 20    # frames: those of smaller scenes are shown several times for the time
 LINE = '%-19s%14s%10s%11s%11s%8s%8s%22s'
 TEXT = '''Detectors on the same frames, in turns, on one thread: %s.
-SUBPIX and APRILTAG are OpenCV's refinements of corners. AprilTag 3 is pupil-apriltags, with its defaults
-and on the whole image instead of one of half the size. found: of the tags that are whole in the frame; no
-corner may be off by more than a quarter of a side. other id: tags with ids that are not there. elsewhere:
-tags with a right id in a wrong place, or found twice. Errors are those of corners, of tags that OpenCV
-finds, too. steady: the same without what is alike for a corner in all frames. The time is the mean.
+SUBPIX and APRILTAG are OpenCV's refinements of corners. AprilTag 3 is pupil-apriltags, with AprilTag's
+defaults, and on the whole image instead of one of half the size. found: of the tags that are whole in the
+frame; no corner may be off by more than a quarter of a side. other id: tags with ids that are not there.
+elsewhere: tags with a right id in a wrong place, or found twice. Errors are those of corners, of tags that
+OpenCV finds, too. steady: the same without what is alike for a corner in all frames. The time is the median.
 '''
 
 
@@ -140,11 +140,11 @@ def show(scene):
     rows, missing, tags, by_how_many = measure(scene)
     tell('\n%s, %s' % (scene.name, scene.dictionary))
     tell(LINE % ('', 'found', 'other id', 'elsewhere', 'median px', '95 %', 'steady', 'time'))
-    default = np.mean(rows[DEFAULT].took)
+    default = np.median(rows[DEFAULT].took)
     for name, row in rows.items():
         errors = list(corner_errors(row, rows[DEFAULT]).values()) if scene.exact else []
         steady = [each - each.mean(axis=0) for each in errors if len(each) >= MIN_SIGHTS] if scene.plane else []
-        took = np.mean(row.took)
+        took = np.median(row.took)
         counts = ('%d of %d' % (row.found, tags), row.other_id, row.elsewhere) if tags is not None else (
             row.seen, '-', '-')
         tell(LINE % ('  ' + name, *counts, _quantile(errors, 0.5), _quantile(errors, 0.95),

@@ -11,6 +11,7 @@ DEFAULT = 'OpenCV'  # its defaults; the others are compared with it
 SUBPIX, APRILTAG, ARUCO3 = 'OpenCV, SUBPIX', 'OpenCV, APRILTAG', 'OpenCV, ArUco 3'
 FAMILIES = {'DICT_APRILTAG_16H5': 'tag16h5', 'DICT_APRILTAG_25H9': 'tag25h9', 'DICT_APRILTAG_36H11': 'tag36h11'}
 PUPIL = {'AprilTag 3': {}, 'AprilTag 3, whole': {'quad_decimate': 1.0}}
+SHARPENING = 0.25  # AprilTag's default; pupil-apriltags rounds its own down to 0
 # AprilTag's corners are counted from the corner of the top left pixel, all others from its middle. OpenCV's
 # refinement is a copy of it.
 HALF_PX = 0.5
@@ -52,5 +53,6 @@ def _april_tag(family, **settings):
             """Frees nothing: its own frees the families before what uses them, and the program crashes."""
 
     detector = Detector(family, **settings)
+    detector.tag_detector_ptr.contents.decode_sharpening = SHARPENING
     return lambda frame: [(tag.tag_id, tag.corners) for tag in
                           detector.detect(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))]
