@@ -118,8 +118,9 @@ def measured():
 def covered():
     """The percentage of the lines of src that have run, as coverage says it; also as build/coverage/html."""
     def coverage(*command):
-        done = subprocess.run([sys.executable, '-m', 'coverage', *command, '--rcfile=%s/coverage.ini' % COVERAGE],
-                              env=dict(os.environ, UNIT5=PACKAGE), check=True, stdout=subprocess.PIPE, text=True)
+        done = subprocess.run(
+            [sys.executable, '-m', 'coverage', *command, '--rcfile=%s/coverage.ini' % COVERAGE],
+            env=dict(os.environ, UNIT5=PACKAGE), check=True, stdout=subprocess.PIPE, text=True)
         return done.stdout.strip()
     coverage('combine')
     coverage('html', '--directory=build/coverage/html')

@@ -12,6 +12,7 @@ from rig.processes.record import recorded
 from . import screen
 from .false_tags import false_tags
 from .looks import cost, looks, real_hidden
+from .peers import compare
 from .real_clips import clips, covered, other_walls, remembered, searches, video
 from .report import chart
 from .ros import bags, network, nodes, page
@@ -37,13 +38,20 @@ def parse():
                         'and what the looks cost; with --only search, what '
                         'a search of one frame costs and finds; with --only walls, how often a wall that '
                         'is remembered is taken for another one.')
+    parser.add_argument('--peers', metavar='FOLDER', nargs='*',
+                        help='compare our detector with those of OpenCV and AprilTag instead, on the photos '
+                        'and clips of these folders. A NAME.yaml beside each gives its dictionary and '
+                        'all_ids, and a NAME.txt beside a photo its tags, one a line: id, then four '
+                        'corners (default: what is '
+                        'shared beside the package, and the simulation)')
     parser.add_argument('--video', metavar='FILE', help='compare both methods on a video instead')
     parser.add_argument('--ids', metavar='1,2,3,4', default=(),
                         type=lambda text: tuple(int(number) for number in text.split(',')),
                         help='the four tags of the video that span the area; with them, the video is also '
                         'compared with the truth where that is known')
     parser.add_argument('--dictionary', default='DICT_6X6_250',
-                        help="the dictionary of the video's tags (default: DICT_6X6_250)")
+                        help='the dictionary of the tags of the video, and of what has no NAME.yaml '
+                        '(default: DICT_6X6_250)')
     parser.add_argument('--record', action='store_true',
                         help='also write the output to docs/results/, for the documentation')
     parser.add_argument('--chart', metavar='FILE.png', default='unit5-bench.png',
@@ -71,6 +79,10 @@ def main():
     if args.real and args.only == 'walls':
         with recorded('real_walls', args.record):
             other_walls.run(clips.clips_of(args.real))
+        return
+    if args.peers is not None:
+        with recorded('peers', args.record):
+            compare.run(args.peers, args.dictionary)
         return
     if args.only in OF_CLIPS:
         raise InputError('The part "%s" needs --real.' % args.only)

@@ -9,7 +9,7 @@ from aruco_ar.tags.detector import MIN_CONFIDENCE
 from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 from benchmark.real_clips.clips import CLIPS, clips_of
-from benchmark.real_clips.truth import all_tags
+from benchmark.real_clips.truth import tags_of
 
 from . import frames
 from .findings import finder_of, tagged
@@ -74,7 +74,7 @@ class Filmed:
 
     def __init__(self, clip):
         self._clip, (self._frames, _) = clip, clip.frames()
-        self._tags = all_tags(self._frames, clip.dictionary)
+        self._tags = tags_of(self._frames, clip.dictionary, clip.all_ids)
 
     def __len__(self):
         return len(self._frames)
@@ -83,10 +83,8 @@ class Filmed:
         """The Findings in a frame. Where it is not known where all tags are, those with a right id are true."""
         clip, truth = self._clip, self._tags[number]
         found = finder_of(MIN_CONFIDENCE).ours(os.path.basename(clip.path), self._frames[number],
-                                               clip.dictionary, truth or {})
-        if truth is None:
-            return [each._replace(is_true=each.id in clip.all_ids) for each in found]
-        return found
+                                               clip.dictionary, truth)
+        return found if truth else [each._replace(is_true=each.id in clip.all_ids) for each in found]
 
 
 def _per_dictionary(tagless, opencv, count):

@@ -10,7 +10,8 @@ from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 from . import frames
 
-OFF = 0.15, 2.0  # a corner of a true tag is off by at most this: a part of a side, or pixels
+# A tag is true if none of its corners is farther off than this part of its side, or than so many pixels.
+OFF = 0.15, 2.0
 TAGGED = 'tags'  # the kind of frames with tags
 
 # What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether there is a tag with that ``id``.

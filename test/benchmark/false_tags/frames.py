@@ -17,7 +17,7 @@ from aruco_ar.tags.tag import draw_tag, get_dictionary
 from aruco_ar.walls.wall import Poster, Wall
 from rig import PACKAGE
 
-from benchmark.real_clips.truth import all_tags
+from benchmark.real_clips.truth import tags_of
 
 EARTH = os.path.join(PACKAGE, 'images', 'earth.jpg')
 SIZE = 640, 480
@@ -222,8 +222,8 @@ class PaintedOver:
         frames, _ = clip.frames()
         frames = [cv2.resize(frame, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
                   for frame in frames for scale in [min(1, LONGER_PX / max(frame.shape[:2]))]]
-        tags = all_tags(frames, clip.dictionary)
-        self._known = [(frame, quads) for frame, quads in zip(frames, tags) if quads is not None]
+        tags = tags_of(frames, clip.dictionary, clip.all_ids)
+        self._known = [(frame, quads) for frame, quads in zip(frames, tags) if quads]
 
     def __len__(self):
         return VARIANTS * len(self._known)

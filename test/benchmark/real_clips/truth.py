@@ -60,8 +60,7 @@ def truth_of(frames, dictionary, ids, camera: Optional[Camera] = None):
     The corners are (n, 4, 2) pixels, clockwise, NaN where unknown. ``frames``: a list of (h, w, 3) BGR.
     """
     lens = camera or _NoDistortion()
-    with Pool() as pool:
-        seen = list(progress(pool.imap(_TagReader(dictionary), frames, 4), 'reading tags', len(frames)))
+    seen = _read(frames, dictionary)
     others = [len(set(tags) - set(ids)) for tags in seen]
     if np.mean(np.array(others) >= MIN_TAGS) > 0.5:
         undistorted = [{tag_id: lens.undistort(quad) for tag_id, quad in tags.items()} for tags in seen]
@@ -69,24 +68,25 @@ def truth_of(frames, dictionary, ids, camera: Optional[Camera] = None):
     return _truth_by_texture(frames, seen, ids), 'texture'
 
 
-def all_tags(frames, dictionary):
-    """[{id: (4, 2) pixels} or None, ...]: all tags of a clip's plane in each of the frames, even if not read.
+def tags_of(frames, dictionary, ids, camera: Optional[Camera] = None):
+    """[{id: (4, 2)}]: the true corners, pixels, of the tags with these ids in all frames; {} where unknown.
 
-    None for a frame that shows too few of them to know where the plane is.
+    The tags are in one plane. Each is where most of those that are read say, itself among them, so also where
+    it is covered or out of view. ``frames``, ``camera``: see truth_of.
     """
+    lens = camera or _NoDistortion()
+    seen = [{tag_id: lens.undistort(quad) for tag_id, quad in tags.items() if tag_id in ids}
+            for tags in _read(frames, dictionary)]
+    places = _plane(seen)
+    views = [_view(places, tags) for tags in seen]
+    return [{} if view is None else {tag_id: lens.distort(_transform(view, quad)) for tag_id, quad in
+                                     places.items()} for view in views]
+
+
+def _read(frames, dictionary):
+    """[{id: (4, 2) pixels}]: the tags that are read in all frames."""
     with Pool() as pool:
-        seen = list(pool.imap(_TagReader(dictionary), frames, 4))
-    places, found = _plane(seen), []
-    for tags in seen:
-        known = [tag_id for tag_id in tags if tag_id in places]
-        homography, off = None, None
-        if len(known) >= MIN_TAGS:
-            homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
-                                              np.vstack([tags[tag_id] for tag_id in known]))
-        is_known = homography is not None and np.median(off) < MAX_OFF_PX
-        found.append({tag_id: _transform(homography, quad) for tag_id, quad in places.items()}
-                     if is_known else None)
-    return found
+        return list(progress(pool.imap(_TagReader(dictionary), frames, 4), 'reading tags', len(frames)))
 
 
 class _TagReader:
@@ -175,14 +175,10 @@ def _plane(seen):
     for _ in range(ROUNDS):
         found = {}
         for tags in seen:
-            known = [tag_id for tag_id in tags if tag_id in places]
-            if len(known) < MIN_TAGS:
+            view = _view(places, tags)
+            if view is None:
                 continue
-            homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
-                                              np.vstack([tags[tag_id] for tag_id in known]))
-            if homography is None or np.median(off) > MAX_OFF_PX:
-                continue
-            back = np.linalg.inv(homography)
+            back = np.linalg.inv(view)
             for tag_id, quad in tags.items():
                 found.setdefault(tag_id, []).append(_transform(back, quad))
         places = {tag_id: np.median(quads, axis=0) for tag_id, quads in found.items()
@@ -195,14 +191,20 @@ def _truth_by_tags(seen, ids, lens):
     corners = _clockwise([_center(places[tag_id]) for tag_id in ids])
     truth = np.full((len(seen), 4, 2), np.nan)
     for number, tags in enumerate(seen):
-        known = [tag_id for tag_id in tags if tag_id in places and tag_id not in ids]
-        if len(known) < MIN_TAGS:
-            continue
-        homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
-                                          np.vstack([tags[tag_id] for tag_id in known]))
-        if homography is not None and np.median(off) < MAX_OFF_PX:
-            truth[number] = lens.distort(_transform(homography, corners))
+        view = _view(places, {tag_id: quad for tag_id, quad in tags.items() if tag_id not in ids})
+        if view is not None:
+            truth[number] = lens.distort(_transform(view, corners))
     return truth
+
+
+def _view(places, tags):
+    """The homography from the plane to a frame in which these tags, {id: (4, 2)}, are read, or None."""
+    known = [tag_id for tag_id in tags if tag_id in places]
+    if len(known) < MIN_TAGS:
+        return None
+    homography, off = _fit_homography(np.vstack([places[tag_id] for tag_id in known]),
+                                      np.vstack([tags[tag_id] for tag_id in known]))
+    return homography if homography is not None and np.median(off) < MAX_OFF_PX else None
 
 
 def _center(quad):

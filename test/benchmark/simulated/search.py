@@ -1,6 +1,5 @@
 """The cost of each search of the detector, and the smallest width of the tags that it finds."""
 import os
-import re
 from math import cos, radians, sin
 from multiprocessing import Pool
 
@@ -14,6 +13,8 @@ from aruco_ar.tags.detector import SEARCHES
 from aruco_ar.walls.wall import Wall, WallTag
 from rig import PACKAGE
 from rig.accuracy.drives import WIDE, drive
+
+from benchmark.tags_file import tags_in
 
 from .speed import timed
 
@@ -38,11 +39,18 @@ def finder(method, dictionary=DICTIONARY):
     if method != DEFAULT:
         detector = Detector(dictionary, search=method)
         return lambda frame: [(tag.id, tag.corners) for tag in detector.detect(frame)]
-    plain = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary]),
-                                    cv2.aruco.DetectorParameters())
+    return opencv_finder(dictionary)
+
+
+def opencv_finder(dictionary, **settings):
+    """The same for OpenCV's detector. ``settings``: those of its parameters that are not the default."""
+    parameters = cv2.aruco.DetectorParameters()
+    for name, value in settings.items():
+        setattr(parameters, name, value)
+    detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[dictionary]), parameters)
 
     def find(frame):
-        corners, ids, _ = plain.detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
+        corners, ids, _ = detector.detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))
         return [] if ids is None else [(int(tag_id), quad[0]) for tag_id, quad in zip(ids.ravel(), corners)]
     return find
 
@@ -102,9 +110,7 @@ def smallest_width(shares):
 def crowd(name):
     """A photo, (h, w, 3) BGR uint8, and the corners, (n, 4, 2), of the tags that AprilTag 3 finds in it."""
     path = os.path.join(PHOTOS, name)
-    with open(path + '.txt') as file:
-        numbers = [re.findall(r'[\d.]+', line)[1:] for line in file]
-    return cv2.imread(path + '.jpg'), np.float64(numbers).reshape(-1, 4, 2)
+    return cv2.imread(path + '.jpg'), np.array([quad for _, quad in tags_in(path + '.txt')])
 
 
 def apart(quad, other):

@@ -1,13 +1,17 @@
 """The package for ROS: catkin_lint, launch arguments, the benchmark, what nodes load, an install space."""
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
 import sys
 from xml.etree import ElementTree
 
+import cv2
+import numpy as np
 import pytest
+from aruco_ar import draw_tag
 from aruco_ar.compiled.compiler import flags, sources
 from rig.processes.started import program
 
@@ -53,6 +57,25 @@ def test_the_benchmark_lists_its_options(package):
     done = subprocess.run([package + '/script/bench', '--help'], env=clean, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0 and '--video FILE' in done.stdout, done.stdout
+
+
+def test_the_benchmark_compares_detectors_on_a_folder(package, tmp_path):
+    """A photo of one tag, and a folder that does not exist."""
+    tag = np.pad(draw_tag('DICT_4X4_50', 8, 60), 30, constant_values=255)
+    cv2.imwrite(str(tmp_path / 'one.png'), tag)
+    (tmp_path / 'one.txt').write_text('8\n9\n')
+
+    def bench(folder):
+        return subprocess.run(
+            [sys.executable, '-m', 'benchmark', '--dictionary', 'DICT_4X4_50', '--peers', str(folder)],
+            cwd=package + '/test', capture_output=True, text=True)
+    done = bench(tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert '1 photo, ids known, DICT_4X4_50' in done.stdout
+    assert len(re.findall(r'^  (?:OpenCV|ours).* 1 of 2 +0 +0 ', done.stdout, re.MULTILINE)) == 7, done.stdout
+    done = bench(tmp_path / 'none')
+    assert done.returncode == 1
+    assert re.fullmatch(r'bench: There is no folder ".*none" with photos and clips\.\n', done.stderr)
 
 
 def test_the_nodes_of_a_real_robot_load_nothing_of_the_simulation(package):

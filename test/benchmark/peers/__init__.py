@@ -1,0 +1,1 @@
+"""Our detector and those of others, on the same frames."""
