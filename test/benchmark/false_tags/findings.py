@@ -10,7 +10,7 @@ from aruco_ar.tags.tag import DICTIONARY_NAMES
 
 from . import frames
 
-# A tag is true if none of its corners is farther off than this part of its side, or than so many pixels.
+# No corner of a true tag is farther off than this part of its side, or than so many pixels.
 OFF = 0.15, 2.0
 TAGGED = 'tags'  # the kind of frames with tags
 
