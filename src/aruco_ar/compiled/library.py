@@ -15,7 +15,8 @@ def load() -> ctypes.CDLL:
     """The library that was built of the sources in this folder.
 
     A library of other sources is not used, since it may take other arguments. It is searched beside this file,
-    where a wheel has it, on LD_LIBRARY_PATH, where catkin's environment has it, and in the user's cache.
+    where a wheel or an install space has it, on LD_LIBRARY_PATH, where catkin's devel space has it, and in the
+    user's cache.
     Otherwise it is compiled and kept in that cache, if possible. Raises SetupError if it cannot be compiled or
     loaded.
     """

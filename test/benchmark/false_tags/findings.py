@@ -14,7 +14,7 @@ from . import frames
 OFF = 0.15, 2.0
 TAGGED = 'tags'  # the kind of frames with tags
 
-# What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether there is a tag with that ``id``.
+# What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether a tag with that ``id`` is there.
 Finding = namedtuple('Finding', 'kind dictionary id likeness confidence is_true')
 
 

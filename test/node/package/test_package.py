@@ -102,6 +102,7 @@ def test_an_install_space_is_complete(package, tmp_path):
               ' && rosrun unit5 gazebo_wall.py --output wall'
               ' && roslaunch --nodes unit5 exercise5_6.launch sim:=true'
               ' && roslaunch --nodes unit5 demo.launch && roslaunch --ros-args unit5 exercise5_6.launch'
+              ' && python3 -c "from aruco_desk.command import main; main([\'tags\'])"'
               ' && python3 -c "import aruco_ar, aruco_node.page.node; print(aruco_ar.__file__); '
               'print(open(\'/proc/self/maps\').read())"'
               % (prefix, tmp_path))
@@ -112,13 +113,15 @@ def test_an_install_space_is_complete(package, tmp_path):
     assert done.returncode == 0, done.stdout
     assert (tmp_path / 'made' / 'image_5.jpg').is_file()
     assert (tmp_path / 'wall' / 'worlds' / 'wall.world').is_file()
+    assert (tmp_path / 'wall.pdf').is_file()  # aruco-ar finds the lessons
     assert os.path.isfile(prefix + '/share/unit5/gazebo/worlds/wall.world')
     for name in ('/exercise5_6', '/wall_camera', '/page'):
         assert name in done.stdout.splitlines()
     assert os.path.isfile(prefix + '/share/unit5/web/index.html')
     assert prefix + '/share/unit5/images/earth.jpg' in done.stdout
     assert prefix + '/lib/python3/dist-packages/aruco_ar' in done.stdout
-    assert prefix + '/lib/libunit5.so' in done.stdout  # so its version is that of the sources
+    # So its version is that of the sources.
+    assert prefix + '/lib/python3/dist-packages/aruco_ar/compiled/libunit5.so' in done.stdout
     for name in ('artag_generator.py', 'exercise5_2.py', 'gazebo_wall.py', 'wall_camera.py'):
         with open('%s/lib/unit5/%s' % (prefix, name)) as installed, \
                 open(program(name)) as source:

@@ -36,7 +36,7 @@ def test_a_tag_in_a_frame_without_tags_is_counted_of_each_detector(finder):
     ours, theirs = Tagless('walls', frame_with_a_tag)(0)
     mine = [found for found in ours if found.dictionary.startswith('DICT_5X5')]
     assert all(found.id == 42 and not found.is_true for found in mine)
-    assert [found.dictionary for found in mine] == ['DICT_5X5_100', 'DICT_5X5_1000', 'DICT_5X5_250']
+    assert [found.dictionary for found in mine] == ['DICT_5X5_%d' % count for count in (100, 1000, 250, 50)]
     assert [name for name in theirs if name.startswith('DICT_5X5') and theirs[name]] == [
         found.dictionary for found in mine]
     assert Tagless('walls', frame_with_a_tag)(1)[1] == {}  # OpenCV's looks at every fifth only
