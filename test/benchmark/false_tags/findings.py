@@ -14,7 +14,7 @@ from . import frames
 OFF = 0.15, 2.0
 TAGGED = 'tags'  # the kind of frames with tags
 
-# What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether a tag with that ``id`` is there.
+# What a detector finds in a frame. ``kind``: of the frame. ``is_true``: whether it has a tag with that ``id``.
 Finding = namedtuple('Finding', 'kind dictionary id likeness confidence is_true')
 
 
@@ -61,8 +61,7 @@ class Finder:
 
 @lru_cache(maxsize=1)
 def finder_of(confidence):
-    """The Finder of this process, which works on one thread."""
-    cv2.setNumThreads(1)
+    """The Finder of this process."""
     return Finder(confidence)
 
 

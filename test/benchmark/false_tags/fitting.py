@@ -2,6 +2,7 @@
 from math import log
 from multiprocessing import Pool
 
+import cv2
 import numpy as np
 from aruco_ar.base.progress import progress
 from aruco_ar.tags.confidence import LEAST_LACK, count_changes
@@ -49,6 +50,7 @@ def regression(given, wanted, weights):
 
 def run():
     """Print the coefficients."""
+    cv2.setNumThreads(1)
     jobs = [(kind, FIRST + number) for kind, (_, count) in FRAMES.items() for number in range(count)]
     jobs += [(name, FIRST + number) for name in DICTIONARY_NAMES for number in range(TAG_FRAMES)]
     with Pool() as pool:

@@ -32,11 +32,23 @@ def test_sphinx_builds_the_docs_without_warnings(package, tmp_path):
 
 
 def test_every_linked_file_exists(package):
-    for page in [package + '/README.md', *glob.glob(package + '/docs/**/*.md', recursive=True)]:
+    for page in glob.glob(package + '/*.md') + glob.glob(package + '/docs/**/*.md', recursive=True):
         with open(page, encoding='utf-8') as file:
             targets = {target for target in LINK.findall(file.read()) if target and '://' not in target}
         for target in targets:
             assert os.path.isfile(os.path.join(os.path.dirname(page), target)), '%s: %s' % (page, target)
+
+
+def test_the_quality_declaration_names_commands_that_exist(package):
+    with open(package + '/QUALITY_DECLARATION.md', encoding='utf-8') as page:
+        commands = re.findall(r'`((?:script|\.ci)/[^`]+)`', page.read())
+    assert len(commands) > 20
+    known = {re.sub('^test_|_test$', '', name[:-len('.py')]) for _, _, names in os.walk(package + '/test')
+             for name in names if name.endswith('.py')}
+    for program, *names in map(str.split, commands):
+        assert os.access(os.path.join(package, program), os.X_OK), program
+        if program == 'script/test':
+            assert set(names) <= known, names
 
 
 def test_the_example_of_a_new_exercise_blurs_only_the_area(package, frame, wall, view):
