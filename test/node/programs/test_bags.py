@@ -280,7 +280,8 @@ def test_each_camera_is_processed_once_whatever_the_names_of_its_topics(package,
     with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
         topics = bag.get_type_and_topic_info().topics
     assert {topic: about.message_count for topic, about in topics.items()} == {
-        '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (('image', '/compressed'), ('tags', ''))
+        '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (
+            ('image', '/compressed'), ('tags', ''), ('annotations', ''))
         for camera in ('/eye/image' + ending, '/eye_image' + ending, '/front/image' + ending)}
     assert {path.name for path in (tmp_path / 'out').glob('*.mp4')} == {
         'many.eye.image.mp4', 'many.eye_image.mp4', 'many.front.image.mp4'}
