@@ -2,8 +2,9 @@
 """Run an exercise on all frames in bags.
 
 Needs no roscore. For each NAME.bag it writes a NAME.bag with the images of the
-exercise into a folder, and with --video a NAME.mp4. The table tags.csv has every
-tag in every frame of all bags. If it is interrupted, the same command continues.
+exercise into a folder, for each NAME.mcap a NAME.mcap, and with --video a
+NAME.mp4. The table tags.csv has every tag in every frame of all bags. If it is
+interrupted, the same command continues.
 """
 import argparse
 import os
@@ -45,11 +46,13 @@ def parse(argv):
                'Only pictures that stand still can be painted into bags: JPEG and PNG.'
                % table([row for row in parameter_rows(BagSettings, '_') if row[0][1:] in PARAMETERS]))
     option = parser.add_argument
-    option('bags', nargs='+', metavar='BAG', help='a bag with images, raw or compressed')
+    option('bags', nargs='+', metavar='BAG',
+           help='a bag, or an MCAP file of ROS 1, with images, raw or compressed')
     option('--out', required=True, metavar='FOLDER', help='folder for the output')
     option('--exercise', choices=EXERCISES, type=lambda text: text.replace('_', '.'), default='5.6',
            help='exercise to run; 5_2 is the same as 5.2 (default: 5.6)')
     option('--video', action='store_true', help='write MP4s as well')
+    option('--mcap', action='store_true', help='write MCAP files for bags, too')
     who = parser.add_mutually_exclusive_group().add_argument
     who('--workers', type=int, metavar='N', default=os.cpu_count(),
         help='processes on this machine (default: as many as it has processor cores)')
@@ -99,7 +102,7 @@ def main(argv):
         task = Task(exercise(args.exercise), settings(argv), FOLDER)
         check_picture(task)
         task.settings.remembered_wall()  # raises if it cannot be read
-        jobs = jobs_of(args.bags, task, args.out, args.video, args.piece)
+        jobs = jobs_of(args.bags, task, args.out, args.video, args.mcap, args.piece)
         began = time.monotonic()
         with locked(args.out), workers(args.scheduler, args.workers) as client:
             frames, is_all = work(jobs, client, args.out)

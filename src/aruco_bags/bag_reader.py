@@ -1,4 +1,4 @@
-"""Reads a bag in pieces. The pieces do not depend on how many processes read them, or where."""
+"""Reads a bag or an MCAP file in pieces. They do not depend on how many processes read them, or where."""
 import os
 import stat
 import threading
@@ -15,6 +15,8 @@ from aruco_node.messages.images import TRANSPORTS
 from aruco_node.messages.topics import IMAGE_TYPES, SUFFIX, raw_topic
 from aruco_node.ros_internals.indexed_bag import IndexedBag
 from sensor_msgs.msg import CameraInfo
+
+from .mcap_bag import McapBag, is_mcap
 
 PIECE_S = 60.0         # length of a piece, in the bag's time
 RUN_IN_NS = 3 * 10**9  # frames before a piece, from which the tracker learns
@@ -117,7 +119,9 @@ def _time(nanoseconds):
 
 @contextmanager
 def opened(path):
-    """A context manager with an IndexedBag. Raises InputError, also if reading fails within the block.
+    """A context manager with an IndexedBag or a McapBag.
+
+    Raises InputError, also if reading fails within the block.
 
     The last bag stays open, since opening a long bag takes long, and the next piece is usually of the same bag.
     """
@@ -130,7 +134,8 @@ def opened(path):
             if hasattr(_LAST, 'bag'):
                 _LAST.bag.close()
             _LAST.__dict__.clear()
-            _LAST.bag, _LAST.key = IndexedBag(path), key
+            _LAST.bag = McapBag(path) if is_mcap(path) else IndexedBag(path)
+            _LAST.key = key
         yield _LAST.bag
     except rosbag.ROSBagUnindexedException:
         raise InputError('it has no index; perhaps its recording was interrupted. Make one: rosbag reindex "%s"'

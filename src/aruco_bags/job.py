@@ -17,6 +17,7 @@ from aruco_ar.exercise import PICTURE
 from aruco_ar.painting.video_writer import need_video
 
 from .bag_reader import pieces_of
+from .mcap_bag import SUFFIX, join_mcaps, need_mcap
 from .pieces import join_bags, join_tables, make_video
 from .task import COLUMNS, annotate
 
@@ -35,12 +36,15 @@ class Job:
     again.
     """
 
-    def __init__(self, path, task, folder, video, seconds):
+    def __init__(self, path, task, folder, video, mcap, seconds):
+        """``video``: whether to write MP4s. ``mcap``: whether to write MCAP even if the bag is a usual one."""
         self.path, self._task, self._folder, self._video = path, task, folder, video
         self._seconds = seconds
-        self.name = os.path.splitext(os.path.basename(path))[0]
-        self.bag = os.path.join(folder, self.name + '.bag')
-        wanted = [task.exercise.name, repr(task.settings), video, seconds, *_state(path), _state_of_code(task)]
+        self.name, suffix = os.path.splitext(os.path.basename(path))
+        self.is_mcap = mcap or suffix == SUFFIX
+        self.bag = os.path.join(folder, self.name + (SUFFIX if self.is_mcap else '.bag'))
+        wanted = [task.exercise.name, repr(task.settings), video, self.is_mcap, seconds, *_state(path),
+                  _state_of_code(task)]
         if PICTURE in task.exercise.needs:
             wanted += _state(in_package(task.settings.picture))
         digest = hashlib.sha256(json.dumps(wanted).encode()).hexdigest()[:12]
@@ -65,7 +69,7 @@ class Job:
         pieces = sorted(pieces, key=lambda piece: (piece.number, piece.topic))
         parts = [os.path.join(self._folder_of(piece), '%06d' % piece.number) for piece in pieces]
         with drafted(self.bag, self._drafts) as draft:
-            join_bags([part + '.bag' for part in parts], draft)
+            (join_mcaps if self.is_mcap else join_bags)([part + '.bag' for part in parts], draft)
         made = [self.bag]
         cameras = sorted({piece.camera for piece in pieces})
         for camera in cameras if self._video else []:
@@ -92,11 +96,11 @@ class Job:
         return os.path.join(self._drafts, hashlib.sha256(piece.topic.encode()).hexdigest()[:12])
 
 
-def jobs_of(paths, task, folder, video, seconds):
+def jobs_of(paths, task, folder, video, mcap, seconds):
     """Jobs for the bags with these paths, with all output in one folder.
 
-    ``video``: whether to write MP4s. ``seconds``: the length of a piece. Raises InputError if two output files
-    would have the same name, if one would replace a bag, or if MP4s cannot be written.
+    ``video``, ``mcap``: see Job. ``seconds``: the length of a piece. Raises InputError if two output files
+    would have the same name, if one would replace a bag, or if MP4s or MCAP files cannot be written.
     """
     if video:
         need_video('leave out --video')
@@ -109,7 +113,10 @@ def jobs_of(paths, task, folder, video, seconds):
                              % os.path.basename(path))
         if os.path.dirname(path) == folder:
             raise InputError('The bag "%s" is in the output folder. Give another --out.' % path)
-    return [Job(path, task, folder, video, seconds) for path in names.values()]
+    jobs = [Job(path, task, folder, video, mcap, seconds) for path in names.values()]
+    if any(job.is_mcap for job in jobs):
+        need_mcap('leave out --mcap' if mcap else 'leave out the MCAP files')
+    return jobs
 
 
 @contextmanager

@@ -1,12 +1,17 @@
 """Joins the output of pieces."""
+import genpy
+import numpy as np
 import rosbag
 from aruco_ar.base.progress import progress
 from aruco_ar.painting.video_writer import video_writer
 from aruco_node.messages.images import frame_from_compressed
 from aruco_node.ros_internals.indexed_bag import forget_written
 
+from .bag_reader import opened
+
 COPY_BYTES = 1 << 20
 DEFAULT_RATE = 30.0  # frames per second of a video with a single frame
+NEVER = genpy.Time(2**32 - 1, 10**9 - 1)
 
 
 def join_bags(parts, target):
@@ -30,16 +35,17 @@ def join_tables(parts, target, columns=()):
 
 
 def make_video(bag, topic, target, name):
-    """Write the images on a topic of a bag as an MP4 with H.264, as browsers and phones play it.
+    """Write the images on a topic of a bag, or of an MCAP file, as an MP4 with H.264 for browsers and phones.
 
     ``name``: what the video is called in the end, for errors. Returns whether there are any. Raises InputError
     if the video cannot be written. Call need_video first.
     """
-    with rosbag.Bag(bag) as images:
-        about = images.get_type_and_topic_info([topic]).topics.get(topic)
-        if about is None:
+    with opened(bag) as images:
+        times = sorted(time.to_sec() for _, time in images.times([topic]))
+        if not times:
             return False
-        with video_writer(target, about.frequency or DEFAULT_RATE, name) as add:
-            for _, message, _ in progress(images.read_messages([topic]), 'video', about.message_count):
+        period = np.median(np.diff(times)) if len(times) > 1 else 0.0
+        with video_writer(target, 1 / period if period else DEFAULT_RATE, name) as add:
+            for _, message, _ in progress(images.messages([topic], genpy.Time(), NEVER), 'video', len(times)):
                 add(frame_from_compressed(message))
     return True

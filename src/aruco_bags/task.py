@@ -13,7 +13,8 @@ from aruco_ar.base.files import in_package
 from aruco_ar.exercise import AREA, PICTURE, Exercise
 from aruco_ar.painting.sources import Still, open_source
 from aruco_ar.runner import Runner
-from aruco_node.messages.camera_info import lens_from_info
+from aruco_node.messages.annotations import annotations
+from aruco_node.messages.camera_info import info_of_frames, lens_from_info
 from aruco_node.messages.images import compressed_from_frame, tags_from_pixels
 from aruco_node.messages.pose_messages import quaternion
 from aruco_node.messages.topics import raw_topic
@@ -25,7 +26,7 @@ from sensor_msgs.msg import CameraInfo
 from .bag_reader import decoder_of, messages
 
 CORNERS = [(number, axis) for number in range(4) for axis in 'xy']
-COLUMNS = ['bag', 'topic', 'stamp', 'id', *('corner%d_%s' % corner for corner in CORNERS),
+COLUMNS = ['bag', 'topic', 'stamp', 'id', 'confidence', *('corner%d_%s' % corner for corner in CORNERS),
            'center_x', 'center_y', 'x', 'y', 'z', 'qx', 'qy', 'qz', 'qw',
            *('area%d_%s' % corner for corner in CORNERS)]
 
@@ -129,13 +130,17 @@ class _Annotator:
         for topic, image in zip(self._exercise.topics, images):
             self._output.write('/%s/%s%s/compressed' % (self._exercise.name, topic, self._piece.camera),
                                compressed_from_frame(image, header), time)
-        self._output.write('/%s/tags%s' % (self._exercise.name, self._piece.camera),
-                           tags_from_pixels(tags, header), time)
+        beside = {'tags': tags_from_pixels(tags, header),
+                  'annotations': annotations(tags, [] if area is None else [area], header.stamp)}
+        if self._lens is not None:
+            beside['camera_info'] = info_of_frames(self._info, images[0].shape[1::-1], header)
+        for topic, message in beside.items():
+            self._output.write('/%s/%s%s' % (self._exercise.name, topic, self._piece.camera), message, time)
         place = [''] * len(CORNERS) if area is None else _pixels(area.corners)
         name = os.path.basename(self._piece.bag)
         for tag in tags:
             self._rows.writerow([
-                name, self._piece.topic, '%d.%09d' % (stamp.secs, stamp.nsecs), tag.id,
+                name, self._piece.topic, '%d.%09d' % (stamp.secs, stamp.nsecs), tag.id, '%.3f' % tag.confidence,
                 *_pixels(tag.corners), *_pixels(tag.center), *_numbers(poses.get(tag.id)), *place])
 
 

@@ -16,6 +16,7 @@ LOWEST = {
     'tornado': ('Tornado', (6, 4, 2), 'tornado>=6.4.2,<7'),
     'distributed': ('Dask distributed', (2023, 5), 'distributed>=2023.5,<2026'),
     'av': ('PyAV', (12,), 'av>=12,<20'),
+    'mcap': ('mcap', (1, 6), 'mcap>=1.6,<2'),
 }
 
 

@@ -4,6 +4,7 @@ import re
 import numpy as np
 from aruco_ar.base.errors import InputError, shorten
 from aruco_ar.geometry.lens import Lens
+from sensor_msgs.msg import CameraInfo, RegionOfInterest
 
 PLUMB_BOB, RATIONAL, FISHEYE, NONE = 'plumb_bob', 'rational_polynomial', 'equidistant', 'none'
 # Other names of distortion models, in small letters and with _ between words.
@@ -58,6 +59,25 @@ def lens_from_info(info, size, rectified=False, scale=1.0, notes=None):
             'not used. Calibrate with the sheet in the corners, too (calibrate_live.launch), or give ' \
             'lens:=ignore.' % (100 * blind)
     return lens
+
+
+def info_of_frames(info, size, header, scale=1.0):
+    """The CameraInfo of frames of this size, (width, height) pixels, with their header.
+
+    ``info``: that of their camera, which lens_from_info accepts. ``scale``: see there.
+    """
+    about = {name: getattr(info, name) for name in CameraInfo.__slots__}
+    size, old = np.array(size), np.array(info.P).reshape(3, 4)
+    matrix = np.array(info.K).reshape(3, 3)
+    _, arrived = _sizes(info, matrix[:2, 2], size / scale, {})
+    if np.any(arrived != (info.width, info.height)) or np.any(arrived != size):  # not the whole image
+        resized = size / arrived
+        new = np.hstack([_matrix_of_frames(info, old[:, :3], resized), old[:, 3:]])
+        new[:2, 3] *= resized / _binning(info)
+        about.update(width=int(size[0]), height=int(size[1]), binning_x=0, binning_y=0, roi=RegionOfInterest(),
+                     K=_matrix_of_frames(info, matrix, resized).ravel().tolist(),
+                     P=(new if np.any(old) else old).ravel().tolist())
+    return CameraInfo(**{**about, 'header': header})
 
 
 def _sizes(info, center, arrived, notes):

@@ -9,7 +9,8 @@ from sensor_msgs.msg import CameraInfo
 
 from aruco_node.health.faults import fault_barrier, log_notes
 from aruco_node.health.silence import SILENCE_S
-from aruco_node.messages.camera_info import info_topics, lens_from_info
+from aruco_node.messages.annotations import KIND
+from aruco_node.messages.camera_info import info_of_frames, info_topics, lens_from_info
 from aruco_node.parameters.parameters import AUTO
 from aruco_node.ros_internals.master import published_topics
 from aruco_node.ros_internals.subscribers import tolerant
@@ -48,9 +49,12 @@ class InfoSubscriber:
 
     def _look_for_others(self):
         try:
-            found = sorted(topic for topic, kind in published_topics().items() if kind == CameraInfo._type)
+            published = published_topics()
         except InputError:
             return  # the master does not answer
+        # A node that publishes annotations passes on the calibration of its camera.
+        found = sorted(topic for topic, kind in published.items() if kind == CameraInfo._type
+                       and published.get(topic.rpartition('/')[0] + '/annotations') != KIND)
         self.others = [] if self.topic in found else found
         topic = next((topic for topic in self._topics if topic in self.others), None)
         if topic is not None:
@@ -119,6 +123,16 @@ class CameraLens:
             self._lens_input = info, size, scale
             log_notes(self.topic, notes)
         return self._lens
+
+    def info(self, size, header, scale):
+        """The CameraInfo of frames with this header, as ``lens`` takes them; None while that gives no Lens."""
+        info = self._info
+        try:
+            if info is None or self.lens(size, scale) is None:
+                return None
+            return info_of_frames(info, size, header, scale)
+        except InputError:
+            return None
 
     def _on_info(self, info):
         info.header = None  # the stamp would make every message look like a new calibration

@@ -8,11 +8,13 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.hints.hints import Hints
 from aruco_ar.painting.picture_file import resize
 from aruco_ar.tracking.no_area import NEVER_SEEN
+from sensor_msgs.msg import CameraInfo
 from std_srvs.srv import Trigger, TriggerResponse
 from unit5.msg import TagArray
 
 from aruco_node.health.diagnostics import ERROR, NO_TAG, NO_TAGS_S, WARN
 from aruco_node.health.faults import fault_barrier, log_once, note_fault
+from aruco_node.messages.annotations import annotations, kinds
 from aruco_node.messages.camera_info import NO_CALIBRATION
 from aruco_node.messages.images import check_size, tags_from_pixels
 from aruco_node.parameters.parameters import read, ros_values
@@ -38,7 +40,9 @@ class CameraAnswer(Answer):
 
 
 class CameraNode(FrameNode):
-    """Has a runner of aruco_ar look at each frame, and publishes the tags, and hints for the user.
+    """Has a runner of aruco_ar look at each frame, and publishes what goes with the image, and hints.
+
+    What goes with it are the tags, marks for a viewer, and the camera's calibration.
 
     ``runner``: a Runner or a PoseRunner. ``lens``: the Lens of the last frame, or None if the camera's
     calibration is not known; ``lens_fault`` is an InputError that says why. A subclass implements ``look``
@@ -62,12 +66,16 @@ class CameraNode(FrameNode):
         self._tracks, self._sight = tracks, None  # the Sight of the last frame
         self._hints, self._worker = self._new_hints(self.settings), ThreadPoolExecutor(1, 'hints')
         self._tags = self.advertise('~tags', TagArray)
+        self._infos = self.advertise('~camera_info', CameraInfo)
+        self._annotations: Any = None  # a rospy.Publisher
+        try:
+            self._annotations = self.advertise('~annotations', kinds().ImageAnnotations)
+        except InputError as error:
+            rospy.logwarn('There is no ~annotations. %s', error)
         self._missed_tags = False  # whether it was logged that no tag is in sight
         self._warning, self._problems = None, {}  # what the user may have overlooked; what is wrong, by kind
-        self._calibration = None
-        if isinstance(self.settings, LensSettings):
-            self._calibration = CameraLens(self.settings, self.camera)
-            self.inputs.append(self._calibration)
+        self._uses_lens = isinstance(self.settings, LensSettings)
+        self._calibration = CameraLens(self.settings if self._uses_lens else LensSettings(), self.camera)
         self.lens = self.lens_fault = None
 
     def look(self, frame, stamp, is_searched):
@@ -78,7 +86,7 @@ class CameraNode(FrameNode):
         raise NotImplementedError
 
     def answer_to(self, sight, made, header):
-        """The CameraAnswer with what the runner made of a frame. Its tags, and ~tags, are added."""
+        """The CameraAnswer with what the runner made of a frame. What goes with the image is added."""
         raise NotImplementedError
 
     def process(self, frame, header, stamp):
@@ -92,10 +100,25 @@ class CameraNode(FrameNode):
             for kind, problem in answer.problems.items():
                 log_once(kind, problem, rospy.logwarn)
             self._problems = answer.problems
-            if self._tags.get_num_connections():
-                self._tags.publish(tags_from_pixels(sight.tags, header))
+            self._publish_beside_images(sight, header)
         return replace(answer, publish=publish, tags_in_sight=len(sight.tags),
                        has_area=any(seen.area is not None for seen in sight.areas))
+
+    def _publish_beside_images(self, sight, header):
+        if self._infos.get_num_connections():
+            info = self._calibration.info(sight.frame.shape[1::-1], header, self.settings.scale)
+            if info is not None:
+                self._infos.publish(info)
+        if self._annotations is not None and self._annotations.get_num_connections():
+            areas = [seen.area for seen in sight.areas if seen.area is not None]
+            self._annotations.publish(annotations(sight.tags, areas, header.stamp))
+        if self._tags.get_num_connections():
+            self._tags.publish(tags_from_pixels(sight.tags, header))
+
+    def update_subscriptions(self, wanted):
+        super().update_subscriptions(wanted)
+        self._calibration.update_subscription(
+            wanted and (self._uses_lens or self._infos.get_num_connections() > 0))
 
     def report(self):
         level, sentence, values = super().report()
@@ -160,7 +183,7 @@ class CameraNode(FrameNode):
             rospy.Service('~save_wall', Trigger, self._on_save_wall, error_handler=note_fault)
 
     def _update_lens(self, frame):
-        if self._calibration is None:
+        if not self._uses_lens:
             return
         self.lens = self.lens_fault = None
         try:

@@ -5,8 +5,8 @@ from typing import Any, List, Tuple
 
 from aruco_ar.settings.declaration import parameters_of
 
+from aruco_node.messages.annotations import KIND
 from aruco_node.parameters.parameters import ros_values
-from aruco_node.parameters.settings import LensSettings
 
 from .frame_node import CAMERA
 
@@ -44,6 +44,10 @@ class Manual:
 CAMERA_TOPICS = [
     (CAMERA, 'sensor_msgs/Image', 'the frames: bgr8 rgb8 bgra8 rgba8 mono8 mono16 bayer_* yuv422'),
     (CAMERA + '/compressed', 'sensor_msgs/CompressedImage', 'JPEG or PNG instead, see ~image_transport')]
+BESIDE_IMAGES = [
+    ('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight'),
+    ('~annotations', KIND, 'tags, centers and area, as marks that Foxglove draws over ~image'),
+    ('~camera_info', 'sensor_msgs/CameraInfo', 'the calibration of the camera, with the header of each frame')]
 CAMERA_INFO = 'camera/rgb/camera_info'
 FRAME_SERVICES = [('~snapshot', 'std_srvs/Trigger', 'saves a frame and what is made of it')]
 COMMON = [('/diagnostics', 'diagnostic_msgs/DiagnosticArray', 'the status of the node, once a second')]
@@ -61,9 +65,8 @@ def camera_manual(topics, settings, learns, subscribes=(), publishes=()):
     of_wall = [('~reset', 'std_srvs/Trigger', 'forgets what was learned about the wall'),
                ('~save_wall', 'std_srvs/Trigger', 'writes what was learned about it into a file, for ~wall')]
     return Manual(
-        CAMERA_TOPICS + info * issubclass(settings, LensSettings) + list(subscribes),
-        image_topics(topics) + [('~tags', 'unit5/TagArray', 'ids and corners of the tags in sight')] +
-        list(publishes),
+        CAMERA_TOPICS + info + list(subscribes),
+        image_topics(topics) + BESIDE_IMAGES + list(publishes),
         FRAME_SERVICES + of_wall * learns, settings)
 
 

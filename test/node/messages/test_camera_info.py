@@ -1,14 +1,16 @@
 """The Lens that a CameraInfo describes, and what can be wrong with a CameraInfo."""
 import numpy as np
 import pytest
+import rospy
 from aruco_ar import InputError
 from aruco_ar.simulation.robot import Camera
-from aruco_node.messages.camera_info import info_topics, lens_from_info
+from aruco_node.messages.camera_info import info_of_frames, info_topics, lens_from_info
 from aruco_node.messages.wall_messages import camera_info
 from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.parameters.parameters import read
 from aruco_node.parameters.settings import PoseSettings
-from sensor_msgs.msg import CameraInfo
+from sensor_msgs.msg import CameraInfo, RegionOfInterest
+from std_msgs.msg import Header
 
 CAMERA = Camera(distortion=[-0.3, 0.1, 0.001, -0.001, 0.0])
 SIZE = (640, 480)
@@ -167,3 +169,37 @@ def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'
     assert info_topics('/sim/front/Scene') == ('/sim/front/camera_info', '/sim/front/Scene/camera_info')
+
+
+def made(message, size, scale=1.0):
+    header = Header(stamp=rospy.Time(7), frame_id='eye')
+    found = info_of_frames(message, size, header, scale)
+    assert found.header is header
+    return found
+
+
+def test_the_camera_info_of_whole_frames_is_that_of_the_camera():
+    for message in info(), info(binning_x=1, binning_y=1), info(roi=RegionOfInterest(width=640, height=480)):
+        found = made(message, SIZE)
+        message.header = found.header
+        assert found == message
+
+
+def test_the_camera_info_of_resized_and_cut_frames_describes_the_same_lens():
+    stereo = info(P=[500.0, 0, 310, -40, 0, 510, 240, 0, 0, 0, 1, 0])
+    cut, halved = RegionOfInterest(40, 20, 300, 400, False), {'binning_x': 2, 'binning_y': 2}
+    for changes, size, scale in (({}, (320, 240), 0.5), ({'roi': cut}, (400, 300), 1.0),
+                                 (halved, (320, 240), 1.0), (halved, (160, 120), 0.5)):
+        for is_rectified in True, False:
+            message = info(P=stereo.P, **changes)
+            found = made(message, size, scale)
+            assert ((found.width, found.height), found.D) == (size, message.D)
+            whole = lens_from_info(message, size, is_rectified, scale)
+            np.testing.assert_allclose(lens_from_info(found, size, is_rectified).matrix, whole.matrix)
+        assert found.P[3] / found.P[0] == pytest.approx(-40 / 500)  # the baseline, in meters
+
+
+def test_a_camera_info_without_a_size_gets_that_of_the_frames():
+    found = made(info(width=0, height=0), SIZE)
+    assert (found.width, found.height) == SIZE
+    np.testing.assert_allclose(found.K, CAMERA.matrix.ravel())

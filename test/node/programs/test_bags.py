@@ -111,6 +111,7 @@ def test_the_table_has_every_tag_in_every_frame(frames, done):
     assert {(row['bag'], row['topic']) for row in rows} == {('drive.bag', CAMERA + '/compressed')}
     first = [row for row in rows if row['stamp'] == rows[0]['stamp']]
     assert sorted(int(row['id']) for row in first) == [1, 2, 3, 4]
+    assert all(float(row['confidence']) > 0.99 for row in first)
     for row in first:
         corners = numbers(row, ['corner%d_%s' % (number, axis) for number in range(4) for axis in 'xy'])
         center = numbers(row, ['center_x', 'center_y'])
@@ -280,7 +281,8 @@ def test_each_camera_is_processed_once_whatever_the_names_of_its_topics(package,
     with rosbag.Bag(str(tmp_path / 'out' / 'many.bag')) as bag:
         topics = bag.get_type_and_topic_info().topics
     assert {topic: about.message_count for topic, about in topics.items()} == {
-        '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (('image', '/compressed'), ('tags', ''))
+        '/exercise5_2/%s%s' % (what, camera): 3 for what, ending in (
+            ('image', '/compressed'), ('tags', ''), ('annotations', ''))
         for camera in ('/eye/image' + ending, '/eye_image' + ending, '/front/image' + ending)}
     assert {path.name for path in (tmp_path / 'out').glob('*.mp4')} == {
         'many.eye.image.mp4', 'many.eye_image.mp4', 'many.front.image.mp4'}

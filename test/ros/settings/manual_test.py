@@ -67,7 +67,8 @@ class Manuals(NodeTest):
         self.start('page.py', '_port:=%d' % port).wait_for('driving is on')
         change('/exercise5_6', picture='topic:/other/camera')
         for topics in published.values():  # a node with subscribers subscribes to all that it needs
-            self.running += [rospy.Subscriber(name, get_message_class(kind)) for name, kind in topics.items()]
+            self.running += [rospy.Subscriber(name, get_message_class(kind) or rospy.AnyMsg)
+                             for name, kind in topics.items()]
 
         async def look():
             line = await websocket_connect('ws://127.0.0.1:%d/live' % port)
