@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from aruco_ar import Detector, find_area
 from aruco_ar.compiled.compiler import version_of_sources
+from rig import VERSION
 from rig.page.server import ask, free_port
 from rig.processes.started import Started
 
@@ -86,11 +87,11 @@ def test_the_wheel_contains_what_needs_no_ros_and_nothing_else(package, tmp_path
     done = subprocess.run([sys.executable, '-m', 'uv', 'build', '-q', '--wheel', '--out-dir', str(tmp_path),
                            package], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
-    wheel, = tmp_path.glob('aruco_ar-0.1.0-py3-none-linux_%s.whl' % os.uname().machine)
+    wheel, = tmp_path.glob('aruco_ar-%s-py3-none-linux_%s.whl' % (VERSION, os.uname().machine))
     with zipfile.ZipFile(str(wheel)) as archive:
         assert {name.split('/')[0] for name in archive.namelist()} == {
             'aruco_ar', 'aruco_course', 'aruco_desk', 'aruco_program', 'page_server',
-            'aruco_ar-0.1.0.dist-info'}
+            'aruco_ar-%s.dist-info' % VERSION}
         archive.extract('aruco_ar/compiled/libunit5.so', str(tmp_path))
     library = ctypes.CDLL(str(tmp_path / 'aruco_ar' / 'compiled' / 'libunit5.so'))
     library.unit5_version.restype = ctypes.c_char_p
