@@ -22,11 +22,12 @@ def promises():
 
 
 def unsaid(record, now, changelog):
-    """The changes of the API, lines with - or +, whose names are not in the changelog's newest section.
+    """The changes of the API, lines with - or +, whose names are not in the changelog's section Forthcoming.
 
     ``record``, ``now``: the promises of the last release, and those of today. ``changelog``: its text.
     """
-    news = re.split(r'^-{3,}$', changelog, maxsplit=2, flags=re.MULTILINE)[1]
+    news = re.search(r'^Forthcoming\n-+\n(.*?)(?=^\S[^\n]*\n---|\Z)', changelog, re.DOTALL | re.MULTILINE)
+    news = news[1] if news else ''
     changes = ['- ' + line for line in record if line not in now]
     changes += ['+ ' + line for line in now if line not in record]
     return [line for line in changes if not re.search(r'(?<![\w.])%s(?!\w)' % re.escape(name_of(line)), news)]

@@ -130,8 +130,9 @@ class _Annotator:
         for topic, image in zip(self._exercise.topics, images):
             self._output.write('/%s/%s%s/compressed' % (self._exercise.name, topic, self._piece.camera),
                                compressed_from_frame(image, header), time)
+        tracked = [area] if area is not None and AREA in self._exercise.needs else []
         beside = {'tags': tags_from_pixels(tags, header),
-                  'annotations': annotations(tags, [] if area is None else [area], header.stamp)}
+                  'annotations': annotations(tags, tracked, header.stamp)}
         if self._lens is not None:
             beside['camera_info'] = info_of_frames(self._info, images[0].shape[1::-1], header)
         for topic, message in beside.items():

@@ -6,8 +6,7 @@ messages in memory, too.
 Private: ``_chunks``, ``_connections``, ``_connection_indexes``, ``_get_connections`` and
 ``_reader._read_connection_index_records`` of ``rosbag.Bag``. Without them, the whole index is read.
 Seen with: rosbag 1.15 and 1.17. It can go when rosbag reads the index of a part alone. The library rosbags
-0.11.9 takes three quarters of the time to read images, which is a hundredth of what they take to process, but
-keeps the index of all messages in memory: 160 MB for a million of them, in place of 13.
+(0.11.9) is a little faster, but keeps the index of all messages in memory.
 """
 import genpy
 import rosbag
