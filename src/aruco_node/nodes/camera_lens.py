@@ -94,7 +94,7 @@ class CameraLens:
             info_topics(camera) if settings.camera_info == AUTO else [rospy.resolve_name(settings.camera_info)],
             self._on_info)
         self._info = self._lens = None
-        self._fault: Optional[Tuple[str, str]] = None  # or why there is none: the sentence and the kind of an InputError
+        self._fault: Optional[Tuple[str, str]] = None  # why there is none: an InputError's sentence, kind
         self._lens_input = None  # what they were made from
 
     @property
