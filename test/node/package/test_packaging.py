@@ -1,6 +1,7 @@
 """Debian's control, RoboStack's recipe, pixi.toml and the entry for ROS One say what package.xml says."""
 import os
 import re
+import subprocess
 from xml.etree import ElementTree
 
 import pytest
@@ -132,6 +133,15 @@ def test_pixi_has_what_script_setup_asks_of_conda(package, manifest):
     taken = {in_conda(key) for key in ('python3-numpy', 'python3-opencv')}  # if they work with its cv_bridge
     assert keys - by_pip <= of_python and of_python & by_pip <= taken
     assert all(found[in_conda(key)] == '>=' + KEYS[key] for key in ('python3-numpy', 'python3-opencv'))
+
+
+@pytest.mark.parametrize('trace', ['root/unit5', 'root/demo.log', 'usr/share/catkin'])
+def test_no_package_is_made_in_a_debian_in_which_the_demo_was_run(package, tmp_path, trace):
+    (tmp_path / trace).mkdir(parents=True)
+    done = subprocess.run([package + '/script/fresh', 'trixie', '--package', '--folder', str(tmp_path)],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert (done.returncode, done.stdout) == (
+        1, 'fresh: demo and test were run in %s; give --package another folder, or none\n' % tmp_path)
 
 
 def test_each_task_of_pixi_is_a_program(package):
