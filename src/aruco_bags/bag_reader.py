@@ -70,8 +70,8 @@ def pieces_of(path, seconds=PIECE_S):
         known = sorted(last[info].items()) if info else []
         for number in sorted(last[topic]):
             before = bisect_left(known, (number,))
-            pieces.append(Piece(path, topic, transport, camera, number, _time(first + number * length),
-                                _time(first + (number + 1) * length), info,
+            pieces.append(Piece(path, topic, transport, camera, number, genpy.Time(0, first + number * length),
+                                genpy.Time(0, first + (number + 1) * length), info,
                                 known[before - 1][1] if before else None))
     return pieces, notes
 
@@ -93,7 +93,7 @@ def messages(piece):
 
     ``time``: the genpy.Time of the bag. ``is_in_piece``: False for the run-in.
     """
-    begin = _time(max(piece.begin.to_nsec() - RUN_IN_NS, 0))
+    begin = genpy.Time(0, max(piece.begin.to_nsec() - RUN_IN_NS, 0))
     with opened(piece.bag) as bag:
         if piece.known is not None and piece.known < begin:
             for _, message, time in bag.messages([piece.info], piece.known, piece.known):
@@ -113,13 +113,14 @@ def _absolute(topic):
     return '/' + topic.lstrip('/')
 
 
-def _time(nanoseconds):
-    return genpy.Time(nanoseconds // 10**9, nanoseconds % 10**9)
+def reader_of(path):
+    """A new IndexedBag or McapBag of a file. Raises what their libraries raise, and InputError."""
+    return McapBag(path) if is_mcap(path) else IndexedBag(path)
 
 
 @contextmanager
 def opened(path):
-    """A context manager with an IndexedBag or a McapBag.
+    """A context manager with the IndexedBag or McapBag of an input file.
 
     Raises InputError, also if reading fails within the block.
 
@@ -134,7 +135,7 @@ def opened(path):
             if hasattr(_LAST, 'bag'):
                 _LAST.bag.close()
             _LAST.__dict__.clear()
-            _LAST.bag = McapBag(path) if is_mcap(path) else IndexedBag(path)
+            _LAST.bag = reader_of(path)
             _LAST.key = key
         yield _LAST.bag
     except rosbag.ROSBagUnindexedException:

@@ -17,7 +17,7 @@ from aruco_ar.exercise import PICTURE
 from aruco_ar.painting.video_writer import need_video
 
 from .bag_reader import pieces_of
-from .mcap_bag import SUFFIX, join_mcaps, need_mcap
+from .mcap_bag import MCAP_SUFFIX, join_mcaps, need_mcap
 from .pieces import join_bags, join_tables, make_video
 from .task import COLUMNS, annotate
 
@@ -41,8 +41,8 @@ class Job:
         self.path, self._task, self._folder, self._video = path, task, folder, video
         self._seconds = seconds
         self.name, suffix = os.path.splitext(os.path.basename(path))
-        self.is_mcap = mcap or suffix == SUFFIX
-        self.bag = os.path.join(folder, self.name + (SUFFIX if self.is_mcap else '.bag'))
+        self.is_mcap = mcap or suffix == MCAP_SUFFIX
+        self.bag = os.path.join(folder, self.name + (MCAP_SUFFIX if self.is_mcap else '.bag'))
         wanted = [task.exercise.name, repr(task.settings), video, self.is_mcap, seconds, *_state(path),
                   _state_of_code(task)]
         if PICTURE in task.exercise.needs:
@@ -109,13 +109,14 @@ def jobs_of(paths, task, folder, video, mcap, seconds):
     for path in map(os.path.realpath, paths):
         name = os.path.splitext(os.path.basename(path))[0]
         if names.setdefault(name, path) != path:
-            raise InputError('Two bags are called "%s". Run the command for each of them, with its own --out.'
-                             % os.path.basename(path))
+            raise InputError('The output of "%s" and of "%s" would have the same name. Run the command for '
+                             'each of them, with its own --out.' % (names[name], path))
         if os.path.dirname(path) == folder:
             raise InputError('The bag "%s" is in the output folder. Give another --out.' % path)
     jobs = [Job(path, task, folder, video, mcap, seconds) for path in names.values()]
-    if any(job.is_mcap for job in jobs):
-        need_mcap('leave out --mcap' if mcap else 'leave out the MCAP files')
+    given = ['--mcap'] * mcap + ['the MCAP files'] * any(path.endswith(MCAP_SUFFIX) for path in names.values())
+    if given:
+        need_mcap('leave out ' + ' and '.join(given))
     return jobs
 
 

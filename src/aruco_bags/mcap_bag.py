@@ -9,7 +9,7 @@ from aruco_ar.base.errors import InputError
 from aruco_ar.base.versions import SetupError, need
 from genpy.dynamic import generate_dynamic
 
-SUFFIX = '.mcap'
+MCAP_SUFFIX = '.mcap'
 MAGIC = b'\x89MCAP0\r\n'
 PROFILE, ENCODING, SCHEMAS = 'ros1', 'ros1', 'ros1msg'  # MCAP's names for what is of ROS 1
 HEAD_BYTES = 9  # of a record, before what is in it
@@ -76,7 +76,7 @@ class McapBag:
 
     def begin(self):
         """The genpy.Time of the first message."""
-        return _time(min([chunk.message_start_time for chunk in self._chunks] or
+        return genpy.Time(0, min([chunk.message_start_time for chunk in self._chunks] or
                          [message.log_time for _, _, message in self._reader.iter_messages()]))
 
     def times(self, topics):
@@ -85,14 +85,14 @@ class McapBag:
         from mcap.records import MessageIndex
         if not self._chunks:
             for _, channel, message in self._reader.iter_messages(topics, log_time_order=False):
-                yield channel.topic, _time(message.log_time)
+                yield channel.topic, genpy.Time(0, message.log_time)
         for chunk in self._chunks:
             for number, place in chunk.message_index_offsets.items():
                 topic = self._summary.channels[number].topic
                 if topic in topics:
                     self._file.seek(place + HEAD_BYTES)
                     for time, _ in MessageIndex.read(ReadDataStream(self._file)).records:
-                        yield topic, _time(time)
+                        yield topic, genpy.Time(0, time)
 
     def messages(self, topics, begin, end):
         """(topic, message, time) from one genpy.Time to another, both included, in order of time."""
@@ -100,7 +100,7 @@ class McapBag:
         for schema, channel, message in found:
             if schema is not None and channel.message_encoding == ENCODING:
                 kind = _kind(schema.name, schema.data)
-                yield channel.topic, kind().deserialize(message.data), _time(message.log_time)
+                yield channel.topic, kind().deserialize(message.data), genpy.Time(0, message.log_time)
 
 
 def join_mcaps(parts, target):
@@ -129,7 +129,3 @@ def join_mcaps(parts, target):
 def _kind(name, definition):
     """The class of the messages of a type."""
     return generate_dynamic(name, definition.decode())[name]
-
-
-def _time(nanoseconds):
-    return genpy.Time(nanoseconds // 10**9, nanoseconds % 10**9)

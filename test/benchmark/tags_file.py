@@ -14,7 +14,8 @@ def tags_in(path):
     with open(path, encoding='utf-8') as file:
         for number, line in enumerate(file, start=1):
             numbers = re.findall(r'-?\d+(?:\.\d+)?', line)
-            if len(numbers) not in (0, 1, 9) or re.search('[^-0-9.,()\\s]', line):
+            if len(numbers) not in (0, 1, 9) or not all(map(str.isdecimal, numbers[:1])) or \
+                    re.search('[^-0-9.,()\\s]', line):
                 raise InputError('Line %d of "%s" is not a tag; give its id, or its id and four corners, as in '
                                  '"7, (10 10), (50 10), (50 50), (10 50)".' % (number, path))
             if numbers:

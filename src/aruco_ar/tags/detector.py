@@ -114,7 +114,7 @@ class Detector:
         self._ids = frozenset(ids)
         for tag_id in self._ids:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
-        self._correction, self._least, self._min_side = correction, confidence, min_side
+        self._correction, self._min_confidence, self._min_side = correction, confidence, min_side
         self._confidence = Confidence(dictionary, len(self._ids))
         self._changes: dict[int, int] = {}  # of each tag that was found
         self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
@@ -302,7 +302,7 @@ class Detector:
         self._cells.update((ids[number], cells[number]) for number in good)
         tags = [Tag(ids[number], fitted[number], like, self.confidence(ids[number], like, needs_edges))
                 for number, like in zip(good, likeness[good].tolist())]
-        return [tag for tag in tags if tag.confidence > self._least]
+        return [tag for tag in tags if tag.confidence > self._min_confidence]
 
 
 def _gray(frame: Image) -> Image:

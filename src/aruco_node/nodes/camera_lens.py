@@ -1,13 +1,14 @@
 """The Lens of a camera, from the sensor_msgs/CameraInfo on its topic."""
 import time
-from typing import Any, Dict, List
+from math import inf
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 from aruco_ar.base.errors import InputError
 from rosgraph.names import is_legal_name
 from sensor_msgs.msg import CameraInfo
 
-from aruco_node.health.faults import fault_barrier, log_notes
+from aruco_node.health.faults import fault_barrier, log_notes, log_once
 from aruco_node.health.silence import SILENCE_S
 from aruco_node.messages.annotations import KIND
 from aruco_node.messages.camera_info import info_of_frames, info_topics, lens_from_info
@@ -34,6 +35,7 @@ class InfoSubscriber:
         self.topic = topics[0]
         self._subscriber: Any = None  # a rospy.Subscriber
         self.others: List[str] = []  # sorted names of all CameraInfo topics, if this one is not published
+        self.since = inf             # when it subscribed, monotonic seconds
         self._has_info, self._look_at = False, 0.0
 
     def update(self, wanted):
@@ -92,7 +94,8 @@ class CameraLens:
             info_topics(camera) if settings.camera_info == AUTO else [rospy.resolve_name(settings.camera_info)],
             self._on_info)
         self._info = self._lens = None
-        self._lens_input = None  # what self._lens was made from
+        self._fault: Optional[Tuple[str, str]] = None  # why there is none: an InputError's sentence, kind
+        self._lens_input = None  # what they were made from
 
     @property
     def topic(self):
@@ -119,19 +122,33 @@ class CameraLens:
                 'Start the camera with its calibration, or name the topic:'), kind=NO_CAMERA_INFO)
         if self._lens_input != (info, size, scale):
             notes: Dict[str, str] = {}
-            self._lens = lens_from_info(info, size, self.rectified, scale, notes)
+            self._lens = self._fault = None
+            try:
+                self._lens = lens_from_info(info, size, self.rectified, scale, notes)
+            except InputError as error:
+                self._fault = str(error), error.kind
             self._lens_input = info, size, scale
             log_notes(self.topic, notes)
+        if self._fault is not None:
+            raise InputError(*self._fault)
         return self._lens
 
     def info(self, size, header, scale):
-        """The CameraInfo of frames with this header, as ``lens`` takes them; None while that gives no Lens."""
+        """The CameraInfo of frames with this header, as ``lens`` takes them.
+
+        None while that gives no Lens. Why it gives none is logged once.
+        """
         info = self._info
         try:
-            if info is None or self.lens(size, scale) is None:
+            if self.lens(size, scale) is None or info is None:
                 return None
             return info_of_frames(info, size, header, scale)
-        except InputError:
+        except InputError as error:
+            # Not every node has the parameter that the sentence of ``lens`` names.
+            why = 'nothing arrives on it. Start the camera with its calibration.' \
+                if error.kind == NO_CAMERA_INFO else error
+            log_once(error.kind, 'Nothing is published on ~camera_info. %s: %s' % (self.topic, why),
+                     rospy.loginfo)
             return None
 
     def _on_info(self, info):

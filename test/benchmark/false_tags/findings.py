@@ -2,11 +2,13 @@
 from collections import namedtuple
 from functools import lru_cache
 
-import cv2
 import numpy as np
-from aruco_ar import DICTIONARIES, Detector
+from aruco_ar import Detector
 from aruco_ar.tags import detector
+from aruco_ar.tags.edges import side_of
 from aruco_ar.tags.tag import DICTIONARY_NAMES
+
+from benchmark.simulated.search import opencv_finder
 
 from . import frames
 
@@ -22,7 +24,7 @@ def is_true(tag_id, corners, truth):
     """Whether there is such a tag in the frame; ``truth``: {id: (4, 2) pixels}, all that are in it."""
     if tag_id not in truth:
         return False
-    side = np.linalg.norm(truth[tag_id] - np.roll(truth[tag_id], 1, axis=0), axis=1).mean()
+    side = side_of(truth[tag_id][None])[0]
     return np.linalg.norm(truth[tag_id] - corners, axis=1).max() < max(OFF[0] * side, OFF[1])
 
 
@@ -37,8 +39,7 @@ class Finder:
         self._frame, self._quads, self._find_quads = None, {}, detector.find_quads
         detector.find_quads = self._known_quads
         self._ours = {name: Detector(name, confidence=confidence) for name in DICTIONARY_NAMES}
-        self._opencv = {name: cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(DICTIONARIES[name]))
-                        for name in DICTIONARY_NAMES}
+        self._opencv = {name: opencv_finder(name) for name in DICTIONARY_NAMES}
 
     def ours(self, kind, frame, dictionary, truth):
         """The Findings of our detector in a frame."""
@@ -55,8 +56,7 @@ class Finder:
 
     def opencv(self, frame, dictionary):
         """The ids that OpenCV's detector finds in a frame."""
-        ids = self._opencv[dictionary].detectMarkers(cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY))[1]
-        return [] if ids is None else ids.ravel().tolist()
+        return [tag_id for tag_id, _ in self._opencv[dictionary](frame)]
 
 
 @lru_cache(maxsize=1)

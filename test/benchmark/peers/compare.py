@@ -7,6 +7,7 @@ from importlib import metadata
 import cv2
 import numpy as np
 from aruco_ar.base.progress import progress, tell
+from aruco_ar.tags.edges import side_of
 
 from benchmark.real_clips.clips import CLIPS
 from benchmark.simulated.search import PHOTOS
@@ -63,7 +64,7 @@ def judge(found, truth, frame):
     for number, (tag_id, corners) in enumerate(truth.tags or ()):
         same = [(_error(corners, quad), index) for index, (other, quad) in enumerate(left) if other == tag_id]
         near = [(error, index) for error, index in same
-                if corners is None or _lengths(error).max() <= NEAR * _side(corners)]
+                if corners is None or _lengths(error).max() <= NEAR * side_of(corners[None])[0]]
         if near:
             error, index = min(near, key=lambda each: 0 if corners is None else _lengths(each[0]).max())
             del left[index]
@@ -82,10 +83,6 @@ def _error(corners, quad):
 
 def _lengths(errors):
     return np.linalg.norm(errors, axis=-1)
-
-
-def _side(corners):
-    return np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).mean()
 
 
 def measure(scene):

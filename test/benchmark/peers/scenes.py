@@ -14,11 +14,11 @@ from aruco_ar.simulation.render import WallRenderer, project
 from aruco_ar.simulation.robot import CAMERA_HEIGHT_M, Camera, Pose, wall_to_camera
 from aruco_ar.walls.wall import Wall, WallTag
 
-from benchmark.real_clips.clips import KNOWN, Clip
+from benchmark.real_clips.clips import CLIP_ENDINGS, Clip, clip_from, description_of
 from benchmark.real_clips.truth import tags_of
 from benchmark.tags_file import tags_in
 
-PHOTOS, CLIPS = ('.jpg', '.jpeg', '.png'), ('.mp4', '.avi', '.mov', '.mkv', '.webm')
+PHOTO_ENDINGS = '.jpg', '.jpeg', '.png'
 WITH_CORNERS, WITH_IDS, WITHOUT = 'corners known', 'ids known', 'without truth'
 OF_EACH = 60                # at most so many frames of a clip, evenly spread over it
 DICTIONARIES = 'DICT_6X6_250', 'DICT_APRILTAG_36h11', 'DICT_APRILTAG_25h9', 'DICT_APRILTAG_16h5'
@@ -78,17 +78,18 @@ def rendered(dictionary, count=RENDERED):
 def scenes_in(folder, dictionary):
     """Yield the Scenes of a folder: its clips, and its photos of each dictionary together.
 
-    NAME.yaml, in the folder or in KNOWN, gives the dictionary of NAME.mp4 or NAME.jpg, and ``all_ids``.
+    Its NAME.yaml, see description_of, gives the dictionary of NAME.mp4 or NAME.jpg, and ``all_ids``.
     ``dictionary`` is that of the others. NAME.txt beside a photo lists its tags, see tags_in. The tags
     of a clip of which all ids are known are in one plane. Raises InputError.
     """
     if not os.path.isdir(folder):
         raise InputError('There is no folder "%s" with photos and clips.' % folder)
     paths = sorted(glob.glob(os.path.join(glob.escape(folder), '*')))
-    clips = [path for path in paths if path.lower().endswith(CLIPS)]
-    photos = [_photo(path, dictionary) for path in paths if path.lower().endswith(PHOTOS)]
+    clips = [path for path in paths if path.lower().endswith(CLIP_ENDINGS)]
+    photos = [_photo(path, dictionary) for path in paths if path.lower().endswith(PHOTO_ENDINGS)]
     if not clips and not photos:
-        raise InputError('The folder "%s" has no photo and no clip (%s).' % (folder, ', '.join(PHOTOS + CLIPS)))
+        raise InputError('The folder "%s" has no photo and no clip (%s).'
+                         % (folder, ', '.join(PHOTO_ENDINGS + CLIP_ENDINGS)))
     for (kind, of_these), group in groupby(sorted(photos, key=itemgetter(0, 1)), itemgetter(0, 1)):
         frames = [(photo, truth) for _, _, photo, truth in group]
         yield Scene('%d photo%s, %s' % (len(frames), 's' * (len(frames) > 1), kind), of_these, frames,
@@ -97,20 +98,13 @@ def scenes_in(folder, dictionary):
         yield _clip(path, dictionary)
 
 
-def _beside(path, ending, folders):
-    name = os.path.splitext(os.path.basename(path))[0] + ending
-    return next((place for place in (os.path.join(folder, name) for folder in folders)
-                 if os.path.isfile(place)), None)
-
-
 def _described(path, dictionary):
     """What the NAME.yaml of a photo or clip says: a Clip, and whose corners those of the truth are, or None."""
-    description = _beside(path, '.yaml', (os.path.dirname(path), KNOWN))
+    description = description_of(path)
     if description is None:
         return Clip(path, dictionary, ()), None
     with yaml_entries(description) as entries:
-        return Clip(path, str(entries['dictionary']), tuple(entries.get('ids', ())), entries.get('camera'),
-                    tuple(map(int, entries.get('all_ids', ())))), entries.get('corners_by')
+        return clip_from(path, entries, entries.get('ids', ())), entries.get('corners_by')
 
 
 def _photo(path, dictionary):
@@ -119,8 +113,8 @@ def _photo(path, dictionary):
     photo = cv2.imread(path)
     if photo is None:
         raise InputError('OpenCV cannot read "%s" as a photo.' % path)
-    listed = _beside(path, '.txt', (os.path.dirname(path),))
-    tags = tags_in(listed) if listed else [(tag_id, None) for tag_id in about.all_ids] or None
+    listed = os.path.splitext(path)[0] + '.txt'
+    tags = tags_in(listed) if os.path.isfile(listed) else [(tag_id, None) for tag_id in about.all_ids] or None
     if tags is None:
         kind, truth = WITHOUT, Truth()
     else:

@@ -22,6 +22,7 @@ from .truth import Camera, truth_of
 
 CLIPS = os.path.join(PACKAGE, '..', 'shared', 'videos')
 KNOWN = os.path.join(os.path.dirname(os.path.abspath(__file__)), 'known')  # YAML files of published clips
+CLIP_ENDINGS = '.mp4', '.avi', '.mov', '.mkv', '.webm'
 USUAL_FRAMES_PER_S = 30.0  # if a video does not say
 JERKED_FRAMES_PER_S = 15    # of a clip with jerks, about
 WRONG = 0.05               # times the longer side of the area: if a corner is farther off, the area is wrong
@@ -73,19 +74,29 @@ class Found:
     corners: np.ndarray
 
 
+def description_of(path):
+    """The path of the NAME.yaml of a clip or photo, in its folder or in KNOWN; None if there is none."""
+    name = os.path.splitext(os.path.basename(path))[0] + '.yaml'
+    places = (os.path.join(folder, name) for folder in (os.path.dirname(path), KNOWN))
+    return next((place for place in places if os.path.isfile(place)), None)
+
+
+def clip_from(path, entries, ids):
+    """The Clip of a path and the entries of its NAME.yaml. ``ids``: of the four tags that span the area."""
+    return Clip(path, str(entries['dictionary']), tuple(ids), entries.get('camera'),
+                tuple(map(int, entries.get('all_ids', ()))))
+
+
 def clips_of(folder):
     """The Clips of a folder: the videos for which there is a NAME.yaml, in the folder or in KNOWN."""
     if not os.path.isdir(folder):
         raise InputError('There is no folder "%s" with clips.' % folder)
     found = []
     for path in sorted(glob.glob(os.path.join(folder, '*'))):
-        name = os.path.splitext(os.path.basename(path))[0] + '.yaml'
-        description = next((place for place in (os.path.join(folder, name), os.path.join(KNOWN, name))
-                            if os.path.isfile(place)), None)
-        if path.lower().endswith(('.mp4', '.avi', '.mov', '.mkv', '.webm')) and description:
+        description = description_of(path)
+        if path.lower().endswith(CLIP_ENDINGS) and description:
             with yaml_entries(description) as entries:
-                found.append(Clip(path, entries['dictionary'], tuple(entries['ids']), entries.get('camera'),
-                                  tuple(entries.get('all_ids', ()))))
+                found.append(clip_from(path, entries, entries['ids']))
     if not found:
         raise InputError('The folder "%s" has no video with a NAME.yaml that gives its dictionary and ids.'
                          % folder)

@@ -1,14 +1,19 @@
 """The Lens that a CameraInfo describes, and what can be wrong with a CameraInfo."""
+import time
+
 import numpy as np
 import pytest
 import rospy
 from aruco_ar import InputError
 from aruco_ar.simulation.robot import Camera
-from aruco_node.messages.camera_info import info_of_frames, info_topics, lens_from_info
+from aruco_node.health import faults
+from aruco_node.health.silence import SILENCE_S
+from aruco_node.messages.camera_info import NO_CALIBRATION, info_of_frames, info_topics, lens_from_info
 from aruco_node.messages.wall_messages import camera_info
+from aruco_node.nodes import camera_lens
 from aruco_node.nodes.camera_lens import CameraLens
 from aruco_node.parameters.parameters import read
-from aruco_node.parameters.settings import PoseSettings
+from aruco_node.parameters.settings import LensSettings, PoseSettings
 from sensor_msgs.msg import CameraInfo, RegionOfInterest
 from std_msgs.msg import Header
 
@@ -169,6 +174,33 @@ def test_a_rectified_topic_is_recognized_by_its_name(topic, setting, rectified):
     assert calibration.rectified == rectified
     assert calibration.topic == topic.rpartition('/')[0] + '/camera_info'
     assert info_topics('/sim/front/Scene') == ('/sim/front/camera_info', '/sim/front/Scene/camera_info')
+
+
+def test_a_camera_info_that_is_not_published_is_explained_once(monkeypatch):
+    told, computed = [], []
+    monkeypatch.setattr(rospy, 'loginfo', lambda text, *values: told.append(text % values))
+    monkeypatch.setattr(camera_lens, 'lens_from_info',
+                        lambda *arguments: computed.append(1) or lens_from_info(*arguments))
+    monkeypatch.setattr(faults, '_logged_kinds', set())
+    calibration = CameraLens(LensSettings(), '/camera/rgb/image_raw')
+    header = Header()
+    assert calibration.info(SIZE, header, 1.0) is None and not told  # it may still come
+    calibration._subscriber.since = time.monotonic() - SILENCE_S
+    for _ in range(3):
+        assert calibration.info(SIZE, header, 1.0) is None
+    calibration._on_info(info(K=[0.0] * 9))
+    for _ in range(3):
+        assert calibration.info(SIZE, header, 1.0) is None
+        with pytest.raises(InputError, match='K is not a camera matrix') as error:
+            calibration.lens(SIZE, 1.0)
+        assert error.value.kind == NO_CALIBRATION
+    assert len(computed) == 1  # not for each frame
+    assert told[0] == 'Nothing is published on ~camera_info. /camera/rgb/camera_info: nothing arrives on it. ' \
+        'Start the camera with its calibration.'
+    assert told[1].startswith('Nothing is published on ~camera_info. /camera/rgb/camera_info: its K is not a')
+    assert len(told) == 2
+    calibration._on_info(info())
+    assert calibration.info(SIZE, header, 1.0).K == info().K
 
 
 def made(message, size, scale=1.0):

@@ -4,10 +4,12 @@ import subprocess
 import sys
 
 import genpy
+import numpy as np
 import pytest
 import rosbag
 import rospy
 from aruco_ar import InputError
+from aruco_bags import pieces
 from aruco_bags.bag_reader import opened, pieces_of
 from aruco_bags.mcap_bag import McapBag
 from aruco_node.messages.annotations import kinds
@@ -16,7 +18,7 @@ from aruco_node.ros_internals.indexed_bag import IndexedBag
 from benchmark.ros.bags import BEGIN_S, record
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
-from rig.accuracy.drives import FRAMES_PER_S, LIVELY, drive
+from rig.accuracy.drives import FRAMES_PER_S, LIVELY, WALL, drive
 from rig.processes.started import WAIT_S, program
 from sensor_msgs.msg import CameraInfo
 from std_msgs.msg import Header, String, UInt8
@@ -159,13 +161,19 @@ def test_viewers_find_images_marks_and_calibration_of_each_frame(recorded, tmp_p
                 stamps.append(message.log_time)
     assert len(stamps) == SECONDS * FRAMES_PER_S and set(marks) == set(infos) == set(stamps)
     frames = [frame.corners for frame in drive(LIVELY, SECONDS * FRAMES_PER_S, noise=2.0)]
+    whole = 0  # frames with a text at each tag
     for stamp in stamps:
         texts, info = marks[stamp].texts, infos[stamp]
         assert (info.header.stamp.to_nsec(), info.width, info.header.frame_id) == (stamp, 640, 'eye')
         assert all(text.timestamp.to_nsec() == stamp for text in texts)
-        centers = frames[round((stamp / 1e9 - BEGIN_S) * FRAMES_PER_S)]
-        for text in texts:  # the corners of the area are the centers of the tags
-            assert min(abs(centers - (text.position.x - 0.5, text.position.y - 0.5)).max(axis=1)) < 1.0
+        # The corners of the area are the centers of the tags.
+        corners = frames[round((stamp / 1e9 - BEGIN_S) * FRAMES_PER_S)]
+        centers = {str(tag_id): corner for tag_id, corner in zip(WALL.area, corners)}
+        for text in texts:
+            place = text.position.x - 0.5, text.position.y - 0.5
+            np.testing.assert_allclose(place, centers[text.text], atol=1)
+        whole += {text.text for text in texts} == set(centers)
+    assert whole > 0.9 * len(stamps)
 
 
 def test_files_that_cannot_be_read_are_named_with_the_reason(recorded, small, tmp_path):
@@ -196,7 +204,8 @@ def test_files_that_cannot_be_read_are_named_with_the_reason(recorded, small, tm
 
 
 @pytest.mark.parametrize('arguments, words', [
-    (['some.bag', '--mcap'], 'Or leave out --mcap'), (['some.mcap'], 'Or leave out the MCAP files')])
+    (['some.bag', '--mcap'], r'Or leave out --mcap\.'), (['some.mcap'], r'Or leave out the MCAP files\.'),
+    (['some.mcap', 'other.bag', '--mcap'], r'Or leave out --mcap and the MCAP files\.')])
 def test_only_mcap_needs_its_library(package, tmp_path, arguments, words):
     start = 'import sys; sys.modules["mcap"] = None; import annotate_bags; annotate_bags.main(sys.argv[1:])'
     done = subprocess.run([sys.executable, '-c', start, *arguments, '--out', str(tmp_path)],
@@ -205,6 +214,27 @@ def test_only_mcap_needs_its_library(package, tmp_path, arguments, words):
     assert done.returncode == 1 and 'Traceback' not in done.stdout
     assert re.search('annotate_bags: unit5 needs mcap 1.6 or later, .*pip install "mcap>=1.6,<2". ' + words,
                      done.stdout), done.stdout
+
+
+def test_a_bag_and_an_mcap_file_of_one_name_need_two_folders(small, tmp_path):
+    path = converted(small, tmp_path / 'small.mcap')
+    output = annotate(small, path, '--out', tmp_path / 'out', code=1)
+    assert 'The output of "%s" and of "%s" would have the same name. Run the command for each of them' % (
+        small, path) in output
+
+
+def test_a_video_that_cannot_be_made_is_named_and_the_input_stays_open(recorded, done, tmp_path, monkeypatch):
+    def fail(message):
+        raise ValueError('no\npicture')
+    output, topic = str(done / 'drive.bag'), '/exercise5_6/image%s/compressed' % CAMERA
+    monkeypatch.setattr(pieces, 'frame_from_compressed', fail)
+    with opened(recorded) as before:
+        pass
+    with pytest.raises(InputError, match=re.escape(
+            'the video "drive.mp4" cannot be made of the output "%s" (no picture). Run' % output)):
+        pieces.make_video(output, topic, str(tmp_path / 'draft.mp4'), 'drive.mp4')
+    with opened(recorded) as after:
+        assert after is before
 
 
 def test_an_mcap_file_under_another_name_is_read(small, recorded, tmp_path, monkeypatch):

@@ -105,7 +105,8 @@ def test_it_says_why_apriltag_is_missing(tmp_path, draw, capsys, monkeypatch):
     assert re.search('AprilTag 3 +pupil-apriltags cannot be loaded: .*pupil_apriltags', text)
 
 
-@pytest.mark.parametrize('words', ['7, (10 10), (50 10)', 'seven'])
+@pytest.mark.parametrize('words', [
+    '7, (10 10), (50 10)', 'seven', '7.5', '-7', '7.5, (10 10), (50 10), (50 50), (10 50)'])
 def test_a_wrong_line_is_named(tmp_path, draw, words):
     draw('one', {3: (20, 20)}, [3])
     (tmp_path / 'one.txt').write_text('3\n%s\n' % words)
