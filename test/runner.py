@@ -71,7 +71,7 @@ class Cases:
     """The results of a test: the names of its cases, and the reasons of those that failed or were skipped."""
 
     def __init__(self, test, path=None):
-        """``path``: the XML file with the results, or None. One that should be there and is not is a failure."""
+        """``path``: the XML file with the results, or None. It is a failure if that is not there."""
         self.test, self.passed, self.failed, self.skipped = test, [], [], []
         if path is None:
             return
