@@ -15,9 +15,9 @@ from benchmark.real_clips.truth import tags_of
 from . import frames
 from .findings import finder_of, tagged
 
-SIMULATED = {'walls': (frames.wall_frame, 4000), 'things': (frames.thing_frame, 10500)}
+SIMULATED = {'walls': (frames.wall_frame, 10000), 'things': (frames.thing_frame, 5000)}
 TAG_FRAMES = 60           # with tags, of each dictionary
-EACH = 5                  # OpenCV's detector looks at each fifth frame
+EACH = 20                 # OpenCV's detector looks at only one frame of so many
 LEAST = MIN_CONFIDENCE, 0.5, 0.9
 EDGES = MIN_CONFIDENCE, 0.5, 0.8, 0.95, 1.0
 PER_TAGGED = 7            # frames without tags for each with some; see aruco_ar/tags/confidence.py
@@ -38,7 +38,7 @@ def _do(number):
 def results(job, count, label):
     """What a function returns for the numbers 0 to count - 1, on all cores."""
     with Pool(initializer=_take, initargs=(job,)) as pool:
-        return list(progress(pool.imap_unordered(_do, range(count), 8), label, count))
+        return list(progress(pool.imap_unordered(_do, range(count), frames.VIEWS), label, count))
 
 
 class Tagless:

@@ -57,6 +57,7 @@ def _run(folder, part, frames):
     program = [sys.executable, os.path.join(HERE, 'program.py'), part, folder, str(frames)]
     paths = [folder, *filter(None, [os.environ.get('LD_LIBRARY_PATH')])]
     environment = {**os.environ, 'PYTHONHASHSEED': '0', 'LD_LIBRARY_PATH': os.pathsep.join(paths)}
+    environment.pop('COVERAGE_PROCESS_START', None)  # to note each line takes more than the line
     for before in [], ['valgrind', '--tool=callgrind', '--callgrind-out-file=' + out]:
         # The first time, Python compiles what is imported, if nothing has done so before.
         subprocess.run([*before, *program], env=environment, check=True, stdout=subprocess.DEVNULL,
