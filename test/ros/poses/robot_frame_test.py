@@ -74,9 +74,10 @@ class RobotFrame(NodeTest):
         self.running.append(broadcaster.pub_tf)
 
         def pan(event):
-            for number in range(21):  # TF is known from 100 to 102 s
-                broadcaster.sendTransform(mounting('robot1/base_link', rospy.Time(100 + 0.1 * number), 0,
-                                                   0.05 * number))
+            # In one message: of some of them, the node would take the newest for a later frame.
+            broadcaster.sendTransform([  # TF is known from 100 to 102 s
+                mounting('robot1/base_link', rospy.Time(100 + 0.1 * number), 0, 0.05 * number)
+                for number in range(21)])
         timer = rospy.Timer(rospy.Duration(0.2), pan)
         self.addCleanup(timer.shutdown)
         for stamp, turn in (101.0, 0.5), (101.5, 0.75):
