@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from math import exp, log
+from operator import mul
 
 import numpy as np
 
@@ -9,10 +10,9 @@ from aruco_ar.base.arrays import Image
 
 from .tag import get_dictionary
 
-# What speaks for a tag: how little its likeness lacks to be perfect, and how often its pattern changes from
-# dark to light, since most other things are plain or striped. A larger pattern has more changes anyway. These
-# are the coefficients of a logistic regression, which "python3 -m benchmark.false_tags.fitting" finds.
-BASE, OF_LACK, OF_CHANGES, OF_CELLS = -25.567, -2.966, 8.981, -2.833
+# How much each part of the evidence counts: the coefficients of a logistic regression, which
+# "python3 -m benchmark.false_tags.fitting" finds.
+COEFFICIENTS = -25.567, -2.966, 8.981, -2.833
 LEAST_LACK = 0.004  # a likeness is not known better than this
 TURNS = 4
 
@@ -28,7 +28,7 @@ class Confidence:
     def __init__(self, dictionary: str, ids: int = 0) -> None:
         marker = get_dictionary(dictionary)
         patterns = len(marker.bytesList)
-        self._base = BASE + OF_CELLS * log(marker.markerSize**2)
+        self._cells = marker.markerSize**2
         # The fewer patterns there are to be found, the less likely is one by chance.
         self._of_fewer = log(patterns / (ids or patterns))
         self._of_one = log(patterns * TURNS)
@@ -39,9 +39,18 @@ class Confidence:
         ``likeness``: see fit_tags. ``changes``: see count_changes. ``is_expected``: whether only this tag was
         looked for in this place, so that no other could have been found.
         """
-        odds = self._base + OF_LACK * log(max(1 - likeness, 0) + LEAST_LACK) \
-            + OF_CHANGES * log(max(changes, 1)) + (self._of_one if is_expected else self._of_fewer)
-        return 1 / (1 + exp(-odds))
+        odds = sum(map(mul, COEFFICIENTS, evidence(likeness, changes, self._cells)))
+        return 1 / (1 + exp(-odds - (self._of_one if is_expected else self._of_fewer)))
+
+
+def evidence(likeness: float, changes: int, cells: int) -> tuple[float, float, float, float]:
+    """What speaks for a tag, in the order of COEFFICIENTS; the first is always 1.
+
+    How little its likeness lacks to be perfect, and how often its pattern changes from dark to light, since
+    most other things are plain or striped. A larger pattern, of more ``cells`` without the border, has more
+    changes anyway.
+    """
+    return 1, log(max(1 - likeness, 0) + LEAST_LACK), log(max(changes, 1)), log(cells)
 
 
 def count_changes(cells: Image) -> int:

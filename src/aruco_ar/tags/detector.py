@@ -90,7 +90,8 @@ class Detector:
     near tags at a fraction of the cost; or ``thorough``, which also finds far
     and slanted tags, at many times the cost. ``correction``, 0 to 1: how many
     wrong cells are corrected, as a share of those that the dictionary can
-    correct. ``confidence``, 0 to 1: a tag must have more (see Confidence).
+    correct. ``confidence``, 0 to 1: a tag must have more (see Confidence); with 0,
+    all count that can be read.
     ``min_side``, pixels: tags with a shorter mean side are ignored.
     ``border``, 1 to 10: the width of the tags' black border, whole cells. Raises
     InputError for any other value.
@@ -115,6 +116,7 @@ class Detector:
         for tag_id in self._ids:
             tag_cells(dictionary, tag_id)  # raises if the dictionary has no such id
         self._correction, self._min_confidence, self._min_side = correction, confidence, min_side
+        self._min_likeness = MIN_LIKENESS if confidence > 0 else 0
         self._confidence = Confidence(dictionary, len(self._ids))
         self._changes: dict[int, int] = {}  # of each tag that was found
         self._cells: dict[int, Image] = {}  # of each tag, as it was last seen: some are white on black
@@ -158,7 +160,7 @@ class Detector:
     def confidence(self, tag_id: int, likeness: float, is_expected: bool) -> float:
         """How sure it is that what looks like the tag with that id is it; see Confidence."""
         if tag_id not in self._changes:
-            self._changes[tag_id] = count_changes(tag_cells(self._dictionary, tag_id))
+            self._changes[tag_id] = count_changes(self._cells_of([tag_id])[0])
         return self._confidence.of(likeness, self._changes[tag_id], is_expected)
 
     def find_shifted(self, frame: Image, ids: Sequence[int], quads: Floats) -> list[Tag]:
@@ -295,7 +297,7 @@ class Detector:
         room, sides = room_of(fitted, frame), side_of(fitted)
         least = np.minimum(MIN_WHOLE + WHOLE_OF_PX * sides / len(cells[0]), MIN_WHOLE_WIDE)
         is_in_place = found if needs_edges else found | (room >= 1)
-        good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > MIN_LIKENESS)
+        good = np.flatnonzero(is_in_place & (room >= -BEYOND_PX) & (likeness > self._min_likeness)
                               & (whole > least) & (sides >= self._min_side) & is_quadrilateral(fitted))
         if self._preset.rereads or len(set(ids)) < len(ids):
             good = _without_duplicates(fitted, whole, good)

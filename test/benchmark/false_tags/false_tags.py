@@ -4,7 +4,6 @@ from collections import Counter
 from multiprocessing import Pool
 
 import cv2
-import numpy as np
 from aruco_ar.base.progress import progress, tell
 from aruco_ar.tags.detector import MIN_CONFIDENCE
 from aruco_ar.tags.tag import DICTIONARY_NAMES
@@ -109,18 +108,27 @@ def _per_kind(tagless, counts):
         tell('%-14s%10d' % (kind, count) + ''.join('%10.1f' % (PER * each / count) for each in ours))
 
 
-def _trust(title, true, false):
+def _trust(title, findings, tagless=(), weight=0.0):
     """Print how many of the tags are true, by their confidence.
 
-    ``true``: (n,) confidences. ``false``: (m, 2) confidences and weights.
+    ``findings``: in frames with tags. ``tagless``: in frames without; each of them counts ``weight``.
     """
     cells = []
     for low, high in zip(EDGES, EDGES[1:]):
-        right = np.sum((true > low) & (true <= high))
-        is_in = (false[:, 0] > low) & (false[:, 0] <= high)
-        total = right + false[is_in, 1].sum()
-        cells.append('%8.0f %6s' % (total, '%.3f' % (right / total) if total else '-'))
+        in_range = [found for found in findings if low < found.confidence <= high]
+        total = len(in_range) + weight * sum(low < found.confidence <= high for found in tagless)
+        share = '%.3f' % (sum(found.is_true for found in in_range) / total) if total else '-'
+        cells.append('%8.0f %6s' % (total, share))
     tell('%-24s' % title + '  '.join(cells))
+
+
+def _tagless_jobs(clips):
+    """Yield (kind of frame, how many there are, the function for their numbers)."""
+    for kind, (frame_of, count) in SIMULATED.items():
+        yield kind, count, Tagless(kind, frame_of)
+    for clip in clips:
+        kind, painted = os.path.basename(clip.path), frames.PaintedOver(clip)
+        yield kind, len(painted), Tagless(kind, painted.frame, clip)
 
 
 def run():
@@ -128,10 +136,7 @@ def run():
     cv2.setNumThreads(1)  # in the processes of a pool it would wait for threads that are not there
     tagless, opencv, counts = [], Counter(), {}
     clips = clips_of(CLIPS) if os.path.isdir(CLIPS) else []
-    jobs = [(kind, count, Tagless(kind, frame_of)) for kind, (frame_of, count) in SIMULATED.items()]
-    painted = ((os.path.basename(clip.path), frames.PaintedOver(clip), clip) for clip in clips)
-    for kind, count, job in (*jobs, *((kind, len(over), Tagless(kind, over.frame, clip))
-                                      for kind, over, clip in painted)):
+    for kind, count, job in _tagless_jobs(clips):
         counts[kind] = count
         for ours, theirs in results(job, count, kind):
             tagless += ours
@@ -147,14 +152,11 @@ def run():
           'frames with tags of each dictionary, and for each of these, %d of those without. Then the real\n'
           'clips as they are.\n' % (TAG_FRAMES, PER_TAGGED))
     print('%-24s' % '' + '  '.join('%15s' % ('%g to %g' % pair) for pair in zip(EDGES, EDGES[1:])))
-    for name in (*DICTIONARY_NAMES, ''):
-        mine = [found for found in findings if found.dictionary == name or not name]
-        wrong = [(found.confidence, 1) for found in mine if not found.is_true]
-        wrong += [(found.confidence, weight) for found in tagless if found.dictionary == name or not name]
-        _trust(name or 'all of them', np.array([found.confidence for found in mine if found.is_true]),
-               np.reshape(wrong, (-1, 2)))
+    for name in DICTIONARY_NAMES:
+        _trust(name, *([found for found in some if found.dictionary == name] for some in (findings, tagless)),
+               weight)
+    _trust('all of them', findings, tagless, weight)
     for clip in clips:
         film = Filmed(clip)
-        mine = [found for some in results(film, len(film), 'tags of the clip') for found in some]
-        _trust(os.path.basename(clip.path), np.array([found.confidence for found in mine if found.is_true]),
-               np.array([(found.confidence, 1) for found in mine if not found.is_true]).reshape(-1, 2))
+        _trust(os.path.basename(clip.path),
+               [found for some in results(film, len(film), 'tags of the clip') for found in some])

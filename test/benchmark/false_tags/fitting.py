@@ -1,11 +1,10 @@
 """Find the numbers of aruco_ar/tags/confidence.py, by what is found in simulated frames."""
-from math import log
 from multiprocessing import Pool
 
 import cv2
 import numpy as np
 from aruco_ar.base.progress import progress
-from aruco_ar.tags.confidence import LEAST_LACK, count_changes
+from aruco_ar.tags.confidence import count_changes, evidence
 from aruco_ar.tags.tag import DICTIONARY_NAMES, get_dictionary, tag_cells
 
 from . import frames
@@ -16,22 +15,22 @@ FRAMES = {'walls': (frames.wall_frame, 600), 'things': (frames.thing_frame, 2500
 TAG_FRAMES = 60  # of each dictionary
 WEIGHT = 0.1     # of a frame without tags: there are then seven of them for each with some
 ROUNDS = 30
+ANY = 1e-12      # confidence; with 0, also those would be found that are hardly like their tag
 
 
 def _findings(job):
     kind, number = job
-    finder = finder_of(0)
+    finder = finder_of(ANY)
     if kind in FRAMES:
         frame = FRAMES[kind][0](number)
         return [found for name in DICTIONARY_NAMES for found in finder.ours(kind, frame, name, {})]
     return tagged(finder, kind, number)
 
 
-def evidence(found):
-    """What speaks for a Finding: see aruco_ar/tags/confidence.py."""
-    return (1, log(max(1 - found.likeness, 0) + LEAST_LACK),
-            log(max(count_changes(tag_cells(found.dictionary, found.id)), 1)),
-            log(get_dictionary(found.dictionary).markerSize**2))
+def evidence_of(found):
+    """What speaks for a Finding."""
+    return evidence(found.likeness, count_changes(tag_cells(found.dictionary, found.id)),
+                    get_dictionary(found.dictionary).markerSize**2)
 
 
 def regression(given, wanted, weights):
@@ -58,8 +57,8 @@ def run():
         findings = [found for some in each for found in some]
     weights = np.array([1 if found.kind == TAGGED else WEIGHT for found in findings])
     is_true = np.array([found.is_true for found in findings], float)
-    coefficients = regression(np.array([evidence(found) for found in findings]), is_true, weights)
-    print('%d true and %d false tags\nBASE, OF_LACK, OF_CHANGES, OF_CELLS = %s'
+    coefficients = regression(np.array([evidence_of(found) for found in findings]), is_true, weights)
+    print('%d true and %d false tags\nCOEFFICIENTS = %s'
           % (is_true.sum(), (1 - is_true).sum(), ', '.join('%.3f' % number for number in coefficients)))
 
 
