@@ -79,7 +79,7 @@ class SimulatedTime(NodeTest):
         self.start_with_camera('exercise5_6')
         for seconds in 999.9, 999.95:
             self.assert_painted(self.answer_to(scene(), stamp=rospy.Time(seconds)), scene())
-        values = self.diagnostics.wait('exercise5_6')
+        values = self.diagnostics.wait_for_frames('exercise5_6')
         self.assertAlmostEqual(float(values['latency, 99 % (ms)']), 100, delta=1)
 
     def test_poses_and_transforms_have_the_stamps_of_their_frames(self):
