@@ -27,13 +27,14 @@ class StalledListener(NodeTest):
         uri = Master('/test').lookupNode('/exercise5_6')
         stalled = {topic: Stalled(uri, topic, kind) for topic, kind in TOPICS.items()}
         self.running += stalled.values()
+        dropped = diagnostics.wait_for_frames('exercise5_6')['frames dropped']  # at the start, if it was slow
         process, frame = psutil.Process(self.node.process.pid), scene()
         for number in range(FRAMES):
             self.assert_painted(self.answer_to(frame), frame)
             if number == FRAMES // 3:
                 size = process.memory_info().rss
         self.assertLess(process.memory_info().rss, size + GROWTH_BYTES)
-        self.assertEqual(diagnostics.wait('exercise5_6', 'frames a second')['frames dropped'], '0')
+        self.assertEqual(diagnostics.wait_for_frames('exercise5_6')['frames dropped'], dropped)
         stamp = self.show(frame)
         stamps = {}
         for topic in (topic for topic in TOPICS if topic != '/diagnostics'):
