@@ -187,8 +187,10 @@ def test_no_work_is_lost_if_a_worker_is_killed(package, recorded, done, tmp_path
 
 def interrupted(package, recorded, folder):
     """Interrupt annotate_bags after a piece; returns the path of its table, or None if all was done before."""
+    environment = {**os.environ, 'PYTHONDEVMODE': ''}  # with it, asyncio would tell that it was stopped
     with subprocess.Popen(command_for(package, '--out', folder, '--workers', '1', recorded), text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True) as process:
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+                          env=environment) as process:
         piece = wait_for_piece(folder)
         os.killpg(process.pid, signal.SIGSTOP)  # so that it is not done before the other one has failed
         other = annotate(package, folder, recorded, code=1)

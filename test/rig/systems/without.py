@@ -1,6 +1,7 @@
 """What a system other than Linux lacks is taken away from Python, when this is its sitecustomize."""
 import builtins
 import faulthandler
+import importlib
 import os
 import shutil
 import signal
@@ -29,6 +30,9 @@ def install(folder):
 
 
 if __name__ == 'sitecustomize':
+    # Python's own rmtree looks at this when it is imported, and needs O_NONBLOCK if files can be opened so.
+    os.supports_dir_fd.discard(os.open)
+    importlib.reload(shutil)
     for module, names in LACKING.items():
         for name in names:
             delattr(module, name)
