@@ -115,6 +115,13 @@ class Program:
         with self._changed:
             self._changed.wait_for(lambda: self.code is not None, REAP_S)
             self._changed.wait_for(lambda: STACK.search(self.printed[before:]), 1.0)
+        return self.line_at_end(before)
+
+    def line_at_end(self, before: int = 0) -> int | None:
+        """The line of its own file where it was when a signal ended it, if it is a program in Python.
+
+        ``before``: how many characters it had printed until then, or fewer.
+        """
         for thread in STACK.split(self.printed[before:]):
             for path, line in PLACE.findall(thread):
                 if _is_same(path, self.file):

@@ -11,6 +11,7 @@ import cv2
 
 from aruco_course.check import Fault
 from aruco_course.trial.sentences.exceptions import fault_of_error
+from aruco_course.trial.sentences.opencv import NO_SCREEN
 from aruco_course.trial.source import fault_of_syntax
 
 from .running import Program
@@ -20,6 +21,7 @@ NEAR = re.compile(r"\. Did you mean: '([^']+)'\?$")  # Python 3.10 and later
 MODULE = re.compile(r"^No module named '([^']+)'")
 ANONYMOUS = re.compile(r'_\d+_\d{10,}')  # the end of a name that is another one each time
 FILE = re.compile(r"^\[Errno 2\] [^:]*: '([^']+)'")
+NO_QT = 'no Qt platform plugin could be initialized'  # Debian 13's OpenCV then ends the program by a signal
 VERSION = re.compile(r'^OpenCV\(([\d.]+)')
 # What cv_bridge says, and what helps.
 OF_BRIDGE = {
@@ -68,6 +70,9 @@ def ended(program: Program) -> Fault:
     if found:
         return found
     code = program.code or 0
+    if code < 0 and NO_QT in program.printed:
+        line = program.line_at_end()
+        return Fault(NO_SCREEN, 'Line %d' % line if line else '')
     if code < 0:
         return Fault('the node crashed: it got the signal %s.' % signal.Signals(-code).name)
     last = next((line.strip() for line in reversed(program.printed.splitlines()) if line.strip()), '')

@@ -41,7 +41,9 @@ def run(tmp_path):
     ('def f(:\n    pass', 'Line 2: '),
     ('print(1)', 'The node ends by itself'),
     ('import sys\nsys.exit("no camera")', 'The node ended with the exit code 1. It printed last: no camera'),
-    ('import os\nos.kill(os.getpid(), 11)', 'The node crashed: it got the signal SIGSEGV')])
+    ('import os\nos.kill(os.getpid(), 11)', 'The node crashed: it got the signal SIGSEGV'),
+    ('import os\nprint("%s.", flush=True)\nos.abort()' % sentences.NO_QT,
+     'Line 4: there is no screen to show a window on')])
 def test_the_end_of_a_program_is_said_in_a_sentence(run, source, words):
     assert words in str(sentences.ended(run(source)))
 

@@ -101,9 +101,11 @@ def short(text: str) -> str:
     return '; '.join(parts[:2])[:200].rstrip(' .:')
 
 
+NO_SCREEN = ('there is no screen to show a window on. Publish the image instead, and look at it with '
+             'rqt_image_view.')
 SENTENCES = (
     (r'function is not implemented|cvShowImage|cvNamedWindow|can.t initialize GTK|could not connect to display',
-     'there is no screen to show a window on. Publish the image instead, and look at it with rqt_image_view.'),
+     NO_SCREEN),
     (r'^imwrite.*empty',
      '%(name)s got no image to write: it is None, or empty. Does the function that made it return it?'),
     (r'sidePixels',
