@@ -50,7 +50,7 @@ def raised(program: Program) -> Fault | None:
     kind, message = found.kind.replace('::', '.').rpartition('.')[2], found.message
     for pattern, what in OF_BRIDGE.items():
         if re.search(pattern, message):
-            return Fault(what % ' '.join(message.split()), 'Line %d' % found.line if found.line else '')
+            return Fault(what % ' '.join(message.split()), _place(found.line))
     if '::' in found.kind:  # C++
         return Fault('the node ended with %s: %s' % (found.kind, ' '.join(message.split())))
     # What inside/describe.py tells of an exception, as far as it can be read.
@@ -71,8 +71,7 @@ def ended(program: Program) -> Fault:
         return found
     code = program.code or 0
     if code < 0 and NO_QT in program.printed:
-        line = program.line_at_end()
-        return Fault(NO_SCREEN, 'Line %d' % line if line else '')
+        return Fault(NO_SCREEN, _place(program.line_at_end()))
     if code < 0:
         return Fault('the node crashed: it got the signal %s.' % signal.Signals(-code).name)
     last = next((line.strip() for line in reversed(program.printed.splitlines()) if line.strip()), '')
@@ -87,6 +86,10 @@ def not_startable(path: str, error: OSError) -> Fault:
     return _of_first_line(path) or Fault(
         '%s cannot be started: %s. Its first line must name a program that is there: #!/usr/bin/env python3'
         % (os.path.basename(path), error.strerror))
+
+
+def _place(line: int | None) -> str:
+    return 'Line %d' % line if line else ''
 
 
 def _of_first_line(path: str) -> Fault | None:
@@ -151,7 +154,7 @@ def silent(topic: str, number: int) -> Fault:
 
 def hangs(line: int | None, number: int) -> Fault:
     return Fault('the callback never ends for frame %d. Does a loop in it ever end?' % number,
-                 'Line %d' % line if line else '')
+                 _place(line))
 
 
 def unreadable(topic: str, encoding: str, error: Exception) -> Fault:

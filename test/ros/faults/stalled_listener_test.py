@@ -24,10 +24,10 @@ class StalledListener(NodeTest):
         diagnostics = Diagnostics()
         self.running.append(diagnostics.subscriber)
         self.start_with_camera('exercise5_6')
+        dropped = diagnostics.wait_for_frames('exercise5_6')['frames dropped']  # at the start, if it was slow
         uri = Master('/test').lookupNode('/exercise5_6')
         stalled = {topic: Stalled(uri, topic, kind) for topic, kind in TOPICS.items()}
         self.running += stalled.values()
-        dropped = diagnostics.wait_for_frames('exercise5_6')['frames dropped']  # at the start, if it was slow
         process, frame = psutil.Process(self.node.process.pid), scene()
         for number in range(FRAMES):
             self.assert_painted(self.answer_to(frame), frame)
